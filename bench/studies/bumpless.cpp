@@ -9,7 +9,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "skinctl/testing/skilled_arm.hpp"
+#include "tests/support/skilled_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -7,8 +7,8 @@
 #include "skinctl/calibration/accelerometer.hpp"
 #include "skinctl/calibration/nees.hpp"
 #include "skinctl/calibration/sparse_inverse.hpp"
-#include "skinctl/testing/derivatives.hpp"
 #include "skinctl/testing/random.hpp"
+#include "tests/support/derivatives.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,9 +5,9 @@
 
 #include <limits>
 
-#include "skinctl/testing/derivatives.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "skinctl/testing/skin_at_rest.hpp"
+#include "tests/support/derivatives.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -4,8 +4,8 @@
 #include <doctest/doctest.h>
 
 #include "bench/studies/worlds/skin_sightings.hpp"
-#include "skinctl/testing/derivatives.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/derivatives.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -15,8 +15,8 @@
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
 #include "skinctl/testing/robots.hpp"
-#include "skinctl/testing/touched_arm.hpp"
 #include "tests/support/mujoco_plant.hpp"
+#include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -7,7 +7,7 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/cycle/groups.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/arm_with_finger.hpp"
+#include "tests/support/arm_with_finger.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -3,9 +3,9 @@
 
 #include "skinctl/limits/group_governor.hpp"
 #include "skinctl/resolver/group_resolver.hpp"
-#include "skinctl/testing/contact_scene.hpp"
-#include "skinctl/testing/grouped_plant.hpp"
+#include "tests/support/contact_scene.hpp"
 #include "tests/support/digits.hpp"
+#include "tests/support/grouped_plant.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

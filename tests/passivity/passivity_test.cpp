@@ -5,7 +5,7 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
-#include "skinctl/testing/contact_scene.hpp"
+#include "tests/support/contact_scene.hpp"
 #include "tests/support/digits.hpp"
 
 using namespace skinctl;

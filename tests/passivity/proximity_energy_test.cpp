@@ -5,7 +5,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/testing/touched_arm.hpp"
+#include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

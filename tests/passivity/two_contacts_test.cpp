@@ -7,7 +7,7 @@
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
-#include "skinctl/testing/touched_arm.hpp"
+#include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

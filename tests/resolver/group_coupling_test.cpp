@@ -5,8 +5,8 @@
 
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/resolver/group_resolver.hpp"
-#include "skinctl/testing/arm_with_finger.hpp"
-#include "skinctl/testing/grouped_plant.hpp"
+#include "tests/support/arm_with_finger.hpp"
+#include "tests/support/grouped_plant.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

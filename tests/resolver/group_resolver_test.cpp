@@ -8,8 +8,8 @@
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/arm_with_finger.hpp"
 #include "skinctl/testing/simulated_joints.hpp"
+#include "tests/support/arm_with_finger.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -8,7 +8,7 @@
 
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/testing/sanitized.hpp"
-#include "skinctl/testing/skewed_clock.hpp"
+#include "tests/support/skewed_clock.hpp"
 
 using namespace skinctl;
 using skinctl::testing::SkewedClock;

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "skinctl/testing/skilled_arm.hpp"
+#include "tests/support/skilled_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

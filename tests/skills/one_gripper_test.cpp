@@ -13,7 +13,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/cycle/recording.hpp"
 #include "skinctl/skills/library.hpp"
-#include "skinctl/testing/skilled_arm.hpp"
+#include "tests/support/skilled_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -6,7 +6,7 @@
 
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/skilled_arm.hpp"
+#include "tests/support/skilled_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

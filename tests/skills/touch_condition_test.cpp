@@ -11,7 +11,7 @@
 #include "skinctl/tactile/contact_skin.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/pressing.hpp"
-#include "skinctl/testing/skilled_arm.hpp"
+#include "tests/support/skilled_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -9,8 +9,8 @@
 #include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/arm_with_finger.hpp"
-#include "skinctl/testing/grouped_plant.hpp"
+#include "tests/support/arm_with_finger.hpp"
+#include "tests/support/grouped_plant.hpp"
 
 namespace skinctl::testing {
 

@@ -10,7 +10,7 @@
 #include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random_skin.hpp"
-#include "skinctl/testing/touched_arm.hpp"
+#include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -12,7 +12,7 @@
 
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/testing/sanitized.hpp"
-#include "skinctl/testing/shaken_cell.hpp"
+#include "tests/support/shaken_cell.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -9,7 +9,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/recording.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/testing/touched_arm.hpp"
+#include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -12,7 +12,7 @@
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/resolver/torque_resolver.hpp"
 #include "skinctl/testing/robot_table.hpp"
-#include "skinctl/testing/skilled_arm.hpp"
+#include "tests/support/skilled_arm.hpp"
 
 namespace skinctl::testing {
 

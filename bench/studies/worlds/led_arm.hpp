@@ -10,7 +10,7 @@
 #include "skinctl/model/universal_robots.hpp"
 #include "skinctl/semantics/demonstration.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/touched_arm.hpp"
+#include "tests/support/touched_arm.hpp"
 
 namespace skinctl::testing {
 

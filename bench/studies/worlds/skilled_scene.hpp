@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "skinctl/testing/scene.hpp"
-#include "skinctl/testing/skilled_arm.hpp"
+#include "tests/support/skilled_arm.hpp"
 
 namespace skinctl::testing {
 

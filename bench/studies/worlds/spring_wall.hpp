@@ -7,7 +7,7 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/testing/touched_arm.hpp"
+#include "tests/support/touched_arm.hpp"
 
 namespace skinctl::testing {
 

@@ -3,7 +3,7 @@
 
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/resolver/torque_resolver.hpp"
-#include "skinctl/testing/contact_scene.hpp"
+#include "tests/support/contact_scene.hpp"
 
 namespace skinctl::testing {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "skinctl/testing/contact_scene.hpp"
+#include "tests/support/contact_scene.hpp"
 
 namespace skinctl::testing {
 

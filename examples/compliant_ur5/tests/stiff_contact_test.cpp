@@ -4,7 +4,7 @@
 
 #include "examples/compliant_ur5/scene.hpp"
 #include "skinctl/tactile/ur5_skin.hpp"
-#include "skinctl/testing/touched_arm.hpp"
+#include "tests/support/touched_arm.hpp"
 
 using namespace compliant_ur5;
 using namespace skinctl;
