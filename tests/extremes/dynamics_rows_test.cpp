@@ -242,7 +242,8 @@ TEST_CASE_TEMPLATE("extremes: an arm's dynamics", T, float, double) {
       {"block_of, VirtualMass::add_to", 1, shows, shows,
        [](T x) {
          auto m = mass_matrix(Arm{}, home<T>());
-         const Torque<T> limits = Torque<T>::constant(T(10)), inertia = Torque<T>::constant(x);
+         const auto limits = limits_of<ur5::Description, T>();
+         const Torque<T> inertia = Torque<T>::constant(x);
          const NoToolShape none;
          VirtualMass<6, T>(limits, inertia, none).add_to(m, Arm{}, JointAngles<Arm, T>(Arm{}, home<T>()));
          return Results<T>(block_of<AllJoints<6>>(m)(0, 0));
@@ -250,7 +251,8 @@ TEST_CASE_TEMPLATE("extremes: an arm's dynamics", T, float, double) {
       {"RealMass::add_to", 0, shows, shows,
        [](T x) {
          auto m = mass_matrix(Arm{}, home<T>());
-         const Torque<T> limits = Torque<T>::constant(T(10)), motors = Torque<T>::constant(x);
+         const auto limits = limits_of<ur5::Description, T>();
+         const Torque<T> motors = Torque<T>::constant(x);
          RealMass<6, T>(limits, motors).add_to(m, Arm{}, 0);
          return Results<T>(m(0, 0));
        }},

@@ -28,9 +28,13 @@ static_assert(std::is_trivially_copyable_v<Learning::Memory>);
 
 /// Of the rotors, at the joints [kg m^2]: the wrist's links alone have 3e-4.
 const JointTorque<6> rotors{0.5, 0.5, 0.5, 0.1, 0.1, 0.1};
-const JointTorque<6> torque_limits = JointTorque<6>::constant(300);
+const JointLimits<6> limits({.lower = JointPosition<6>::constant(-100),
+                             .upper = JointPosition<6>::constant(100),
+                             .velocity = JointVelocity<6>::constant(10),
+                             .acceleration = JointAcceleration<6>::constant(100),
+                             .torque = JointTorque<6>::constant(300)});
 const NoToolShape no_tool;
-const VirtualMass<6> added(torque_limits, rotors, no_tool);
+const VirtualMass<6> added(limits, rotors, no_tool);
 
 constexpr double degree = 0.017453292519943295;
 /// A fifth of what the joints of such an arm rub.

@@ -28,7 +28,9 @@ class Arm {
       : robot_(with_any_ports()), driver_(driver_config(robot_, coulomb_scale)) {}
 
   using Known = Quantities<ur5::Model, Needs{.mass = true}, double, NoTouch, RealMass<6>>;
-  [[nodiscard]] Known known() const { return Known(model_, state, 0.002, none_, RealMass<6>(most_, motors)); }
+  [[nodiscard]] Known known() const {
+    return Known(model_, state, 0.002, none_, RealMass<6>(limits_, motors));
+  }
   bool connect() {
     driver_.connect();
     return driver_.wait(state) == Heard::state;
@@ -72,7 +74,7 @@ class Arm {
   adapters::ur5::Driver driver_;
   ur5::Model model_;
   NoTouch none_;
-  JointTorque<6> most_ = JointTorque<6>::constant(150);
+  JointLimits<6> limits_ = limits_of<ur5::Description>(15.0);
 };
 
 inline JointControlSettings<6> settings(const Arm& arm) {

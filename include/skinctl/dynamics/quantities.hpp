@@ -48,6 +48,7 @@ struct Computed<false, V> {
 };
 /// Nothing is known of the robot but its model.
 struct NothingAdded {
+  using Limits = void;
   static constexpr bool is_virtual = false;
   static constexpr bool carries_bias = false;
 };
@@ -57,7 +58,7 @@ struct NothingAdded {
 /// them. Quantities outside `Asked` are neither computed nor stored, and reading them does not compile.
 ///
 /// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`. `Added` is
-/// what a resolver adds to the model (see robot/virtual_mass.hpp): the limits of its torques, and the inertia
+/// what a resolver adds to the model (see robot/virtual_mass.hpp): the limits of its joints, and the inertia
 /// that a virtual robot has besides that of its model: `mass()` and what follows from it include it, the other
 /// quantities are the model's.
 template <RobotModel M, Needs Asked, Scalar T = double, class Touch = NoTouch,
@@ -69,7 +70,7 @@ class Quantities {
   using touch_type = Touch;
   /// Whether `mass()` includes the inertia of a virtual robot.
   static constexpr bool is_virtual = Added::is_virtual;
-  static constexpr bool has_torque_limits = !std::is_same_v<Added, detail::NothingAdded>;
+  static constexpr bool has_limits = !std::is_same_v<Added, detail::NothingAdded>;
   static constexpr std::size_t joints = M::joints;
   static constexpr Needs needs = complete<M>(Asked);
   static constexpr LinkMask links = links_for<M>(complete<M>(Asked));
@@ -89,7 +90,7 @@ class Quantities {
         touch_(touch),
         dt_(dt),
         limits_([&](auto) SKINCTL_INLINE_LAMBDA {
-          if constexpr (has_torque_limits) return &added.torque_limits();
+          if constexpr (has_limits) return &added.limits();
         }),
         beside_([&](auto) SKINCTL_INLINE_LAMBDA {
           if constexpr (carries_bias) return added.bias_beside();
@@ -103,7 +104,7 @@ class Quantities {
         gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),
         mass_([&](auto) SKINCTL_INLINE_LAMBDA {
           auto m = mass_matrix(model_, angles());
-          if constexpr (has_torque_limits) added.add_to(m, model_, angles());
+          if constexpr (has_limits) added.add_to(m, model_, angles());
           return m;
         }),
         factors_([&](auto) SKINCTL_INLINE_LAMBDA { return MassFactors<M, T>(mass()); }),
@@ -124,9 +125,9 @@ class Quantities {
   /// Mean wrenches of the skin on the links over the interval.
   [[nodiscard]] SKINCTL_INLINE const Touch& touch() const noexcept { return touch_; }
 
-  /// The largest torques of the robot's joints [N m], where a resolver gives them.
-  [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& torque_limits() const noexcept
-    requires(has_torque_limits)
+  /// The limits of the robot's joints, where a resolver gives them.
+  [[nodiscard]] SKINCTL_INLINE const auto& limits() const noexcept
+    requires(has_limits)
   {
     return *limits_.value;
   }
@@ -234,7 +235,7 @@ class Quantities {
   const State<joints, T>& state_;
   const Touch& touch_;
   T dt_;
-  [[no_unique_address]] detail::Computed<has_torque_limits, const JointTorque<joints, T>*> limits_;
+  [[no_unique_address]] detail::Computed<has_limits, const typename Added::Limits*> limits_;
   [[no_unique_address]] detail::Computed<carries_bias, detail::BiasBeside<joints, T>*> beside_;
   [[no_unique_address]] detail::Computed<needs.angles && !at_once, Angles> angles_;
   [[no_unique_address]] detail::Computed<needs.middle && !at_once, Middle> middle_;

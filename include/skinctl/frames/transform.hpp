@@ -38,17 +38,14 @@ class Transform {
   /// The two frames coincide.
   constexpr Transform() noexcept = default;
 
-  /// @param R_AB  axes of B in A; a rotation to within `tolerance<T>`: see `normalised()`.
+  /// @param R_AB  axes of B in A; a rotation to within `tolerance<T>`: see `normalised()`. Not checked: a cycle refuses a
+  ///              goal whose axes are none (`Reason::goal_refused`); `nearest` throws.
   /// @param p_AB  origin of B in A [m].
   SKINCTL_INLINE constexpr Transform(const Rotation<T>& R_AB, const Xyz<T>& p_AB) noexcept
       : R_(R_AB), p_(p_AB) {
     static_assert(!std::is_same_v<A, B>,
                   "a frame has no pose in itself: name two, or go on from X_AB by X_AB.translated(...), "
                   ".rotated_z(...)");
-    if constexpr (Real<T>) {
-      SKINCTL_EXPECTS(rotation_error(R_AB) <= T(64) * std::numeric_limits<T>::epsilon(),
-                      "R_AB is a rotation; else Transform::nearest");
-    }
   }
   /// The same from Eigen, 3x3 and 3x1 of scalar `T`.
   template <VectorExpression M, VectorExpression V>

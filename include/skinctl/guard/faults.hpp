@@ -89,7 +89,7 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
     {Reason::opposed, "opposed", FaultFinder::law, Reaction::wait, Reaction::wait, WayBack::by_itself,
      "skin and tracking push against each other: plan and integrals wait"},
     {Reason::goal_refused, "goal_refused", FaultFinder::law, Reaction::refuse, Reaction::refuse,
-     WayBack::at_once, "a goal was refused: the old one stands"},
+     WayBack::at_once, "a goal was refused (no number, no rotation, beyond limits): the old one stands"},
     {Reason::configuration_refused, "configuration_refused", FaultFinder::loop, Reaction::refuse,
      Reaction::refuse, WayBack::at_once, "no such configuration, or not now: the old one goes on"},
     {Reason::goal_stretched, "goal_stretched", FaultFinder::law, Reaction::limit, Reaction::limit,

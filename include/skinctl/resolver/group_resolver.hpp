@@ -98,7 +98,7 @@ class GroupResolver {
   template <class L, class Touch>
   [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
                                                      const Touch& touch) const noexcept {
-    return Knows<L, Touch>(model_, state, dt, touch, {limits_.torque(), shape_.inertia, tool_});
+    return Knows<L, Touch>(model_, state, dt, touch, {limits_, shape_.inertia, tool_});
   }
   /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {

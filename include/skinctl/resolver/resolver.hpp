@@ -158,7 +158,7 @@ class Resolver {
       const State<joints, T>& state, const T& dt, const Touch& touch,
       detail::BiasBeside<joints, T>* beside = nullptr) const noexcept {
     return Knows<L, Touch>(model_, state, dt, touch,
-                           {parameters().limits.torque(), parameters().shape.inertia, tool_, beside});
+                           {parameters().limits, parameters().shape.inertia, tool_, beside});
   }
 
   /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.

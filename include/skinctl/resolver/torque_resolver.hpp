@@ -96,8 +96,7 @@ class Resolver<Interface::torque, M, T, Integrator, History, Keeper, NoToolShape
   template <class L, class Touch>
   [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
                                                      const Touch& touch) const noexcept {
-    return Knows<L, Touch>(model_, state, dt, touch,
-                           RealMass<joints, T>(p_.limits.torque(), p_.shape.inertia));
+    return Knows<L, Touch>(model_, state, dt, touch, RealMass<joints, T>(p_.limits, p_.shape.inertia));
   }
 
   /// The time since the last cycle as one sub-step: a torque is held, not integrated.

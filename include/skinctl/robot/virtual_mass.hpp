@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/dynamics/detail/bias_beside.hpp"
+#include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/robot/tool_shape.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -31,20 +32,19 @@ template <class S, std::size_t N, Real T>
   return p;
 }
 
-/// What a robot by torque adds to its model: the limits of its torques, and the inertia of its motors at the joints,
+/// What a robot by torque adds to its model: the limits of its joints, and the inertia of its motors at the joints,
 /// which outweighs that of a wrist's links.
 template <std::size_t N, Real T = double>
 class RealMass {
  public:
+  using Limits = JointLimits<N, T>;
   static constexpr bool is_virtual = false;
   static constexpr bool carries_bias = false;
   /// Both must outlive this object.
   /// @param motors  inertia of the motors, seen at the joints [kg m^2], >= 0.
-  SKINCTL_INLINE RealMass(const JointTorque<N, T>& torque_limits, const JointTorque<N, T>& motors) noexcept
-      : torque_limits_(torque_limits), motors_(motors) {}
-  [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque_limits() const noexcept {
-    return torque_limits_;
-  }
+  SKINCTL_INLINE RealMass(const JointLimits<N, T>& limits, const JointTorque<N, T>& motors) noexcept
+      : limits_(limits), motors_(motors) {}
+  [[nodiscard]] SKINCTL_INLINE const JointLimits<N, T>& limits() const noexcept { return limits_; }
   /// M of links and motors in place of the links' `m`.
   template <class M, class Angles>
   SKINCTL_INLINE void add_to(MassMatrix<N, T>& m, const M&, const Angles&) const noexcept {
@@ -52,7 +52,7 @@ class RealMass {
   }
 
  private:
-  const JointTorque<N, T>& torque_limits_;
+  const JointLimits<N, T>& limits_;
   const JointTorque<N, T>& motors_;
 };
 
@@ -66,6 +66,7 @@ template <std::size_t N, Real T = double, class Tool = NoToolShape, class S = Al
           bool Carries = false>
 class VirtualMass {
  public:
+  using Limits = JointLimits<N, T>;
   static constexpr bool is_virtual = true;
   static constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
   static constexpr bool carries_bias = Carries;
@@ -73,13 +74,11 @@ class VirtualMass {
   /// All must outlive this object.
   /// @param inertia  of the joints [kg m^2], >= 0.
   /// @param beside   null: nobody asks for the bias.
-  SKINCTL_INLINE VirtualMass(const JointTorque<N, T>& torque_limits, const JointTorque<N, T>& inertia,
+  SKINCTL_INLINE VirtualMass(const JointLimits<N, T>& limits, const JointTorque<N, T>& inertia,
                              const Tool& tool, Beside* beside = nullptr) noexcept
-      : torque_limits_(torque_limits), inertia_(inertia), tool_(tool), beside_(beside) {}
+      : limits_(limits), inertia_(inertia), tool_(tool), beside_(beside) {}
   [[nodiscard]] SKINCTL_INLINE Beside* bias_beside() const noexcept { return beside_; }
-  [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque_limits() const noexcept {
-    return torque_limits_;
-  }
+  [[nodiscard]] SKINCTL_INLINE const JointLimits<N, T>& limits() const noexcept { return limits_; }
 
   /// M_v in place of the model's `m` at `angles`.
   template <class M, class Angles>
@@ -101,7 +100,7 @@ class VirtualMass {
   }
 
  private:
-  const JointTorque<N, T>& torque_limits_;
+  const JointLimits<N, T>& limits_;
   const JointTorque<N, T>& inertia_;
   const Tool& tool_;
   Beside* beside_;

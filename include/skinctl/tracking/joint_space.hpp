@@ -8,7 +8,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A goal position and the time to reach it.
+/// A goal position and the time to reach it. Refused beyond the robot's position limits.
 template <std::size_t N, Scalar T = double>
 struct JointGoal {
   JointPosition<N, T> q_g;

@@ -16,6 +16,23 @@ enum class GoalPolicy : unsigned char {
   refuse    ///< the old goal is kept (`Reason::goal_refused`)
 };
 
+namespace detail {
+/// Whether a goal or a target asks no joint to leave its position limits, where `known` has them; poses have none.
+template <class K, class Goal>
+[[nodiscard]] constexpr bool within_limits(const K& known, const Goal& goal) noexcept {
+  if constexpr (requires { known.limits(); }) {
+    const auto within = [&](const auto& q) {
+      for (std::size_t i = 0; i < K::joints; ++i)
+        if (!(q[i] >= known.limits().lower()[i] && q[i] <= known.limits().upper()[i])) return false;
+      return true;
+    };
+    if constexpr (requires { goal.q_g; }) return within(goal.q_g);
+    if constexpr (requires { goal.q_d; }) return within(goal.q_d);
+  }
+  return true;
+}
+}  // namespace detail
+
 /// Gains and times of eqs. (8)-(14). Defaults follow `dt`, the longest interval for which a torque will be
 /// held, and suit a virtual robot; those for a robot by torque, whose delay is in the loop, are made by
 /// `tracking_settings`. Everything is checked by the law's constructor, which throws `ConfigurationError`.

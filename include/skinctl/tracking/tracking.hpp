@@ -123,10 +123,12 @@ class Tracking : public Composable {
   }
 
   /// A new goal: the plan, the time base, the surface and its integrals start again from the known state.
-  /// Refused or stretched goals: `GoalPolicy`.
+  /// Refused: no numbers, joints beyond the robot's position limits, a pose whose axes are no rotation. Too fast ones are
+  /// stretched or refused: `GoalPolicy`.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const Goal& goal) const noexcept {
+    if (!detail::within_limits(known, goal)) return {memory, Reason::goal_refused};
     const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
@@ -148,7 +150,8 @@ class Tracking : public Composable {
   [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known, const Goal& goal) const noexcept
     requires(Plan::streams)
   {
-    if (!memory.plan.leads_to(goal, settings_)) return receive(memory, known, goal);
+    if (!detail::within_limits(known, goal) || !memory.plan.leads_to(goal, settings_))
+      return receive(memory, known, goal);
     const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
     Received<Memory> out{memory, planned.status};
     out.memory.plan = planned.memory;
