@@ -116,10 +116,8 @@ Path run(const SceneSettings& s, const Disturbed& d, double duration) {
     input.measured.time = now + shift(d.wrong_stamp);
     for (double& q : input.measured.q) q += d.noise * normal();
     if (d.moves && k == 2) {
-      input.has_goal = true;
-      input.goal.q_g = home_position();
-      for (double& q : input.goal.q_g) q += 0.8;
-      input.goal.duration = 2s;
+      input.goal = {home_position(), 2s};
+      for (double& q : input.goal->q_g) q += 0.8;
     }
     const double t = seconds<double>(now);
     const auto f = static_cast<float>(d.moves && t > 1 && t < 1.5 ? 0.1 : 0);

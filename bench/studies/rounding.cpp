@@ -37,13 +37,13 @@ class Loop {
     input_->now = state_.time = now;
     input_->measured = state_;
     const auto second = static_cast<std::uint32_t>(cycle_ / 125);
+    input_->goal.reset();
     if (cycle_ % 500 == 1) {
       JointPosition<6, T> goal = home_position<T>();
       for (std::size_t i = 0; i < 6; ++i)
         goal[i] += T(0.25 * std::sin(double(cycle_ / 500) * 2.0 + double(i)));
       input_->goal = JointGoal<6, T>{goal, 3s};
     }
-    input_->has_goal = cycle_ % 500 == 1;
     const float reading = cycle_ % 125 < 40 ? 0.25f : 0.0f;
     sample_ = {.time = now - 1ms, .cell = 20 + 17 * (second % 14), .force = {reading, 0, 0}};
     input_->samples = {&sample_, 1};

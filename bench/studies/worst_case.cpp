@@ -60,10 +60,11 @@ class Day {
            .cell = static_cast<std::uint32_t>(1 + random_.index(260)),
            .force = {static_cast<float>(random_.index(3) == 0 ? random_.uniform(0, 0.3) : 0), 0, 0}};
     input_.samples = samples_;
-    input_.has_goal = goal;
+    input_.goal.reset();
     if (!goal) return;
-    for (auto& x : input_.goal.q_g) x = random_.uniform(-1.5, 1.5);
-    input_.goal.duration = nanoseconds(random_.uniform(2, 8));
+    input_.goal.emplace();
+    for (auto& x : input_.goal->q_g) x = random_.uniform(-1.5, 1.5);
+    input_.goal->duration = nanoseconds(random_.uniform(2, 8));
   }
   template <class Watch>
   void step(Watch&& watch) {

@@ -65,9 +65,7 @@ std::unique_ptr<Runner> bare_arm(const Choices& c, const Parts&... parts) {
   const Cycle scene(arm, NoSkin{}, SplineJoint<6, T>(settings) + GravityControl{});
   const auto goal = [](auto& input, double t) {
     if (t > 0.099 || t < 0.091) return;
-    input.has_goal = true;
-    input.goal.q_g = JointPosition<6, T>{T(0.6), T(-0.7), T(0.9), T(-1.2), T(-1.2), T(0.6)};
-    input.goal.duration = 1500ms;
+    input.goal = {JointPosition<6, T>{T(0.6), T(-0.7), T(0.9), T(-1.2), T(-1.2), T(0.6)}, 1500ms};
   };
   return runner(scene, arm_home, {}, newtons_per_unit, c, arm_places(), goal, World{{}, 2.2}, World{});
 }

@@ -116,9 +116,7 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
     const double held = std::min({1.0, (t - closes) / 0.5, (opens + 1 - t) / 0.5});
     skin.level = static_cast<float>(s.grip_level * std::max(0.0, held));
     if (next_goal < s.task.size() && t >= s.task[next_goal].at) {
-      input.has_goal = true;
-      input.goal.q_g = goal_of(next_goal);
-      input.goal.duration = nanoseconds(s.task[next_goal].duration);
+      input.goal = {goal_of(next_goal), nanoseconds(s.task[next_goal].duration)};
       ++next_goal;
     }
     return true;

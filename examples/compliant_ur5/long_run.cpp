@@ -107,11 +107,7 @@ int run(int argc, char** argv) {
       "arm [mrad] | states missed |\n"
       "|---|---|---|---|---|---|---|\n");
   const auto before = [&](Scene::Input& input, Scene::Memory&) {
-    if (cycles % per_visit == 0) {
-      input.has_goal = true;
-      input.goal.q_g = poses[(cycles / per_visit) % 2];
-      input.goal.duration = 6s;
-    }
+    if (cycles % per_visit == 0) input.goal = {poses[(cycles / per_visit) % 2], 6s};
     return true;
   };
   const auto after = [&](const Scene::Input& input, const Scene::Output&, const Stopwatch&) {

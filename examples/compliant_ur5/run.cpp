@@ -205,7 +205,6 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     if (first == 0ns) first = input.now;
     const double t = seconds<double>(input.now - first);
     input.request = live.take();
-    input.goal = {};
     // The scene stops by itself where too little of the skin reports; the job ends then, and says why.
     // What others send to the skin's port is dropped, and so is what the skin itself garbles: then it is silent.
     if (ending == Ending::finished) {
@@ -233,16 +232,14 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
       return false;
     }
     if (next_goal < s.task.size() && t >= s.task[next_goal].at) {
-      input.has_goal = true;
-      input.goal.has_goal = true;
-      input.goal.goal.q_g = JointPosition<6>(s.task[next_goal].q);
-      input.goal.goal.duration = nanoseconds(s.task[next_goal].duration);
+      input.goal = typename Scene::Goal{.goal = JointGoal<6>{JointPosition<6>(s.task[next_goal].q),
+                                                             nanoseconds(s.task[next_goal].duration)}};
       ++next_goal;
     }
     weights.fill(1);
     if (live.take(weights)) {
-      input.has_goal = input.goal.has_weights = true;
-      input.goal.weights.of = weights;
+      if (!input.goal) input.goal.emplace();
+      input.goal->weights.emplace().of = weights;
     }
     return true;
   };

@@ -187,7 +187,6 @@ class Mover {
         if (!returns_) before_ = measured.q;
         returns_ = false;
         input_.goal = Set::start_skill(Set::index<GiveWay>());
-        input_.has_goal = true;
         ++gave_;
       }
       back_ = gave_way_ = true;
@@ -196,15 +195,14 @@ class Mover {
     } else if (gave_way_) {
       gave_way_ = false, returns_ = true;
       input_.goal = Set::start_skill(Set::index<Return>());
-      auto& to = input_.goal.goals.template of<JointGoal<6>>();
+      auto& to = input_.goal->goals.template of<JointGoal<6>>();
       to.has = true;
       double way = 0;
       for (std::size_t i = 0; i < 6; ++i) way = std::max(way, std::abs(before_[i] - measured.q[i]));
       to.goal = {before_, nanoseconds(std::max(0.5, 1.9 * way / 1.5))};
       return_by_ = measured.time + to.goal.duration + 4s;
       free_at_ = measured.time;
-      input_.goal.ticket = ++ticket_;
-      input_.has_goal = true;
+      input_.goal->ticket = ++ticket_;
     } else if (returns_) {
       const auto told = Set::report_of(memory_->law, ticket_);
       const bool done = told.phase == SkillPhase::finished && told.ticket == ticket_;
@@ -254,9 +252,9 @@ class Mover {
     }
     if (gives_way) {
       const bool by_arm = now_ - pressed_at_ < 300ms;
-      if (!input_.has_goal) input_.goal = {};
-      auto& wish = input_.goal.goals.template of<VelocityGoal<6>>();
-      input_.has_goal = wish.has = true;
+      if (!input_.goal) input_.goal.emplace();
+      auto& wish = input_.goal->goals.template of<VelocityGoal<6>>();
+      wish.has = true;
       wish.goal.velocity =
           retreat_(measured.q, input_.around,
                    by_arm ? decltype(retreat_)::Others::press : decltype(retreat_)::Others::stay);
@@ -266,7 +264,7 @@ class Mover {
     const bool free = measured.time - seen_at_ > 1s;
     input_.request = displaced_ && free ? CycleRequest::resume : CycleRequest::none;
     const auto out = scene_.step(*memory_, input_);
-    input_.has_goal = false;
+    input_.goal.reset();
     kept_ = out.status.has(Reason::clearance_kept);
     displaced_ = out.status.has(Reason::displaced);
     time_ += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
@@ -286,11 +284,10 @@ class Mover {
     const double way = norm(Xyz<double>(to - X_WH_.origin()));
     const double time = std::max({0.3, std::sqrt(5.78 * way / 2.2), 1.875 * way / 0.8});
     input_.goal = Set::start_skill(Set::index<behaviour::Reaching>());
-    auto& pose = input_.goal.goals.template of<PoseGoal<Tool>>();
+    auto& pose = input_.goal->goals.template of<PoseGoal<Tool>>();
     pose.has = true;
     reach_by_ = now_ + nanoseconds(time) + 5s;
     pose.goal = {A::base(arm_).inverse() * Transform<skinctl::World, Tool>(R_, to), nanoseconds(time)};
-    input_.has_goal = true;
   }
   std::size_t arm_;
   const Scene& scene_;

@@ -403,7 +403,6 @@ struct Running {
     typename Scene::Input input;
     input.now = measured.time;
     input.measured = measured;
-    input.has_goal = true;
     input.goal = goal;
     return cycle.step(*memory, input);
   }

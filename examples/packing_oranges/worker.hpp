@@ -160,7 +160,7 @@ class Worker {
       high_ = measured.q;
 
     // The plan waits while the arm gives way: nothing fails then because it takes long.
-    input_.has_goal = false;
+    input_.goal.reset();
     if (gives_way(measured.q)) {
       given_way_ += now - input_.now;
     } else {
@@ -319,9 +319,9 @@ class Worker {
       using Others = typename GivingWay<R>::Others;
       std::array<skinctl::Xyz<double>, arms * slots> oranges;
       const std::size_t count = lying(oranges);
-      auto& wish = input_.goal.goals.template of<VelocityGoal<6>>();
-      if (gives_way_) input_.goal = {};
-      input_.has_goal = wish.has = true;
+      if (gives_way_ || !input_.goal) input_.goal.emplace();
+      auto& wish = input_.goal->goals.template of<VelocityGoal<6>>();
+      wish.has = true;
       wish.goal.velocity =
           retreat_(q, input_.around, std::span(oranges).first(count), pressed ? Others::press : Others::stay);
       gives_way_ = true;
@@ -405,7 +405,6 @@ class Worker {
     ticket_ = ticket_ == 0xffff ? std::uint16_t(1) : std::uint16_t(ticket_ + 1);
     g.ticket = ticket_;
     input_.goal = g;
-    input_.has_goal = true;
   }
   /// The other arm is in the way, and this one in its: back towards its own base for a while, then the same part again.
   void go_aside(const Goal& request) {

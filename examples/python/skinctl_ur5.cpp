@@ -172,9 +172,7 @@ class Ur5 {
               skin.changed[told.cell] = true;
               return;
             }
-            input.has_goal = true;
-            input.goal.q_g = JointPosition<6>(told.q);
-            input.goal.duration = nanoseconds(told.duration);
+            input.goal = {JointPosition<6>(told.q), nanoseconds(told.duration)};
           });
           return true;
         },

@@ -71,7 +71,7 @@ class Arm {
     const auto f = static_cast<float>(force / (3 * newtons_per_reading));
     sample_ = {.cell = cell, .force = {f, f, f}};
   }
-  void ask(const Goal& goal) { input_.goal = goal, input_.has_goal = true; }
+  void ask(const Goal& goal) { input_.goal = goal; }
   /// A cycle.
   auto step() {
     measured_.time += 8ms;
@@ -83,7 +83,7 @@ class Arm {
     input_.samples = {&sample_, 1};
     const auto out = scene_.step(*memory_, input_);
     under_way_ = out.command.position;
-    input_.has_goal = false;
+    input_.goal.reset();
     return out;
   }
   [[nodiscard]] double time() const { return seconds<double>(measured_.time); }

@@ -158,7 +158,6 @@ Seen run(const C& cycle, const typename C::Goal& goal, const Course& course,
   if (recording != nullptr) recording->start(plant.state);
   JointCommand<6> sent = memory->robot.command;
   typename C::Input input;
-  input.goal = goal;
   std::array<double, 6> last{};
   Seen seen;
   const AllocationGuard guard;
@@ -170,12 +169,13 @@ Seen run(const C& cycle, const typename C::Goal& goal, const Course& course,
     const CellSample sample{.time = input.now - 1ms, .cell = 60, .force = {f, f, f}};
     input.samples = {&sample, 1};
     const bool there = k == at(1s), back = course.returns && k == at(3s);
-    input.has_goal = k == 1 || (course.goal_with_change && (there || back));
+    input.goal.reset();
+    if (k == 1 || (course.goal_with_change && (there || back))) input.goal = goal;
     std::array<double, 6> without{};
     if (there || back) {
       *other = *memory;
       auto same = input;
-      same.has_goal = false;
+      same.goal.reset();
       auto probe = commanded;
       without = probe(cycle.step(*other, same).command);
       if (course.changes) {
@@ -355,12 +355,12 @@ TEST_CASE("Configurations: a number that there is not is refused, and the old co
   auto memory = cycle.start(plant.state), twin = memory;
   JointCommand<6> sent = memory.robot.command;
   std::remove_cv_t<decltype(cycle)>::Input input;
-  input.goal = far();
   for (int k = 1; k <= 400; ++k) {
     input.now = k * period<I>;
     input.measured = plant.run(sent, input.now);
     if (k % 50 == 0) input.measured.q[2] = std::nan("");  // refused by both alike
-    input.has_goal = k == 1;
+    input.goal.reset();
+    if (k == 1) input.goal = far();
     const bool wrong = k >= 100 && k < 110;
     const std::uint32_t right = k < 200 ? 0 : 1;
     input.configuration = !wrong ? right : k % 2 == 0 ? 2 : ~0U;
@@ -413,13 +413,13 @@ TEST_CASE("Configurations: changes at random times, also while one is under way,
     auto memory = cycle.start(plant.state);
     JointCommand<6> sent = memory.robot.command;
     typename std::remove_cvref_t<decltype(cycle)>::Input input;
-    input.goal = far();
     std::array<double, 6> last{};
     double jump = 0;
     for (int k = 1; k <= 1500; ++k) {
       input.now = k * period<I>;
       input.measured = plant.run(sent, input.now);
-      input.has_goal = k == 1;
+      input.goal.reset();
+      if (k == 1) input.goal = far();
       const float f = k > 60 && k < 400 ? 0.2F : 0.0F;
       const CellSample sample{.time = input.now - 1ms, .cell = 60, .force = {f, f, f}};
       input.samples = {&sample, 1};

@@ -269,9 +269,9 @@ TEST_CASE_TEMPLATE(
            .force = {static_cast<float>(random.uniform(0, random.index(3) == 0 ? 1 : 0.02)), 0, 0}};
     input.samples = std::span(samples).first(static_cast<std::size_t>(random.index(5)));
     if (random.index(2000) == 0) {
-      input.has_goal = true;
-      for (auto& x : input.goal.q_g) x = static_cast<T>(random.uniform(-2, 2));
-      input.goal.duration = nanoseconds(random.uniform(0, 8));
+      auto& goal = input.goal.emplace();
+      for (auto& x : goal.q_g) x = static_cast<T>(random.uniform(-2, 2));
+      goal.duration = nanoseconds(random.uniform(0, 8));
     }
     const auto out = scene.step(*memory, input);
     bad += !out.command.valid;

@@ -36,7 +36,6 @@ double lag_behind_a_sine(const L& law, Wrap&& wrap) {
     target.dq_d[1] = 0.2 * w * std::sin(w * t);
     target.ddq_d[1] = 0.2 * w * w * std::cos(w * t);
     input.goal = wrap(target);
-    input.has_goal = true;
     const auto out = cycle.step(memory, input);
     REQUIRE(out.command.valid);
     state.q = out.command.position;
@@ -56,10 +55,5 @@ TEST_CASE(
   CHECK(lag_behind_a_sine(follow + GravityControl(), plain) < 2e-3);
   const auto sum = blended(follow + GravityControl());
   using Goal = decltype(sum)::Goal;
-  CHECK(lag_behind_a_sine(sum, [](const JointReference<6>& target) {
-          Goal goal;
-          goal.has_goal = true;
-          goal.goal = target;
-          return goal;
-        }) < 2e-3);
+  CHECK(lag_behind_a_sine(sum, [](const JointReference<6>& target) { return Goal{.goal = target}; }) < 2e-3);
 }

@@ -139,9 +139,11 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
     input.samples = std::span(samples).first(count);
     input.request = static_cast<CycleRequest>(tape.index(1));
     input.observed = Status::from_bits(tape.index(1));  // a stop waits for the request `resume`
-    input.has_goal = tape.index(16) == 15;
-    for (std::size_t i = 0; i < 6; ++i) input.goal.q_g[i] = tape.number(T(state.q[i] + T(0.3)));
-    input.goal.duration = tape.time(4s, 4s);
+    if (tape.index(16) == 15) {
+      auto& goal = input.goal.emplace();
+      for (std::size_t i = 0; i < 6; ++i) goal.q_g[i] = tape.number(T(state.q[i] + T(0.3)));
+      goal.duration = tape.time(4s, 4s);
+    }
 
     const AllocationGuard guard;
     const auto out = scene.step(*memory, input);
@@ -218,9 +220,11 @@ TEST_CASE_TEMPLATE(
       input.samples = samples;
       input.request = static_cast<CycleRequest>(random.index(30));
       if (random.index(50) == 0) input.observed = Status::from_bits(random.bits());
-      input.has_goal = random.index(10) == 0;
-      for (auto& x : input.goal.q_g) x = random.index(2) == 0 ? any_number<T>(random) : T(0.3);
-      input.goal.duration = static_cast<Nanoseconds>(random.bits());
+      if (random.index(10) == 0) {
+        auto& goal = input.goal.emplace();
+        for (auto& x : goal.q_g) x = random.index(2) == 0 ? any_number<T>(random) : T(0.3);
+        goal.duration = static_cast<Nanoseconds>(random.bits());
+      }
       const auto out = scene.step(*memory, input);
       bad += !out.command.valid;
       for (std::size_t i = 0; i < 6; ++i) {

@@ -40,9 +40,8 @@ Recording<Scene> recorded_run(const Scene& scene, std::size_t bytes = std::size_
            .force = {static_cast<float>(random.uniform(0, 0.4)), 0, 0}};
     input.samples = std::span(samples).first(static_cast<std::size_t>(k % 4));
     if (k % 500 == 0) {
-      input.has_goal = true;
-      input.goal.q_g = home_position();
-      input.goal.q_g[0] += 0.2;
+      input.goal = {home_position(), 0s};
+      input.goal->q_g[0] += 0.2;
     }
     input.request = k == 1200 ? CycleRequest::stop : k == 1300 ? CycleRequest::resume : CycleRequest::none;
     const auto before = guard.count();

@@ -85,9 +85,8 @@ class Run {
     request = CycleRequest::none;
     if constexpr (requires { input.configuration; }) input.configuration = configuration;
     if (!asked_ && time() > 0.2) {
-      asked_ = input.has_goal = true;
-      input.goal.q_g = goal;
-      input.goal.duration = 2s;
+      asked_ = true;
+      input.goal = {goal, 2s};
     }
     const auto out = scene_.step(*memory_, input);
     REQUIRE(out.command.valid);

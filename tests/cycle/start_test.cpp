@@ -335,10 +335,8 @@ TEST_CASE("start: a goal that comes with the request to resume counts") {
     input.measured = state;
     if (k == 5) {
       input.request = CycleRequest::resume;
-      input.has_goal = true;
-      input.goal.q_g = home_position();
-      input.goal.q_g[0] += 0.3;
-      input.goal.duration = 3s;
+      input.goal = {home_position(), 3s};
+      input.goal->q_g[0] += 0.3;
     }
     out = scene.step(*memory, input);
     CHECK(out.command.valid == (k > 5));

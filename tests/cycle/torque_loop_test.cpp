@@ -126,8 +126,8 @@ Seen reach(const Truth& t) {
     }
     input.now = now;
     input.measured = x;
-    input.has_goal = now == 50 * t.loop.period;
-    input.goal = {goal, 1500ms};
+    input.goal.reset();
+    if (now == 50 * t.loop.period) input.goal = {goal, 1500ms};
     under_way.push_back({now + t.loop.delay, cycle.step(*memory, input).command.torque});
   }
   for (std::size_t i = 0; i < N; ++i) seen.off = std::max(seen.off, std::abs(x.q[i] - goal[i]));

@@ -21,6 +21,12 @@ namespace {
 template <class Goal>
 using Goals = std::vector<Goal>;
 
+SceneSettings scene_settings(Interface i) {
+  SceneSettings s;
+  if (i == Interface::torque) s.decay = 0;
+  return s;
+}
+
 /// All that robots take of a command.
 template <class Output>
 auto numbers(const Output& out) {
@@ -33,7 +39,7 @@ auto numbers(const Output& out) {
 template <Interface I, class L>
 void check_refused(const L& law, const typename L::Goal& good, const Goals<typename L::Goal>& wrong) {
   using T = typename L::scalar;
-  const Cycle scene(test_robot<I, T>(SceneSettings{}), law);
+  const Cycle scene(test_robot<I, T>(scene_settings(I)), law);
   using Scene = std::remove_const_t<decltype(scene)>;
   State<6, T> at{0ns, home_position<T>(), {}};
   const auto started = scene.start(at);
@@ -42,7 +48,7 @@ void check_refused(const L& law, const typename L::Goal& good, const Goals<typen
   const auto step = [&](typename Scene::Memory& m, int k, const typename L::Goal* goal) {
     input.now = input.measured.time = k * 8ms;
     input.measured.q = at.q;
-    input.has_goal = goal != nullptr;
+    input.goal.reset();
     if (goal != nullptr) input.goal = *goal;
     return scene.step(m, input);
   };
@@ -65,19 +71,13 @@ void check_refused(const L& law, const typename L::Goal& good, const Goals<typen
   }
 }
 
-template <class T>
-JointControlSettings<6, T> gains() {
-  JointControlSettings<6, T> s;
-  s.dt = 2500us;
-  s.lambda = T(25);
-  s.K_c = T(5);
-  s.tb = 4s;
-  s.virtual_dynamics = shape<T>(SceneSettings{});
-  return s;
+template <Interface I, class T>
+auto gains() {
+  return tracking_settings(test_robot<I, T>(scene_settings(I)));
 }
-template <class T>
+template <Interface I, class T>
 OperationalSettings<6, T> tool_gains() {
-  return {.tracking = gains<T>()};
+  return {.tracking = gains<I, T>()};
 }
 
 /// Beyond the limits of a joint by the smallest number, in degrees, and no numbers.
@@ -93,6 +93,7 @@ Goals<JointPosition<6, T>> wrong_positions() {
       all.push_back(home_position<T>());
       all.back()[i] = q;
     }
+  all.emplace_back(Eigen::Matrix<T, -1, 1>::Zero(5).eval());
   return all;
 }
 template <class T>
@@ -116,6 +117,8 @@ Goals<Transform<Base, Tool, T>> wrong_poses(const Transform<Base, Tool, T>& good
     all.emplace_back(Mat3<T>(as_eigen(R)), Vec3<T>(as_eigen(p)));
   }
   all.emplace_back(good.axes(), Xyz<T>{nan, o, o});
+  all.emplace_back(Eigen::Matrix<T, -1, -1>::Identity(2, 2).eval(), Eigen::Matrix<T, -1, 1>::Zero(3).eval());
+  all.emplace_back(Eigen::Matrix<T, -1, -1>::Identity(3, 3).eval(), Eigen::Matrix<T, -1, 1>::Zero(2).eval());
   return all;
 }
 template <class T>
@@ -130,7 +133,7 @@ void joint_goals() {
   Goals<JointGoal<6, T>> wrong;
   for (const auto& q : wrong_positions<T>()) wrong.push_back({q, 1s});
   wrong.push_back({home_position<T>(), -1ns});
-  check_refused<I>(SplineJoint<6, T>(gains<T>()), {near_home<T>(), 1s}, wrong);
+  check_refused<I>(SplineJoint<6, T>(gains<I, T>()), {near_home<T>(), 1s}, wrong);
 }
 template <Interface I, class L, class T = typename L::scalar>
 void joint_targets(const L& law) {
@@ -143,7 +146,7 @@ void pose_goals() {
   Goals<PoseGoal<Tool, T>> wrong;
   const auto good = tool_at<T>(near_home<T>());
   for (const auto& X : wrong_poses<T>(good)) wrong.push_back({X, 1s});
-  check_refused<I>(SplineOperational<6, 5, Tool, T>(Transform<Link<5>, Tool, T>(), tool_gains<T>()),
+  check_refused<I>(SplineOperational<6, 5, Tool, T>(Transform<Link<5>, Tool, T>(), tool_gains<I, T>()),
                    {good, 1s}, wrong);
 }
 template <Interface I, class L, class T = typename L::scalar>
@@ -164,12 +167,12 @@ TEST_CASE_TEMPLATE("wrong goals: joints beyond their limits, in degrees, or no n
 }
 
 TEST_CASE("wrong goals: the same for targets, reactive targets and impedances") {
-  joint_targets<Interface::position>(JointControl<6, float>(gains<float>()));
-  joint_targets<Interface::torque>(ReactiveJoint<6>(gains<double>()));
+  joint_targets<Interface::position>(JointControl<6, float>(gains<Interface::position, float>()));
+  joint_targets<Interface::torque>(ReactiveJoint<6>(gains<Interface::torque, double>()));
   Goals<JointGoal<6>> wrong;
   for (const auto& q : wrong_positions<double>()) wrong.push_back({q, 1s});
   JointImpedance<6>::Settings soft;
-  soft.space = gains<double>();
+  soft.space = gains<Interface::torque, double>();
   for (auto& k : soft.stiffness) k = 100;
   for (auto& d : soft.damping) d = 10;
   check_refused<Interface::torque>(JointImpedance<6>(soft), {near_home<double>(), 1s}, wrong);
@@ -182,7 +185,8 @@ TEST_CASE_TEMPLATE("wrong goals: a pose whose axes are no rotation is refused", 
 
 TEST_CASE("wrong goals: the same for targets of a tool, by velocity") {
   const Transform<Link<5>, Tool> X_LP;
-  pose_targets<Interface::velocity>(OperationalControl<6, 5>(X_LP, tool_gains<double>()));
+  pose_targets<Interface::velocity>(
+      OperationalControl<6, 5>(X_LP, tool_gains<Interface::velocity, double>()));
 }
 
 TEST_CASE("wrong goals: axes with six digits, as files have them, are a rotation") {
@@ -195,5 +199,6 @@ TEST_CASE("wrong goals: axes with six digits, as files have them, are a rotation
                                    good.origin());
   CHECK_FALSE(read == good);
   check_refused<Interface::position>(
-      SplineOperational<6, 5>(Transform<Link<5>, Tool>(), tool_gains<double>()), {read, 1s}, {});
+      SplineOperational<6, 5>(Transform<Link<5>, Tool>(), tool_gains<Interface::position, double>()),
+      {read, 1s}, {});
 }

@@ -80,11 +80,7 @@ class Run {
   static JointVelocity<joints> reported(const JointVelocity<joints>& dq) { return dq; }
   template <class I>
   static void forget_goal(I& in) {
-    if constexpr (requires { in.has_goal; }) {
-      in.has_goal = false;
-    } else if constexpr (requires { in.goal.reset(); }) {
-      in.goal.reset();
-    }
+    if constexpr (requires { in.goal.reset(); }) in.goal.reset();
   }
   void move() {
     const double dt = seconds<double>(period + late);
@@ -202,7 +198,6 @@ auto reaching(const Robot& robot, double lambda = 10) {
 }
 template <class Input, class Goal>
 void give(Input& input, const Goal& goal) {
-  if constexpr (requires { input.has_goal; }) input.has_goal = true;
   input.goal = goal;
 }
 /// A goal each 700 cycles.

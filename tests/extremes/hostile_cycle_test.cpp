@@ -70,10 +70,8 @@ void attack(const Scene& scene, const JointLimits<6, T>& limits, int cycles, uns
     *input = {};
     input->now = truth;
     input->measured = state;
-    if constexpr (requires { input->goal.q_g; }) {
-      input->has_goal = hostile.one_in(20);
-      input->goal.q_g = JointPosition<6, T>::constant(T(0.3));
-      input->goal.duration = 2s;
+    if constexpr (requires { input->goal->q_g; }) {
+      if (hostile.one_in(20)) input->goal = {JointPosition<6, T>::constant(T(0.3)), 2s};
     }
     const bool attacked = hostile.one_in(3);
     if (attacked) {
@@ -82,8 +80,8 @@ void attack(const Scene& scene, const JointLimits<6, T>& limits, int cycles, uns
       if (hostile.one_in(2)) each_number(input->now, hostile);
       if (hostile.one_in(2))
         for (CellSample& s : samples) each_number(s, hostile);
-      if constexpr (requires { input->goal.q_g; })
-        each_number(input->goal.q_g, hostile), each_number(input->goal.duration, hostile);
+      if constexpr (requires { input->goal->q_g; })
+        if (input->goal) each_number(input->goal->q_g, hostile), each_number(input->goal->duration, hostile);
       hostile(input->request);
     }
     input->samples = samples;

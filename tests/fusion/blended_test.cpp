@@ -128,7 +128,7 @@ TEST_CASE("Blended: is a law that does what its sum does, until other weights ar
     if (k == 50) {
       const JointGoal<6> goal{JointPosition<6>::constant(0.1), 2s};
       a = sum.receive(a, known, goal).memory;
-      b = law.receive(b, to_blend, BlendGoal<JointGoal<6>, 3>{true, goal, false, {}}).memory;
+      b = law.receive(b, to_blend, BlendGoal<JointGoal<6>, 3>{.goal = goal}).memory;
     }
     const auto one = evaluate(sum, a, known, 0.002);
     const auto other = evaluate(law, b, to_blend, 0.002);

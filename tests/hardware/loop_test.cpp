@@ -156,9 +156,7 @@ TEST_CASE(
     const auto report = run_loop(
         scene, *memory, robot, skin, {.cycles = 260, .period = 2ms},
         [](auto& input, auto&) {
-          input.has_goal = input.now <= 24ms;
-          input.goal.q_g = home_position() + JointPosition<6>::constant(0.5);
-          input.goal.duration = 2s;
+          if (input.now <= 24ms) input.goal = {home_position() + JointPosition<6>::constant(0.5), 2s};
           return true;
         },
         [&](const auto&, const auto& out, const auto&) {
@@ -385,8 +383,8 @@ Replayed recorded(Robot robot, FastRobot& joints, bool by_loop) {
       scene, *memory, robot, skin, {.cycles = 500},
       [&](auto& input, auto&) {
         if (late.bytes().empty()) late.start(input.measured);
-        input.has_goal = input.now > 2s && input.now < 2s + 10ms;
-        input.goal.q_g = home_position() + JointPosition<6>::constant(0.1);
+        if (input.now > 2s && input.now < 2s + 10ms)
+          input.goal = {home_position() + JointPosition<6>::constant(0.1), 0s};
         return true;
       },
       [&](const auto& input, const auto& out, const auto&) { late.add(input, out.command); }, recording);

@@ -72,16 +72,12 @@ void run(const Scene& scene, int cycles, Start&& start, After&& after) {
            .cell = static_cast<std::uint32_t>(random.index(261)),
            .force = {static_cast<float>(random.uniform(0, 0.4)), 0, 0}};
     input.samples = std::span(samples).first(static_cast<std::size_t>(k % 40));
-    input.has_goal = k % 100 == 0 || k % 150 == 0;
+    if (k % 100 == 0 || k % 150 == 0) input.goal.emplace();
     if (k % 100 == 0) {
-      input.goal.has_goal = true;
-      input.goal.goal.q_g = home_position();
-      input.goal.goal.q_g[0] += 0.2;
+      input.goal->goal = {home_position(), 0s};
+      input.goal->goal->q_g[0] += 0.2;
     }
-    if (k % 150 == 0) {
-      input.goal.has_weights = true;
-      input.goal.weights.of = {k % 300 == 0 ? 1.0 : 0.3, 0.7, 1};
-    }
+    if (k % 150 == 0) input.goal->weights.emplace().of = {k % 300 == 0 ? 1.0 : 0.3, 0.7, 1};
     input.configuration = static_cast<std::uint32_t>(k / 130 % 2);
     changes += input.configuration != configuration;
     configuration = input.configuration;

@@ -348,8 +348,9 @@ TEST_CASE("Cycle: an arm whose base is held beside its commands keeps its cleara
       input.now = at.time, input.measured = at;
       input.around.count = 0, input.around.time = at.time;
       input.around.add({{ball, ball, 0.05}, 0.0});
-      input.has_goal = n == 10 || n == 150;
-      input.goal = {n == 10 ? beside : low, n == 10 ? 800ms : 1500ms};
+      input.goal.reset();
+      if (n == 10) input.goal = {beside, 800ms};
+      if (n == 150) input.goal = {low, 1500ms};
       const auto out = scene.step(*memory, input);
       if (out.command.valid) last = out.command;
       auto real = last.position;

@@ -58,8 +58,8 @@ Run held_up(const Scene& scene, std::uint64_t seed, Nanoseconds hold) {
     input.around.count = 0, input.around.time = at.time;
     const bool free = first >= 0ns && at.time - first > hold;
     if (!free) input.around.add({{ball, ball, 0.15}, 0.0});
-    input.has_goal = n == 10;
-    input.goal = {goal, duration};
+    input.goal.reset();
+    if (n == 10) input.goal = {goal, duration};
     const auto out = scene.step(*memory, input);
     REQUIRE(out.command.valid);
     double u = 0;

@@ -36,10 +36,8 @@ std::pair<double, double> tracking_error(const SceneSettings& s, bool law_knows)
     input.measured = state;
     input.measured.time = input.now;
     if (k == 1) {
-      input.has_goal = true;
-      input.goal.q_g = home_position();
-      input.goal.q_g[4] += 0.3;
-      input.goal.duration = 1s;
+      input.goal = {home_position(), 1s};
+      input.goal->q_g[4] += 0.3;
     }
     const auto out = scene.step(*memory, input);
     state.q = out.command.position;

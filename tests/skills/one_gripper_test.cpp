@@ -72,7 +72,6 @@ class Run {
     Scene::Input input;
     input.now = now_;
     input.measured = measured_;
-    input.has_goal = asks_;
     if (asks_) input.goal = goal_;
     asks_ = false;
     input.gripper = reported_[2];

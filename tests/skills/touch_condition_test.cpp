@@ -71,7 +71,7 @@ TEST_CASE("SkillSet: waits for a contact on a region, with a force and for a tim
       const auto samples = pushed_samples(pushes(places, std::span(&body, 1)), 10, now - 1ms);
       decltype(scene)::Input input;
       input.now = now, input.measured = state, input.measured.time = now, input.samples = samples;
-      if (ask) input.has_goal = true, input.goal = Set::start_skill<Wait>(), ask = false;
+      if (ask) input.goal = Set::start_skill<Wait>(), ask = false;
       const auto out = scene.step(*m, input);
       state.q = out.command.position, state.dq = out.command.velocity;
     }

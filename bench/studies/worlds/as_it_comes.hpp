@@ -197,10 +197,9 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     input.now = now;
     input.samples = samples;
     input.request = CycleRequest::none;
-    if constexpr (requires { input.goal.q_g; }) {
-      input.has_goal = goals < (ms >= 6000 ? 2 : ms >= 1000 ? 1 : 0);
-      if (input.has_goal) input.goal.q_g = goals++ == 0 ? c.goal : c.pose;
-      input.goal.duration = 4s;
+    if constexpr (requires { input.goal->q_g; }) {
+      input.goal.reset();
+      if (goals < (ms >= 6000 ? 2 : ms >= 1000 ? 1 : 0)) input.goal = {goals++ == 0 ? c.goal : c.pose, 4s};
     }
     if (waits > 0.5) input.request = CycleRequest::resume, waits = 0, ++out.consents;
     const auto result = scene.step(*memory, input);

@@ -350,10 +350,7 @@ class FaultInjection {
   static bool same(const JointCommand<6>& a, const JointCommand<6>& b) {
     return a.position == b.position && a.velocity == b.velocity && a.torque == b.torque;
   }
-  static void ask(typename Scene::Input& input, const typename Scene::Goal& goal) {
-    input.has_goal = true;
-    input.goal = goal;
-  }
+  static void ask(typename Scene::Input& input, const typename Scene::Goal& goal) { input.goal = goal; }
   /// A skill with goals for all controllers, near the arm's initial pose.
   typename Scene::Goal request(std::uint8_t skill, const JointPosition<6>& q, oracle::Random& random) const {
     JointGoal<6> goal{q, nanoseconds(random.uniform(1, 4))};

@@ -53,7 +53,7 @@ class SkilledDay {
   [[nodiscard]] Nanoseconds now() const { return measured_.time; }
   [[nodiscard]] Random& random() { return random_; }
   [[nodiscard]] const typename Scene::Input& input() const { return input_; }
-  void ask(const Goal& goal) { input_.has_goal = true, input_.goal = goal; }
+  void ask(const Goal& goal) { input_.goal = goal; }
   void release_all() {
     for (auto& s : touch_) s.force = {};
     touching_ = false;
@@ -94,7 +94,7 @@ class SkilledDay {
     changed_ = false;
     const auto out = scene_.step(*memory_, input_);
     last_ = input_;
-    input_.has_goal = false;
+    input_.goal.reset();
     under_way_ = out.command.position;
     return out;
   }

@@ -59,7 +59,7 @@ const std::array<double, N>* weights_in(const skinctl::BlendWeights<N>& goal) no
 }
 template <class G, std::size_t N>
 const std::array<double, N>* weights_in(const skinctl::BlendGoal<G, N>& goal) noexcept {
-  return goal.has_weights ? &goal.weights.of : nullptr;
+  return goal.weights ? &goal.weights->of : nullptr;
 }
 template <class Goal>
 concept AsksForWeights = requires(const Goal& goal) { weights_in(goal); };
@@ -133,7 +133,7 @@ class LiveView : public skinctl::CycleConsumer<C> {
     messages_.take(r);
     since_ |= r.status;
     if constexpr (AsksForWeights<typename C::Goal>) {
-      if (const auto* asked = r.input.has_goal ? weights_in(r.input.goal) : nullptr)
+      if (const auto* asked = r.input.goal ? weights_in(*r.input.goal) : nullptr)
         weighed(*asked, r.status.has(Reason::goal_refused));
     }
     if (server_.wanted(joints_)) server_.publish(joints_, now, messages_.joint_states(r));

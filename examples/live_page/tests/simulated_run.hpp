@@ -82,7 +82,8 @@ class SimulatedRun {
       const auto samples = testing::pushed_samples(testing::pushes(places_, hands), 20, at.time);
       input.samples = samples;
       input.request = requests.take();
-      input.has_goal = requests.take(input.goal.of);
+      input.goal.emplace();
+      if (!requests.take(input.goal->of)) input.goal.reset();
       const auto out = cycle.step(*memory, input, watch);
       if (out.command.valid) at.q = out.command.position, at.dq = out.command.velocity;
       thread(input, out, watch);

@@ -2,6 +2,8 @@
 // <Eigen/Core> (for poses <Eigen/Geometry>); any other file saves the largest part of its compile time.
 #pragma once
 
+#include <limits>
+
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/triple.hpp"
 
@@ -24,12 +26,17 @@ template <class V>
 [[nodiscard]] SKINCTL_INLINE Xyz<typename V::Scalar> three(const V& v, int first) noexcept {
   return {v.coeff(first), v.coeff(first + 1), v.coeff(first + 2)};
 }
-/// A `Q` of two triples from six numbers.
+template <Scalar T>
+[[nodiscard]] SKINCTL_INLINE Xyz<T> no_numbers() noexcept {
+  const T nan = std::numeric_limits<T>::quiet_NaN();
+  return {nan, nan, nan};
+}
+/// A `Q` of two triples from six numbers; from another number of them a `Q` of NaN.
 template <class Q, Scalar T, class V>
 [[nodiscard]] SKINCTL_INLINE Q from_six(const V& values) noexcept {
   static_assert(std::is_same_v<typename V::Scalar, T>, "other scalar: v.cast<T>()");
   static_assert(int(V::SizeAtCompileTime) == 6 || int(V::SizeAtCompileTime) == -1, "six numbers");
-  SKINCTL_EXPECTS(values.size() == 6, "six numbers");
+  if (values.size() != 6) return {no_numbers<T>(), no_numbers<T>()};
   const auto v = values.eval();
   return {three(v, 0), three(v, 3)};
 }
@@ -42,11 +49,11 @@ template <Scalar T>
 }
 }  // namespace detail
 
-/// An Eigen vector of three elements as a triple; a dynamic one of another size breaks the contract.
+/// An Eigen vector of three elements as a triple; a dynamic one of another size gives NaN.
 template <VectorExpression V>
 [[nodiscard]] SKINCTL_INLINE Xyz<typename V::Scalar> as_xyz(const V& values) noexcept {
   static_assert(int(V::SizeAtCompileTime) == 3 || int(V::SizeAtCompileTime) == -1, "three numbers");
-  SKINCTL_EXPECTS(values.size() == 3, "three numbers");
+  if (values.size() != 3) return detail::no_numbers<typename V::Scalar>();
   return detail::three(values.eval(), 0);
 }
 

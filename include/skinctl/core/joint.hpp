@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <type_traits>
 
 #include "skinctl/core/contract.hpp"
@@ -44,14 +45,17 @@ struct JointVector {
   SKINCTL_INLINE constexpr explicit(false) JointVector(const U&... values) noexcept : data{T(values)...} {}
 
   /// From an Eigen vector of `N` elements of scalar `T`: `JointPosition<6>(v)`. A dynamic one of another size
-  /// breaks the contract. Assignment to an existing joint vector: `as_eigen(q) = v`.
+  /// gives NaN. Assignment to an existing joint vector: `as_eigen(q) = v`.
   template <VectorExpression V>
   SKINCTL_INLINE explicit JointVector(const V& values) noexcept : data{} {
     static_assert(std::is_same_v<typename V::Scalar, T>, "other scalar: v.cast<T>()");
     static_assert(bool(V::IsVectorAtCompileTime), "one number per joint");
     static_assert(int(V::SizeAtCompileTime) == int(N) || int(V::SizeAtCompileTime) == -1,
                   "one number per joint");
-    SKINCTL_EXPECTS(std::size_t(values.size()) == N, "one number per joint");
+    if (std::size_t(values.size()) != N) {
+      for (T& x : data) x = std::numeric_limits<T>::quiet_NaN();
+      return;
+    }
     const auto v = values.eval();
     for (std::size_t i = 0; i < N; ++i) data[i] = v.coeff(static_cast<std::ptrdiff_t>(i));
   }

@@ -58,8 +58,8 @@ class CycleBytes {
     numbers(out, input.measured);
     out.put(static_cast<std::uint8_t>(input.request));
     out.put(input.observed.bits());
-    out.put(input.has_goal);
-    numbers(out, input.goal);
+    out.put(input.goal.has_value());
+    numbers(out, input.goal ? *input.goal : typename C::Goal{});
     if constexpr (configured) out.put(input.configuration);
     out.put(static_cast<std::uint32_t>(input.samples.size()));
     for (const CellSample& s : input.samples) out.put(&s, sample_size);
@@ -85,8 +85,11 @@ class CycleBytes {
     const auto request = in.get<std::uint8_t>();
     input.request = request <= 2 ? static_cast<CycleRequest>(request) : CycleRequest::none;
     input.observed = Status::from_bits(in.get<std::uint64_t>());
-    input.has_goal = in.get<bool>();
-    read_numbers(in, input.goal);
+    const bool has_goal = in.get<bool>();
+    typename C::Goal goal{};
+    read_numbers(in, goal);
+    input.goal.reset();
+    if (has_goal) input.goal = goal;
     if constexpr (configured) input.configuration = in.get<std::uint32_t>();
     read_samples(in, sample_size, samples.cells);
     input.samples = samples.cells;

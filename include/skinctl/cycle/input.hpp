@@ -1,6 +1,8 @@
 // The input of a cycle.
 #pragma once
 
+#include <optional>
+
 #include "skinctl/core/gripper.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
@@ -35,8 +37,7 @@ struct CycleInput {
   SampleSpan<CellSample> samples;  ///< arrived since the last cycle
   CycleRequest request = CycleRequest::none;
   Status observed;  ///< faults that the loop found before this cycle: see `TimeBudget`, `PacketWatch`
-  bool has_goal = false;
-  Goal goal{};  ///< read if `has_goal`: a goal, or the next sample of a moving target
+  std::optional<Goal> goal;  ///< for this cycle: a goal, or the next sample of a moving target
   [[no_unique_address]] Sensed sensed{};
   [[no_unique_address]] Gripper gripper{};  ///< what the gripper reported last
   [[no_unique_address]] Around around{};    ///< what is near the robot

@@ -15,10 +15,14 @@ struct Rotation {
   Xyz<T> y{T(0), T(1), T(0)};
   Xyz<T> z{T(0), T(0), T(1)};
 
-  /// From an Eigen matrix, 3x3. Not checked; `Transform` checks it.
+  /// From an Eigen matrix, 3x3; a dynamic one of another size gives NaN. Not checked to be a rotation.
   template <VectorExpression E>
   [[nodiscard]] static Rotation from_eigen(const E& R_AB) noexcept {
     static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: R.cast<T>()");
+    if (R_AB.rows() != 3 || R_AB.cols() != 3) {
+      const auto none = detail::no_numbers<T>();
+      return {none, none, none};
+    }
     const Mat3<T> R = R_AB;
     return {{R(0, 0), R(1, 0), R(2, 0)}, {R(0, 1), R(1, 1), R(2, 1)}, {R(0, 2), R(1, 2), R(2, 2)}};
   }

@@ -143,9 +143,9 @@ class Blended<Fused<P, L...>> : public Composable {
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const BlendGoal<G, terms>& goal) const noexcept {
     Received<Memory> out{memory, {}};
-    if (goal.has_weights) out = change(memory, known, goal.weights);
-    if (!goal.has_goal) return out;
-    const auto answer = receive(out.memory, known, goal.goal);
+    if (goal.weights) out = change(memory, known, *goal.weights);
+    if (!goal.goal) return out;
+    const auto answer = receive(out.memory, known, *goal.goal);
     return {answer.memory, out.status | answer.status};
   }
   /// The same for the `I`-th law.

@@ -189,7 +189,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
         input.sensed.motor_torque = robot.motor_torque();
     }
     input.request = CycleRequest::none;
-    input.has_goal = false;
+    input.goal.reset();
     input.observed = overrun;
     if constexpr (requires {
                     { robot.packet() } noexcept -> std::convertible_to<std::uint32_t>;

@@ -21,7 +21,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
       guard_.acknowledge(m.guard);
     }
   }
-  if (input.has_goal) status |= change.receive(*this, m, [&] { return receive(m, input); });
+  if (input.goal) status |= change.receive(*this, m, [&] { return receive(m, input); });
 
   const Interval interval = resolver_.interval(m.robot, input.now);
   detail::Unwritten<Touch, max_substeps> touches;
@@ -131,7 +131,7 @@ SKINCTL_COLD Status Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::re
     const auto state = resolver_.state(m.robot);
     const Wrenches touch = skin_.wrenches(m.skin);
     const auto received =
-        follow_or_receive(law_, m.law, resolver_.template known<L>(state, period(), touch), input.goal);
+        follow_or_receive(law_, m.law, resolver_.template known<L>(state, period(), touch), *input.goal);
     m.law = received.memory;
     return received.status;
   }

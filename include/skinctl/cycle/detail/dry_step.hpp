@@ -17,7 +17,7 @@ void dry_step(const C& cycle, typename C::Memory& scratch, const typename C::Mem
   input.now += after;
   input.measured.time += after;
   input.request = CycleRequest::none;
-  input.has_goal = false;
+  input.goal.reset();
   static_cast<void>(cycle.step(scratch, input, watch));
 }
 

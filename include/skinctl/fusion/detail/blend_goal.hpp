@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
 #include "skinctl/core/config.hpp"
 
@@ -19,20 +20,27 @@ struct BlendWeights {
   }
 };
 
+/// Whether there is a value, then its numbers, or those of an empty one.
+template <class V, class F>
+void each_optional(std::optional<V>& value, F&& f) {
+  bool has = value.has_value();
+  V numbers = has ? *value : V{};
+  f(has);
+  each_number(numbers, f);
+  value.reset();
+  if (has) value = numbers;
+}
+
 /// A request to a blended sum whose laws take goals of type `G`: a goal, weights, or both.
 template <class G, std::size_t Terms>
 struct BlendGoal {
-  bool has_goal = false;
-  G goal{};
-  bool has_weights = false;
-  BlendWeights<Terms> weights{};
+  std::optional<G> goal = {};
+  std::optional<BlendWeights<Terms>> weights = {};
 
   template <class F>
   friend void each_number(BlendGoal& g, F&& f) {
-    f(g.has_goal);
-    each_number(g.goal, f);
-    f(g.has_weights);
-    each_number(g.weights, f);
+    each_optional(g.goal, f);
+    each_optional(g.weights, f);
   }
 };
 
