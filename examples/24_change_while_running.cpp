@@ -67,7 +67,7 @@ double run(const C& cycle, bool told, Curve& bent, Curve& torque, Curve& carried
   auto memory = std::make_unique<typename C::Memory>();
   cycle.start(*memory, world.robot);
   recording.start(world.robot);
-  JointTorque<6> sent = memory->robot.command.torque;
+  JointTorque<6> sent = memory->robot.command().torque;
   double step = 0;  // largest step of the torque in a cycle around a change [N m]
   typename C::Input input;
   for (double t = 0.002; t < 8; t += 0.002) {

@@ -50,7 +50,7 @@ auto resolver() {
   RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(15)), .period = period, .delay = 8ms};
   c.lag = 5ms;
   c.virtual_damping = T(6);
-  return Resolver<Interface::position, ur5::Model, T>(ur5::Model{}, c);
+  return ResolverBy<Interface::position, ur5::Model, T>(ur5::Model{}, c);
 }
 template <std::size_t Cells, class T>
 auto skin() {

@@ -8,7 +8,7 @@
 #include "bench/support/rows.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/resolver.hpp"
-#include "skinctl/resolver/torque_resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "tests/support/kdl_oracle.hpp"
 
 using namespace skinctl;
@@ -54,9 +54,9 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanos
     c.lead = lead;
     if (I != Interface::torque) c.coulomb_friction = JointTorque<6, T>::constant(coulomb);
     if constexpr (I == Interface::torque) {
-      return Resolver<I, ur5::Model, T, Integrator>(ur5::Model{}, c);
+      return ResolverBy<I, ur5::Model, T, Integrator>(ur5::Model{}, c);
     } else {
-      return Resolver<I, ur5::Model, T, Integrator, 32, Keeper>(ur5::Model{}, c, keeper);
+      return ResolverBy<I, ur5::Model, T, Integrator, 32, Keeper>(ur5::Model{}, c, keeper);
     }
   });
   std::mt19937_64 rng(1);
@@ -75,7 +75,7 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanos
   for (auto _ : state) {
     now += period;
     measured.time = now;
-    if constexpr (I != Interface::torque) measured.q = memory.under_way.reached;
+    if constexpr (I != Interface::torque) measured.q = memory.group().under_way.reached;
     for (std::size_t i = 0; i < 6; ++i)
       law.push[i] = gravity[i] + ((now / 1'000'000'000) % 2 == 0ns ? T(1) : T(-1));
     const auto out = resolver.step(memory, law, law_memory, measured, resolver.interval(memory, now),
@@ -100,8 +100,8 @@ void shaped(benchmark::State& state) {
     s.damping[i][i] = i < 3 ? T(40) : T(2);
   }
   const auto resolver = bench::prepared([&] {
-    return Resolver<Interface::position, ur5::Model, T, CrankNicolson, 32, Passivity<>, Shape>(
-        ur5::Model{}, configuration<T>(Interface::position, 2ms), Shape(s));
+    return ResolverBy<Interface::position, ur5::Model, T, CrankNicolson, 32, Passivity<>, Shape>(
+        ur5::Model{}, configuration<T>(Interface::position, 2ms), Passivity<>(), Shape(s));
   });
   State<6, T> measured;
   measured.q = {T(0.1), T(-1.2), T(1.4), T(-1.0), T(1.2), T(0.3)};
@@ -113,8 +113,8 @@ void shaped(benchmark::State& state) {
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
     measured.time = now += 2ms;
-    measured.q = memory.under_way.reached;
-    law.push = gravity_torque(ur5::Model{}, memory.q.value);
+    measured.q = memory.group().under_way.reached;
+    law.push = gravity_torque(ur5::Model{}, memory.group().q.value);
     law.push[0] += (now / 1'000'000'000) % 2 == 0ns ? T(1) : T(-1);
     const auto out = resolver.step(memory, law, law_memory, measured, resolver.interval(memory, now),
                                    std::span<const NoTouch>(touches));

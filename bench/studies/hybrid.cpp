@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "skinctl/model/ur5_allegro.hpp"
-#include "skinctl/resolver/group_resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 
 using namespace skinctl;
 
@@ -55,9 +55,9 @@ JointLimits<N> wide(double torque) {
 }
 
 using Whole = ur5_allegro::Model<>;
-using Robot = GroupResolver<Whole, double,
-                            JointGroups<22, JointGroup<Interface::velocity, joints_between(0, 6)>,
-                                        JointGroup<Interface::torque, joints_between(6, 22)>>>;
+using Robot = Resolver<Whole, double,
+                       JointGroups<22, JointGroup<Interface::velocity, joints_between(0, 6)>,
+                                   JointGroup<Interface::torque, joints_between(6, 22)>>>;
 constexpr std::array<double, 6> pose{0.1, -1.5, 1.2, -1.0, -1.5, 0.3};
 
 /// The hand as one body in the frame of link 5.
@@ -87,8 +87,8 @@ int main() {
   State<22> measured;
   for (std::size_t i = 0; i < 22; ++i) measured.q[i] = i < 6 ? pose[i] : 0.2 + 0.03 * double(i % 5);
   const Loaded<ur5::Model, 5> loaded(ur5::Model{}, frozen(model, measured.q));
-  const Resolver<Interface::velocity, Loaded<ur5::Model, 5>> alone(loaded, arm);
-  const Resolver<Interface::torque, Whole> torques(model, {.limits = wide<22>(1e3), .period = 4ms});
+  const ResolverBy<Interface::velocity, Loaded<ur5::Model, 5>> alone(loaded, arm);
+  const ResolverBy<Interface::torque, Whole> torques(model, {.limits = wide<22>(1e3), .period = 4ms});
 
   const Springs<22> law{measured.q};
   const Springs<6> arm_law{Robot::Stiff::of(measured.q)};
@@ -114,8 +114,9 @@ int main() {
                                 std::span<const Pushes<22>>(touches));
     const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - begin;
     cost.push_back(took.count());
-    const auto want = alone.step(alone_memory, arm_law, arm_memory, {now, alone_memory.under_way.reached, {}},
-                                 alone.interval(alone_memory, now), std::span<const Pushes<6>>(arm_touches));
+    const auto want =
+        alone.step(alone_memory, arm_law, arm_memory, {now, alone_memory.group().under_way.reached, {}},
+                   alone.interval(alone_memory, now), std::span<const Pushes<6>>(arm_touches));
     const auto state = robot.state(memory);
     auto torque_memory = torques.start({now - 4ms, state.q, state.dq});
     const auto torque =

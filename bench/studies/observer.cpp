@@ -238,7 +238,8 @@ void blocked(const char* name, Nanoseconds period) {
     const double t = seconds<double>(now);
     loop.joints.hold_fast(0, t > 0.3 && t < 3.5);
     const auto out = loop.step(now, push);
-    const double e = std::abs(loop.memory.q.value[0] - loop.joints.q()[0]), v = out.command.velocity[0];
+    const double e = std::abs(loop.memory.group().q.value[0] - loop.joints.q()[0]),
+                 v = out.command.velocity[0];
     lead = std::max(lead, e);
     if (t > 3) late = std::max(late, e);
     const bool is = out.status.has(Reason::blocked);
@@ -247,7 +248,7 @@ void blocked(const char* name, Nanoseconds period) {
     steepest = std::max(steepest, std::abs(v - last) / seconds<double>(period));
     last = v;
     curve.x.push_back(t);
-    curve.y.push_back(loop.memory.q.value[0] - 0.1);
+    curve.y.push_back(loop.memory.group().q.value[0] - 0.1);
   }
   while_blocked.series.push_back(curve);
   const double T = loop.robot.total_delay();

@@ -30,8 +30,9 @@ class FollowingJudge {
 
   /// @param force  that the skin feels [N].
   template <class RobotMemory>
-  void cycle(double t, double dt, const RobotMemory& robot, skinctl::Status status, double force,
+  void cycle(double t, double dt, const RobotMemory& memory, skinctl::Status status, double force,
              const skinctl::JointPosition<N>&) noexcept {
+    const auto& robot = memory.group();
     monitor_.step(memory_, robot);
     if (force > 1) touched_at_ = t;
     const bool free = t - touched_at_ > untouched;
@@ -115,9 +116,9 @@ class StandingJudge {
     if (force > 1) touched_at_ = t;
     const bool free = t - touched_at_ > untouched;
     for (std::size_t i = 0; i < N; ++i) {
-      const bool stands =
-          free && std::abs(robot.measured.dq[i]) < still && std::abs(robot.measured.q[i] - target[i]) > away;
-      const bool pulled = std::abs(robot.command.torque[i]) > 2 * friction_[i];
+      const bool stands = free && std::abs(robot.measured().dq[i]) < still &&
+                          std::abs(robot.measured().q[i] - target[i]) > away;
+      const bool pulled = std::abs(robot.command().torque[i]) > 2 * friction_[i];
       stood_[i] = stands ? stood_[i] + dt : 0;
       resisted_[i] = stands && pulled ? resisted_[i] + dt : 0;
     }

@@ -223,14 +223,12 @@
 #include "skinctl/passivity/stiffest_contact.hpp"
 
 #include "skinctl/resolver/following_monitor.hpp"
-#include "skinctl/resolver/group_resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/interval.hpp"
 #include "skinctl/resolver/memory.hpp"
 #include "skinctl/resolver/resolver.hpp"
-#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/resolver/servo.hpp"
-#include "skinctl/resolver/torque_resolver.hpp"
 
 #include "skinctl/guard/budget.hpp"
 #include "skinctl/guard/faults.hpp"

@@ -156,7 +156,7 @@ Seen run(const C& cycle, const typename C::Goal& goal, const Course& course,
   const auto memory = std::make_unique<typename C::Memory>(), other = std::make_unique<typename C::Memory>();
   cycle.start(*memory, plant.state);
   if (recording != nullptr) recording->start(plant.state);
-  JointCommand<6> sent = memory->robot.command;
+  JointCommand<6> sent = memory->robot.command();
   typename C::Input input;
   std::array<double, 6> last{};
   Seen seen;
@@ -353,7 +353,7 @@ TEST_CASE("Configurations: a number that there is not is refused, and the old co
   const Configurations cycle(joint_scene<I>({}), joint_scene<I>({.lambda = 30}));
   Plant<I> plant;
   auto memory = cycle.start(plant.state), twin = memory;
-  JointCommand<6> sent = memory.robot.command;
+  JointCommand<6> sent = memory.robot.command();
   std::remove_cv_t<decltype(cycle)>::Input input;
   for (int k = 1; k <= 400; ++k) {
     input.now = k * period<I>;
@@ -383,7 +383,7 @@ TEST_CASE("Configurations: by torque a change waits for the end of a stop") {
   const Configurations cycle(joint_scene<I>({}), joint_scene<I>({.load = part}));
   Plant<I> plant;
   auto memory = cycle.start(plant.state);
-  JointCommand<6> sent = memory.robot.command;
+  JointCommand<6> sent = memory.robot.command();
   std::remove_cv_t<decltype(cycle)>::Input input;
   double jump = 0;
   for (int k = 1; k <= 1000; ++k) {
@@ -411,7 +411,7 @@ TEST_CASE("Configurations: changes at random times, also while one is under way,
     Plant<I> plant;
     Commanded<I> commanded;
     auto memory = cycle.start(plant.state);
-    JointCommand<6> sent = memory.robot.command;
+    JointCommand<6> sent = memory.robot.command();
     typename std::remove_cvref_t<decltype(cycle)>::Input input;
     std::array<double, 6> last{};
     double jump = 0;

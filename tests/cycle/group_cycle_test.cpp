@@ -66,7 +66,7 @@ TEST_CASE("Groups: the tool's speed and the joints' jerk are limited, whoever mo
 }
 
 TEST_CASE(
-    "Groups: GroupResolver, GroupGovernor and GroupGuard send no command of a state that is no number") {
+    "Groups: Resolver, GroupGovernor and GroupGuard send no command of a state that is no number") {
   Run run{Cycle(robot(), Pull{{0, 0, 0.1}, {}, {}})};
   const double wrong[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, 5e-324};
   for (int k = 0; k < 400; ++k) {
@@ -128,7 +128,7 @@ TEST_CASE("Groups: the rate of what laws ask for by themselves is bounded for al
   Run run{Cycle(slow(), law).with(GuardSettings<3>{.torque_rate = 1e5})};
   run.stuck = true;
   run.held = run.plant.q();
-  JointTorque<3> last = run.memory.robot.command.torque;
+  JointTorque<3> last = run.memory.robot.command().torque;
   JointTorque<3> most;
   for (int k = 0; k < 120; ++k) {
     const auto& out = run.cycle();

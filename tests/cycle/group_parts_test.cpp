@@ -22,7 +22,7 @@ TEST_CASE("Groups: with all parts at once, whatever comes in, commands stay fini
   const double wrong[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                           -1e300, 1e-310, 7};
   Run run{scene};
-  JointCommand<3> last = run.memory.robot.command;
+  JointCommand<3> last = run.memory.robot.command();
   std::uint64_t allocated = 0;
   bool good = true;
   for (int k = 0; k < 20000; ++k) {

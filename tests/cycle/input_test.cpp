@@ -115,7 +115,7 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
   State<6, T> state;
   state.q = home_position<T>();
   scene.start(*memory, state);
-  JointCommand<6, T> last = memory->robot.command;
+  JointCommand<6, T> last = memory->robot.command();
   Nanoseconds now{};
   std::uint64_t allocated = 0;
   for (const auto& fields : cycles) {
@@ -197,7 +197,7 @@ TEST_CASE_TEMPLATE(
     state = {};
     state.q = home_position<T>();
     scene.start(*memory, state);
-    last = memory->robot.command;
+    last = memory->robot.command();
     Nanoseconds now{};
     for (int k = 1; k <= 100; ++k) {
       now += 8ms;

@@ -106,7 +106,7 @@ Seen reach(const Truth& t) {
   State<N> x{0ns, Robot::home, {}};
   const auto memory = std::make_unique<typename Scene::Memory>();
   cycle.start(*memory, x);
-  JointTorque<N> tau = memory->robot.command.torque;
+  JointTorque<N> tau = memory->robot.command().torque;
   std::deque<std::pair<Nanoseconds, JointTorque<N>>> under_way;
   auto goal = Robot::home;
   for (std::size_t i = 0; i < N; ++i) goal[i] += i % 2 == 0 ? 0.4 : -0.3;

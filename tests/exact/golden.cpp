@@ -88,9 +88,9 @@ bool compare(const Told& told, const std::string& path) {
 /// Runs a scene. `own(k, run)` changes input and robot of cycle k.
 template <class Scene, class Own>
 Told tell(const char* name, const Scene& scene, std::array<Interface, Scene::joints> takes,
-          Nanoseconds period, const JointPosition<Scene::joints>& home, const Own& own) {
+          Nanoseconds period, const JointPosition<Scene::joints>& at, const Own& own) {
   Told told{.name = name, .rows = {}};
-  auto run = std::make_unique<Run<Scene>>(scene, takes, period, home);
+  auto run = std::make_unique<Run<Scene>>(scene, takes, period, at);
   Hash commands, statuses;
   for (int k = 1; k <= 4000; ++k) {
     own(k, *run);
@@ -118,9 +118,9 @@ int main(int count, char** words) {
   }
   const bool write = count > 2 && std::strcmp(words[2], "--write") == 0;
   bool fine = true;
-  each_scene([&](const char* name, const auto& scene, const auto& takes, auto period, const auto& home,
+  each_scene([&](const char* name, const auto& scene, const auto& takes, auto period, const auto& at,
                  const auto& own) {
-    const auto told = tell(name, scene, takes, period, home, own);
+    const auto told = tell(name, scene, takes, period, at, own);
     const std::string path = std::string(words[1]) + "/" + name + ".txt";
     if (write) {
       std::ofstream(path) << as_text(told);

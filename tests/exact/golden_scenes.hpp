@@ -36,12 +36,12 @@ class Run {
   static constexpr std::size_t joints = Scene::joints;
   using Input = typename Scene::Input;
 
-  Run(const Scene& scene, const std::array<Interface, joints>& takes, Nanoseconds period,
-      const JointPosition<joints>& home)
-      : period(period), scene_(scene), takes_(takes), state{{}, home, {}} {
+  Run(const Scene& scene, const std::array<Interface, joints>& takes, Nanoseconds planned,
+      const JointPosition<joints>& at)
+      : period(planned), scene_(scene), takes_(takes), state{{}, at, {}} {
     scene_.start(memory_, state);
     for (std::size_t i = 0; i < joints; ++i)
-      under_way_[i] = sent_[i] = takes[i] == Interface::position ? home[i] : 0.0;
+      under_way_[i] = sent_[i] = takes[i] == Interface::position ? at[i] : 0.0;
   }
 
   /// The number that joint `i` takes.

@@ -15,7 +15,7 @@ using namespace skinctl::testing;
 namespace {
 
 using Model3 = ArmWithFingerModel;
-using Robot = GroupResolver<
+using Robot = Resolver<
     Model3, double,
     JointGroups<3, JointGroup<Interface::velocity, 0b011>, JointGroup<Interface::torque, 0b100>>>;
 
@@ -105,7 +105,7 @@ TEST_CASE("GroupGuard: a good command passes, with both parts; nothing is alloca
 TEST_CASE("GroupGuard: a torque turns at its rate and ends at its limit, the arm is not disturbed") {
   Run run{scene({{4, 2, 5}})};  // 0.7 N m at most, 35 N m/s
   Run free{scene({{4, 2, 0}})};
-  double last = run.memory.robot.command.torque[2];
+  double last = run.memory.robot.command().torque[2];
   for (int k = 0; k < 100; ++k) {
     const auto out = run.cycle(), other = free.cycle();
     CHECK(std::abs(out.command.torque[2] - last) <= 50 * 0.7 * 0.004 * (1 + 1e-9));
@@ -120,7 +120,7 @@ TEST_CASE("GroupGuard: bad news of a part, and a stop, hold both without a step"
   Run run{scene({{10, 5, 0.05}})};
   for (int k = 0; k < 100; ++k) run.cycle();
   CHECK(run.sent[0] > 0.5);
-  JointCommand<3> last = run.memory.robot.command;
+  JointCommand<3> last = run.memory.robot.command();
   const auto steady = [&](const Scene::Output& out) {
     for (std::size_t i = 0; i < 2; ++i)
       CHECK(std::abs(out.command.velocity[i] - last.velocity[i]) <= 40 * 0.004 * (1 + 1e-9));

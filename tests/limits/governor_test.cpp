@@ -290,7 +290,7 @@ TEST_CASE("governor: whatever bits come in, commands stay finite, within limits 
     State<6> state;
     state.q = home_position();
     scene.start(*memory, state);
-    auto last = memory->robot.command;
+    auto last = memory->robot.command();
     bool begun = false;
     Nanoseconds now{};
     for (int k = 0; k < 100; ++k) {

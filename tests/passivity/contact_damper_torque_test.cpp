@@ -1,7 +1,7 @@
 // Contacts that ring, of joints by torque.
 #include <doctest/doctest.h>
 
-#include "skinctl/resolver/group_resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "tests/support/arm_with_finger.hpp"
 #include "tests/support/grouped_plant.hpp"
 
@@ -77,7 +77,7 @@ Rings press(const Robot& robot) {
   double least = 1e9, most = 0, sum = 0;
   for (int k = 1; k <= 2000; ++k) {
     const Nanoseconds now = k * 1ms;
-    plant.command(memory.command);
+    plant.command(memory.command());
     plant.run(1e-3, 20, [&](const auto& q, const auto&) {
       JointTorque<3> push;
       for (std::size_t i = 0; i < 3; ++i) push[i] = -force(q) * row[i];

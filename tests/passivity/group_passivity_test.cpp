@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/limits/group_governor.hpp"
-#include "skinctl/resolver/group_resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "tests/support/contact_scene.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/grouped_plant.hpp"
@@ -49,7 +49,7 @@ Given run_groups(const RandomScene& scene, bool friction, const Parts&... parts)
   Given out;
   double by_arm = 0, drawn = 0;
   for (Nanoseconds now = period; now < 2s; now += period) {
-    plant.command(memory.command);
+    plant.command(memory.command());
     const double from = seconds<double>(now - period);
     int j = 0;
     const auto push_at = [&](const JointPosition<6>& q, const JointVelocity<6>& dq, double t) {
@@ -66,7 +66,7 @@ Given run_groups(const RandomScene& scene, bool friction, const Parts&... parts)
       return touch;
     };
     JointPosition<6> last = plant.q();
-    const JointTorque<6> active = memory.command.torque - gravity_torque(ur5::Model{}, last);
+    const JointTorque<6> active = memory.command().torque - gravity_torque(ur5::Model{}, last);
     for (; j < 10; ++j) {
       const double t = from + 1e-4 * j;
       const auto before = push_at(plant.q(), plant.dq(), t);
@@ -111,7 +111,8 @@ EnergyTank<> tank(double energy) {
 // Without friction nothing takes up what a prediction leaves out: recoil of an arm that moves in jerks, limits that
 // cut a motion.
 TEST_CASE(
-    "GroupResolver: one tank pays for an arm by position and a wrist by torque, with friction or without") {
+    "Resolver in groups: one tank pays for an arm by position and a wrist by torque, with friction or "
+    "without") {
   constexpr double energy = 3;
   for (const bool friction : {true, false}) {
     CAPTURE(friction);
@@ -136,7 +137,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("GroupResolver: no contact gets more from the arm's joints than it gave and the account held") {
+TEST_CASE(
+    "Resolver in groups: no contact gets more from the arm's joints than it gave and the account held") {
   int broken = 0, held = 0;
   for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
     CAPTURE(seed);

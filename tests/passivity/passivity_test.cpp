@@ -13,7 +13,8 @@ using namespace skinctl::testing;
 
 static_assert(std::is_empty_v<Passivity<>>);
 using Full = Passivity<EnergyTank<>, PassivityObserver<>, ContactDamper<>>;
-static_assert(std::is_trivially_copyable_v<ResolverMemory<6, double, 32, Full>>);
+static_assert(std::is_trivially_copyable_v<
+              ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 32, Full>::Memory>);
 
 // Fewer where the sanitizers slow it down.
 constexpr std::uint64_t scenes = SKINCTL_MANY_DIGITS ? 300 : 60;

@@ -199,9 +199,9 @@ Path pushed_about(Nanoseconds period, double skipped, double jitter, double coul
     path.time.push_back(now);
     path.command.emplace_back();
     for (std::size_t i = 0; i < 6; ++i) {
-      path.command.back()[i] = loop.memory.q.value[i];
+      path.command.back()[i] = loop.memory.group().q.value[i];
       // A late command is not caught up at once.
-      path.behind = std::max(path.behind, std::abs(out.command.position[i] - loop.memory.q.value[i]));
+      path.behind = std::max(path.behind, std::abs(out.command.position[i] - loop.memory.group().q.value[i]));
     }
   }
   loop.joints.advance(seconds<double>(now) + 0.3);
@@ -259,7 +259,7 @@ TEST_CASE_TEMPLATE("Resolver: a blocked arm does not run away, says so, and come
         const double t = seconds<double>(now);
         loop.joints.hold_fast(0, t > 0.3 && t < 3.5);
         const auto out = loop.step(now, push);
-        const double lead = std::abs(loop.memory.q.value[0] - loop.joints.q()[0]);
+        const double lead = std::abs(loop.memory.group().q.value[0] - loop.joints.q()[0]);
         farthest = std::max(farthest, lead);
         REQUIRE(lead <= 2 * c.limits.velocity()[0] * T * (1 + 1e-9));
         const double rate = out.command.velocity[0];
@@ -314,9 +314,9 @@ TEST_CASE_TEMPLATE("Resolver: follows a robot that was moved", I,
   }
   CHECK(speed < 3.2);
   for (std::size_t i = 0; i < 6; ++i) {
-    CHECK(std::abs(loop.memory.q.value[i] - loop.joints.q()[i]) <
+    CHECK(std::abs(loop.memory.group().q.value[i] - loop.joints.q()[i]) <
           1.01 * loop.robot.parameters().dead_band[i]);
-    CHECK(std::abs(loop.memory.command.velocity[i]) < 1e-3);
+    CHECK(std::abs(loop.memory.command().velocity[i]) < 1e-3);
   }
 }
 
@@ -338,11 +338,11 @@ TEST_CASE_TEMPLATE("Resolver: encoder noise and jitter stay within the dead band
     CHECK_FALSE(out.status.has(Reason::blocked));
     CHECK_FALSE(out.status.has(Reason::lead_limited));
     for (std::size_t i = 0; i < 6; ++i) {
-      CHECK(std::abs(loop.memory.residual[i]) < 2e-3);
+      CHECK(std::abs(loop.memory.group().residual[i]) < 2e-3);
       if constexpr (I::value == Interface::position) {
-        CHECK(out.command.position[i] == quiet.memory.command.position[i]);  // to the bit
+        CHECK(out.command.position[i] == quiet.memory.command().position[i]);  // to the bit
       } else {
-        CHECK(std::abs(out.command.velocity[i] - quiet.memory.command.velocity[i]) < 2e-4);
+        CHECK(std::abs(out.command.velocity[i] - quiet.memory.command().velocity[i]) < 2e-4);
       }
     }
   }
@@ -365,14 +365,14 @@ TEST_CASE("Resolver: starts moving with a robot that moves") {
   State<6> s = loop.measure(0ns);
   s.dq = {1, -1, 0, 0, 0, 0};
   auto m = loop.robot.start(s);
-  CHECK(m.v[0] == 1);
-  CHECK(m.v[1] == -1);
-  CHECK(m.command.position[0] == doctest::Approx(pose[0] + 0.016));
-  CHECK(m.command.valid);
+  CHECK(m.group().v[0] == 1);
+  CHECK(m.group().v[1] == -1);
+  CHECK(m.command().position[0] == doctest::Approx(pose[0] + 0.016));
+  CHECK(m.command().valid);
   s.dq = {0.1, 0, 0, 0, 0, 0};  // less than the dead band in T: noise
   m = loop.robot.start(s);
-  CHECK(m.v[0] == 0);
-  CHECK(m.command.position[0] == pose[0]);
+  CHECK(m.group().v[0] == 0);
+  CHECK(m.command().position[0] == pose[0]);
 }
 
 TEST_CASE("Resolver: a cycle allocates nothing") {

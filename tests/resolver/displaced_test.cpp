@@ -39,7 +39,7 @@ struct GivesWay : StatelessLaw<GivesWay> {
 template <Interface I>
 class Loop {
  public:
-  using Robot = Resolver<I, ur5::Model, double, CrankNicolson, 32>;
+  using Robot = ResolverBy<I, ur5::Model, double, CrankNicolson, 32>;
   using World = std::function<Row(double, const Row&)>;
 
   Loop(const RobotConfiguration<6>& c, const JointTruth<6>& truth)
@@ -242,7 +242,7 @@ TEST_CASE("Displaced robot: a gap within the dead band is met before anything mo
     loop.run(2.5);
     CHECK(loop.furthest <= std::abs(gap) + 1e-9);
     CHECK(loop.status == Status{});
-    CHECK(loop.memory.gap[0] == doctest::Approx(gap).epsilon(1e-3));
+    CHECK(loop.memory.group().gap[0] == doctest::Approx(gap).epsilon(1e-3));
   }
 }
 
@@ -256,7 +256,7 @@ TEST_CASE("Displaced robot: what stops commands soon after the start is an obsta
     loop.run(3, [](double, const Row&) { return Row{25}; });
     CAPTURE(at);
     CHECK(loop.status.has(Reason::blocked));
-    CHECK(std::abs(loop.memory.gap[0]) < 1e-5);
+    CHECK(std::abs(loop.memory.group().gap[0]) < 1e-5);
     // A hand that holds an arm aside for a while, and lets it go: nothing moves for it.
     Loop<Interface::position> held(declared(), truth);
     held.run(0.2);
@@ -335,7 +335,7 @@ TEST_CASE("Resolver: a late cycle is not caught up in one servo cycle") {
     const auto push = [&](double, const Row&) { return Row{speed * 4 * 3.5}; };
     loop.run(2, push);
     loop.step_of_command = 0;
-    const double v = loop.memory.v[0];
+    const double v = loop.memory.group().v[0];
     CAPTURE(v);
     loop.step(push, loop.now + 40ms);
     double last = loop.command.velocity[0];
@@ -345,7 +345,9 @@ TEST_CASE("Resolver: a late cycle is not caught up in one servo cycle") {
       last = loop.command.velocity[0];
     }
     CHECK(loop.step_of_command <= M_PI * 0.008 * (1 + 1e-9));
-    if (v < 2) CHECK(loop.memory.sent.value[0] == doctest::Approx(loop.memory.q.value[0]).epsilon(1e-12));
+    if (v < 2)
+      CHECK(loop.memory.group().sent.value[0] ==
+            doctest::Approx(loop.memory.group().q.value[0]).epsilon(1e-12));
   }
 }
 
@@ -433,15 +435,15 @@ TEST_CASE("Displaced robot: after it has shown friction it still meets obstacles
   truth.stiction[0] = truth.coulomb[0] = 30;
   Loop<Interface::position> loop(declared(), truth);
   loop.run(10, [](double t, const Row&) { return Row{20 * std::sin(1.5 * t)}; });
-  CHECK(loop.memory.watch[0].slack > 0);
-  CHECK(loop.memory.watch[1].slack == 0);
+  CHECK(loop.memory.group().watch[0].slack > 0);
+  CHECK(loop.memory.group().watch[1].slack == 0);
   loop.joints.hold_fast(0, true);
   double lead = 0;
   Status seen;
   for (const auto end = loop.now + 6s; loop.now < end;) {
     loop.step([](double, const Row&) { return Row{25}; });
     seen |= loop.status;
-    lead = std::max(lead, std::abs(loop.command.position[0] - loop.memory.measured.q[0]));
+    lead = std::max(lead, std::abs(loop.command.position[0] - loop.memory.measured().q[0]));
   }
   CHECK(lead <= loop.robot.max_lead(0) * (1 + 1e-9));
   CHECK(seen.has(Reason::blocked));
@@ -478,8 +480,8 @@ TEST_CASE(
     double shown = 0, slack = 0;
     while (loop.now < 10s) {
       loop.step([](double t, const Row&) { return Row{20 * std::sin(1.5 * t)}; });
-      shown = std::max(shown, std::abs(loop.memory.residual[0]) - band);
-      slack = std::max(slack, loop.memory.watch[0].slack);
+      shown = std::max(shown, std::abs(loop.memory.group().residual[0]) - band);
+      slack = std::max(slack, loop.memory.group().watch[0].slack);
     }
     CAPTURE(servo.first);
     CAPTURE(servo.second);
@@ -520,7 +522,7 @@ TEST_CASE(
     loop.joints.hold_fast(0, true);
     while (loop.now < 3s && !loop.status.has(Reason::blocked)) loop.step(push);
     REQUIRE(loop.status.has(Reason::blocked));
-    const auto ahead = [&] { return side * (loop.memory.q.value[0] - loop.memory.back[0]); };
+    const auto ahead = [&] { return side * (loop.memory.group().q.value[0] - loop.memory.group().back[0]); };
     const double begins = ahead();
     CHECK(begins > 0.05);
     double least = begins;

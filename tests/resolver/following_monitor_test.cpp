@@ -27,7 +27,7 @@ Outcome lead(const JointTruth<6>& truth, double time, double swing = 1, double b
   RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(20.0), .period = 8ms, .delay = 8ms, .lag = 8ms};
   c.virtual_damping = 4;
-  using Robot = Resolver<Interface::position, ur5::Model>;
+  using Robot = ResolverBy<Interface::position, ur5::Model>;
   const Robot robot(ur5::Model{}, c);
   const FollowingMonitor monitor(c);
   UndeclaredJoints<6> joints(UndeclaredJoints<6>::Kind::position, truth, pose, seed);
@@ -55,7 +55,7 @@ Outcome lead(const JointTruth<6>& truth, double time, double swing = 1, double b
     pushes.fill(push);
     const auto result = robot.step(memory, law, law_memory, measure(now), robot.interval(memory, now),
                                    std::span<const Pushed<6, double>>(pushes));
-    monitor.step(watched, memory);
+    monitor.step(watched, memory.group());
     out.seen |= result.status;
     std::array<double, 6> q{};
     for (std::size_t i = 0; i < 6; ++i) q[i] = result.command.position[i];

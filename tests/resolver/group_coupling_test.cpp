@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/resolver/group_resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "tests/support/arm_with_finger.hpp"
 #include "tests/support/grouped_plant.hpp"
 
@@ -131,7 +131,7 @@ JointPosition<3> resolved(double until, const Drive& drive, const Parts&... part
     pushed.push = {};
     for (std::size_t i = 0; i < 3; ++i)
       if ((D >> i) & 1u) std::swap(pushed.push[i], act.push[i]);
-    plant.command(memory.command);
+    plant.command(memory.command());
     plant.run(1e-3, 10, [&](const auto& q, const auto& dq) { return pushed(q, dq); });
     const auto out = resolver.step(memory, law, law_memory, State<3>{now, plant.q(), plant.dq()},
                                    resolver.interval(memory, now), std::span<const NoSense>(none));
@@ -177,7 +177,7 @@ State<3> compare(double until, const Drive& drive, double most, const Parts&... 
 
 }  // namespace
 
-TEST_CASE("GroupResolver: the arm takes the recoil of a finger that closes") {
+TEST_CASE("Resolver in groups: the arm takes the recoil of a finger that closes") {
   double recoil = 0;
   for (double until : {0.15, 0.2, 0.3, 0.6}) {
     const auto want = compare<0b011, 0b100>(until, close_finger, 0.02);
@@ -187,11 +187,11 @@ TEST_CASE("GroupResolver: the arm takes the recoil of a finger that closes") {
   CHECK(recoil > 5e-3);
 }
 
-TEST_CASE("GroupResolver: a finger that hangs loose is felt by the arm that swings it, and feels it") {
+TEST_CASE("Resolver in groups: a finger that hangs loose is felt by the arm that swings it, and feels it") {
   for (double until : {0.15, 0.3, 0.6}) compare<0b011, 0b100>(until, push_arm, 0.02);
 }
 
-TEST_CASE("GroupResolver: joints of any mixture, in any order, move as the robot's equations say") {
+TEST_CASE("Resolver in groups: joints of any mixture, in any order, move as the robot's equations say") {
   for (const auto drive : {&push_arm, &push_finger})
     for (double until : {0.2, 0.5}) {
       compare<0b001, 0b100>(until, *drive, 0.02);  // V P T
@@ -201,7 +201,7 @@ TEST_CASE("GroupResolver: joints of any mixture, in any order, move as the robot
     }
 }
 
-TEST_CASE("GroupResolver: with semi-implicit Euler too") {
+TEST_CASE("Resolver in groups: with semi-implicit Euler too") {
   for (double until : {0.15, 0.3, 0.6}) {
     compare<0b011, 0b100>(until, push_arm, 0.02, SemiImplicitEuler{});
     compare<0b011, 0b100>(until, close_finger, 0.02, SemiImplicitEuler{});
@@ -209,7 +209,7 @@ TEST_CASE("GroupResolver: with semi-implicit Euler too") {
 }
 
 TEST_CASE_TEMPLATE(
-    "GroupResolver: the end of an arm feels like the mass of its tool shape, with the finger on it",
+    "Resolver in groups: the end of an arm feels like the mass of its tool shape, with the finger on it",
     Integrator, CrankNicolson, SemiImplicitEuler) {
   using Shape = ToolShape<1, 3>;
   // The arm's two joints move a point of its link in two directions; a push in these.

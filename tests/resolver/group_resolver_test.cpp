@@ -1,5 +1,3 @@
-#include "skinctl/resolver/group_resolver.hpp"
-
 #include <doctest/doctest.h>
 
 #include <limits>
@@ -63,8 +61,7 @@ struct Arm {
 using ArmModel = StaticModel<Arm>;
 template <Interface I, class T = double>
 using SmallRobot =
-    GroupResolver<SmallModel, T,
-                  JointGroups<3, JointGroup<I, 0b011, T>, JointGroup<Interface::torque, 0b100, T>>>;
+    Resolver<SmallModel, T, JointGroups<3, JointGroup<I, 0b011, T>, JointGroup<Interface::torque, 0b100, T>>>;
 static_assert(std::is_trivially_copyable_v<SmallRobot<Interface::velocity>::Memory>);
 
 template <std::size_t N, class T>
@@ -112,7 +109,7 @@ struct SmallScene {
   auto cycle(const JointTorque<3, T>& push) {
     now += 4ms;
     const double h = 0.0002;
-    const double drive = double(memory.command.torque[2]) + double(push[2]);
+    const double drive = double(memory.command().torque[2]) + double(push[2]);
     for (int k = 1; k <= 20; ++k) {
       arm.advance(seconds<double>(now) - 0.004 + k * h);
       const JointPosition<3> q{arm.q()[0], arm.q()[1], finger};
@@ -148,7 +145,8 @@ struct Case {
 }  // namespace
 
 TEST_CASE(
-    "GroupResolver: the arm moves as by velocity alone with the hand as a load, the hand has its torque") {
+    "Resolver in groups: the arm moves as by velocity alone with the hand as a load, the hand has its "
+    "torque") {
   using Robot = SmallRobot<Interface::velocity>;
   const auto c = SmallScene<Interface::velocity, double>::configuration();
   const Robot robot = SmallScene<Interface::velocity, double>::made();
@@ -158,9 +156,9 @@ TEST_CASE(
   const auto X_AF = X.get<1>().inverse() * X.get<2>();
   const Loaded<ArmModel, 1> loaded(
       ArmModel{}, seen_from(X_AF.axes(), X_AF.origin(), inertia_of(ArmWithFinger::links[2])));
-  const Resolver<Interface::velocity, Loaded<ArmModel, 1>> alone(loaded, c.stiff);
+  const ResolverBy<Interface::velocity, Loaded<ArmModel, 1>> alone(loaded, c.stiff);
   RobotConfiguration<3> direct{.limits = limits<3, double>(1e3), .period = 4ms};
-  const Resolver<Interface::torque, SmallModel> torques(SmallModel{}, direct);
+  const ResolverBy<Interface::torque, SmallModel> torques(SmallModel{}, direct);
 
   const Grasp<3> law{.goal = measured.q, .stiffness = {0.2, 0.2, 0.2}, .damping = {}};
   const Grasp<2> arm_law{.goal = {0.2, 0.3}, .stiffness = {0.2, 0.2}, .damping = {}};
@@ -188,7 +186,7 @@ TEST_CASE(
                                 std::span<const Pushes<3, double>>(touches));
     allocated += guard.count();
     const auto want =
-        alone.step(alone_memory, arm_law, arm_memory, {now, alone_memory.under_way.reached, {}},
+        alone.step(alone_memory, arm_law, arm_memory, {now, alone_memory.group().under_way.reached, {}},
                    alone.interval(alone_memory, now), std::span<const Pushes<2, double>>(arm_touches));
     for (std::size_t i = 0; i < 2 && !last; ++i) {
       off = std::max(off, std::abs(out.command.velocity[i] - want.command.velocity[i]));
@@ -213,7 +211,7 @@ TEST_CASE(
   CHECK(allocated == 0);
 }
 
-TEST_CASE_TEMPLATE("GroupResolver: the hand grasps and is pushed while the arm gives way", C,
+TEST_CASE_TEMPLATE("Resolver in groups: the hand grasps and is pushed while the arm gives way", C,
                    Case<Interface::velocity, double>, Case<Interface::position, float>) {
   using T = typename C::scalar;
   SmallScene<C::interface, T> s;
@@ -239,17 +237,18 @@ TEST_CASE_TEMPLATE("GroupResolver: the hand grasps and is pushed while the arm g
   CHECK(std::abs(s.arm.dq()[1]) < 1e-3);
 }
 
-TEST_CASE("GroupResolver: starts where the robot is, holds it while it stops, and goes on without a step") {
+TEST_CASE(
+    "Resolver in groups: starts where the robot is, holds it while it stops, and goes on without a step") {
   SmallScene<Interface::velocity, double> s;
   // At the start the finger is held against gravity, the arm stands.
-  CHECK(s.memory.command.valid);
-  CHECK(s.memory.command.velocity == JointVelocity<3>{});
-  CHECK(s.memory.command.torque[2] == doctest::Approx(gravity_torque(SmallModel{}, s.measured.q)[2]));
+  CHECK(s.memory.command().valid);
+  CHECK(s.memory.command().velocity == JointVelocity<3>{});
+  CHECK(s.memory.command().torque[2] == doctest::Approx(gravity_torque(SmallModel{}, s.measured.q)[2]));
   for (int k = 0; k < 100; ++k) s.cycle({20, 5, 0});
   CHECK(s.memory.group().v[0] > 0.2);
   const double asked = s.law_memory.seconds;
   s.robot.stop(s.memory);
-  JointVelocity<3> last = s.memory.command.velocity;
+  JointVelocity<3> last = s.memory.command().velocity;
   for (int k = 0; k < 200; ++k) {
     const auto out = s.cycle({20, 5, 0});
     CHECK(out.status.has(Reason::stopping));
@@ -274,7 +273,7 @@ TEST_CASE("GroupResolver: starts where the robot is, holds it while it stops, an
   CHECK(s.law_memory.seconds == doctest::Approx(asked + 0.4));
 }
 
-TEST_CASE("GroupResolver: bad news of a finger are no news of the arm either, and both are held") {
+TEST_CASE("Resolver in groups: bad news of a finger are no news of the arm either, and both are held") {
   SmallScene<Interface::velocity, double> s;
   for (int k = 0; k < 100; ++k) s.cycle({20, 5, 0});
   const State<3> good = s.measured;
@@ -286,17 +285,17 @@ TEST_CASE("GroupResolver: bad news of a finger are no news of the arm either, an
     s.measured.q[2] = std::numeric_limits<double>::quiet_NaN();
     const auto out = s.resolve({20, 5, 0});
     CHECK(out.status.has(Reason::state_not_finite));
-    CHECK(s.memory.measured.q == good.q);
+    CHECK(s.memory.measured().q == good.q);
     for (std::size_t i = 0; i < 3; ++i) CHECK(std::isfinite(out.command.torque[i] + out.command.velocity[i]));
     status = out.status;
   }
   CHECK(status.has(Reason::state_stale));
   CHECK(s.memory.group().v == JointVelocity<2>{});
-  CHECK(s.memory.command.torque[2] ==
+  CHECK(s.memory.command().torque[2] ==
         doctest::Approx(gravity_torque(SmallModel{}, good.q)[2]).epsilon(1e-12));
 }
 
-TEST_CASE("GroupResolver: a torque that is not finite brakes the arm and holds the hand") {
+TEST_CASE("Resolver in groups: a torque that is not finite brakes the arm and holds the hand") {
   SmallScene<Interface::velocity, double> s;
   for (int k = 0; k < 100; ++k) s.cycle({20, 5, 0});
   s.law.broken = std::numeric_limits<double>::infinity();
@@ -308,7 +307,7 @@ TEST_CASE("GroupResolver: a torque that is not finite brakes the arm and holds t
   CHECK(s.memory.group().v == JointVelocity<2>{});
 }
 
-TEST_CASE("GroupResolver: while the arm is blocked the hand goes on") {
+TEST_CASE("Resolver in groups: while the arm is blocked the hand goes on") {
   SmallScene<Interface::velocity, double> s;
   s.arm.hold_fast(0, true);
   bool blocked = false;
@@ -323,14 +322,14 @@ TEST_CASE("GroupResolver: while the arm is blocked the hand goes on") {
   CHECK_FALSE(s.cycle({}).status.has(Reason::blocked));
 }
 
-TEST_CASE("GroupResolver: what a guard made of one part does not disturb the other") {
+TEST_CASE("Resolver in groups: what a guard made of one part does not disturb the other") {
   SmallScene<Interface::velocity, double> s;
   for (int k = 0; k < 50; ++k) s.cycle({20, 5, 0});
   const auto before = s.memory.group();
-  auto command = s.memory.command;
+  auto command = s.memory.command();
   command.torque[2] = 0.01;
   s.robot.sent(s.memory, command);
-  CHECK(s.memory.command.torque[2] == 0.01);
+  CHECK(s.memory.command().torque[2] == 0.01);
   CHECK(s.memory.group().v == before.v);
   CHECK(s.memory.group().last == before.last);
   command.velocity[0] = 0;
@@ -338,7 +337,7 @@ TEST_CASE("GroupResolver: what a guard made of one part does not disturb the oth
   CHECK(s.memory.group().v[0] == 0);
 }
 
-TEST_CASE("GroupResolver: refuses friction out of range") {
+TEST_CASE("Resolver in groups: refuses friction out of range") {
   HybridConfiguration<2, 1> c{
       .stiff = {.limits = limits<2, double>(150), .period = 4ms, .virtual_damping = 0},
       .limits = limits<1, double>(1)};

@@ -8,24 +8,27 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/model/ur5.hpp"
-#include "skinctl/resolver/resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 
 using namespace skinctl;
 
-using Robot = Resolver<Interface::position, ur5::Model, double, SemiImplicitEuler>;
-using Memory = ResolverMemory<6, double, 32>;
+using Robot = ResolverBy<Interface::position, ur5::Model, double, SemiImplicitEuler>;
+using Memory = VirtualJointsMemory<6, double, 32>;
+template <std::size_t N, class T, std::size_t History>
+using MemoryOf =
+    ResolverMemory<N, T, JointGroups<N, JointGroup<Interface::position, joints_between(0, N), T>>, History>;
 static_assert(std::is_trivially_copyable_v<Robot::Memory>);
-static_assert(std::is_trivially_copyable_v<Memory> &&
-              std::is_trivially_copyable_v<ResolverMemory<22, float, 64>>);
-static_assert(std::is_base_of_v<VirtualJointsMemory<6, double, 32>, Memory>);
-static_assert(sizeof(Memory) == sizeof(VirtualJointsMemory<6, double, 32>), "no keeper, no bytes");
+static_assert(std::is_trivially_copyable_v<Memory> && std::is_trivially_copyable_v<MemoryOf<22, float, 64>>);
+static_assert(sizeof(MemoryOf<6, double, 32>) <=
+                  sizeof(Memory) + sizeof(detail::OwnTorque<6, double>) + 4 * sizeof(Nanoseconds),
+              "state and command of a robot that is one group are held once");
 
 TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no command that may be sent") {
   const Robot robot(ur5::Model{},
                     {.limits = limits_of<ur5::Description>(), .period = 8ms, .virtual_damping = 4});
   Robot::Memory fresh{};
   CHECK_FALSE(fresh.started);
-  CHECK(fresh.mode == ResolverMode::following);
+  CHECK(fresh.group().mode == ResolverMode::following);
   GravityControl::Memory law{};
   State<6> state;
   const NoTouch nobody[1]{};
@@ -41,15 +44,15 @@ TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no comman
   state.q[2] = 0.5;
   const auto started = robot.start(state);
   CHECK(started.started);
-  CHECK(started.command.valid);
-  CHECK(started.command.position == state.q);
+  CHECK(started.command().valid);
+  CHECK(started.command().position == state.q);
 }
 
 TEST_CASE("ResolverMemory: a copy by its bytes goes on as the original does") {
   RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(40.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4};
   const detail::VirtualJoints<Interface::velocity, 6, double, 32> joints(c);
-  Memory a{joints.start({0ns, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, {}}), {}}, b;
+  Memory a = joints.start({0ns, {0.1, -1.5, 1.2, -1, -1.5, 0.3}, {}}), b;
   const auto cycle = [&](Memory& m, Nanoseconds now) {
     const Interval interval{now - 8ms, now, 1, {}};
     const auto begun = joints.begin(m, {now, m.under_way.reached, {}}, interval);

@@ -18,7 +18,7 @@ JointPosition<6, T> pushed() {
                              .lag = 15625us,
                              .virtual_damping = T(0)};
   for (auto& b : c.viscous_friction) b = T(8);
-  const Resolver<I, ur5::Model, T> robot(ur5::Model{}, c);
+  const ResolverBy<I, ur5::Model, T> robot(ur5::Model{}, c);
   State<6, T> s;
   s.q = {T(0.125), T(-1.5), T(1.25), T(-1), T(-1.5), T(0.25)};
   auto m = robot.start(s);
@@ -27,10 +27,10 @@ JointPosition<6, T> pushed() {
   pushes.fill({{T(5), T(-4), T(2), T(0.25), T(0.125), T(0.0625)}});
   for (int k = 1; k <= 60; ++k) {
     s.time = k * 8ms;
-    s.q = m.under_way.reached;
+    s.q = m.group().under_way.reached;
     robot.step(m, Yield{}, law, s, robot.interval(m, s.time), std::span<const Pushed<6, T>>(pushes));
   }
-  return m.q.value;
+  return m.group().q.value;
 }
 
 template <Interface I, class T>

@@ -15,12 +15,12 @@ auto made(const Parts&... parts) {
 }
 }  // namespace
 
-static_assert(std::is_same_v<decltype(made()), Resolver<Interface::position, ur5::Model>>);
+static_assert(std::is_same_v<decltype(made()), ResolverBy<Interface::position, ur5::Model>>);
 static_assert(decltype(made(EnergyTank<>(), PassivityObserver<>()))::has_tank);
 static_assert(decltype(made(EnergyTank<>(), PassivityObserver<>()))::has_passivity_observer);
 static_assert(!decltype(made(EnergyTank<>()))::has_damper);
 static_assert(std::is_same_v<decltype(made(SemiImplicitEuler{})),
-                             Resolver<Interface::position, ur5::Model, double, SemiImplicitEuler>>);
+                             ResolverBy<Interface::position, ur5::Model, double, SemiImplicitEuler>>);
 
 TEST_CASE("resolver_of: parts of a description become those of its resolver, in any order") {
   const auto kept = made(ContactDamper<>({.max = 70}), SemiImplicitEuler{}, EnergyTank<>({.start = 3}));

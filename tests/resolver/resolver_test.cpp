@@ -1,5 +1,3 @@
-#include "skinctl/resolver/resolver.hpp"
-
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
@@ -9,14 +7,15 @@
 #include <type_traits>
 
 #include "skinctl/guard/guard.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/closed_loop.hpp"
 #include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
 
-static_assert(std::is_trivially_copyable_v<Resolver<Interface::position, ur5::Model>::Memory>);
-static_assert(std::is_trivially_copyable_v<Resolver<Interface::velocity, ur5::Model, float>::Memory>);
+static_assert(std::is_trivially_copyable_v<ResolverBy<Interface::position, ur5::Model>::Memory>);
+static_assert(std::is_trivially_copyable_v<ResolverBy<Interface::velocity, ur5::Model, float>::Memory>);
 static_assert(std::is_trivially_copyable_v<JointCommand<6, float>>);
 
 namespace {
@@ -121,13 +120,13 @@ TEST_CASE_TEMPLATE("Resolver: no limit is ever crossed, and the guard has nothin
     if (scene % 5 == 0) c.coulomb_friction = JointTorque<6, T>::constant(T(1));
     if (scene % 7 == 0) c.viscous_friction = {};
     ClosedLoop<I, T> loop(c, pose, 0.008 + 0.004 * unit(rng), 0.008);
-    const Guard<I, 6, T> guard({.limits = c.limits, .period = c.period});
-    auto guarded = guard.start(loop.memory.command, loop.measure(0ns));
+    const Guard<I, 6, T> guard(c);
+    auto guarded = guard.start(loop.memory.command(), loop.measure(0ns));
     loop.noise = 1e-4;
     std::array<double, 6> push{}, impulse{};
     double since = 0;
     Nanoseconds now{};
-    auto before = loop.memory.command;
+    auto before = loop.memory.command();
     for (int k = 0; k < 2500; ++k, ++cycles) {
       const Nanoseconds dt = std::max<Nanoseconds>(
           1us, nanoseconds(seconds<double>(c.period) * (1 + 0.9 * unit(rng)) * (k % 50 == 0 ? 2.5 : 1)));
@@ -151,7 +150,7 @@ TEST_CASE_TEMPLATE("Resolver: no limit is ever crossed, and the guard has nothin
       CAPTURE(k);
       check_limits<I, T>(c.limits, before, out.command, credit);
       before = out.command;
-      const auto let = guard.step(guarded, out.command, loop.memory.measured, now);
+      const auto let = guard.step(guarded, out.command, loop.memory.measured(), now);
       altered += let.altered ? 1 : 0;
       if (let.altered) {
         loop.robot.sent(loop.memory, let.command);
@@ -198,20 +197,20 @@ TEST_CASE_TEMPLATE("Resolver: NaN and infinity in the state are refused, the las
                    INTERFACES_AND_SCALARS) {
   using T = typename C::scalar;
   const auto c = configuration<T>();
-  const Resolver<C::interface, ur5::Model, T> robot(ur5::Model{}, c);
+  const ResolverBy<C::interface, ur5::Model, T> robot(ur5::Model{}, c);
   for (const T bad : {std::numeric_limits<T>::quiet_NaN(), std::numeric_limits<T>::infinity(),
                       -std::numeric_limits<T>::infinity(), T(1e30)}) {
     auto m = robot.start(at<T>(pose));
     Yield::Memory law;
     auto s = at<T>(pose, 8ms);
     s.q[2] = bad;
-    auto before = m.command;
+    auto before = m.command();
     auto out = step(robot, m, law, s, 8ms, pushing<T>({}));
     CHECK(out.status == Reason::state_not_finite);
     check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
     s = at<T>(pose, 16ms);
     s.dq[2] = bad;
-    before = m.command;
+    before = m.command();
     out = step(robot, m, law, s, 16ms, pushing<T>({}));
     CHECK(out.status == Reason::state_not_finite);
     check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
@@ -234,17 +233,17 @@ TEST_CASE_TEMPLATE("Resolver: a torque that is not finite brakes, and the law's 
     Nanoseconds now{};
     while (now < 400ms) loop.step(now += 8ms, [](double t) { return std::array<double, 6>{3 * t}; });
     auto& m = loop.memory;
-    const T speed = m.v[0];
+    const T speed = m.group().v[0];
     const auto evaluations = loop.law_memory.evaluations;
     CHECK(speed > T(0.01));
-    const auto before = m.command;
+    const auto before = m.command();
     now += 8ms;
     loop.joints.advance(seconds<double>(now));
     const auto out = step(loop.robot, m, loop.law_memory, loop.measure(now), now,
                           pushing<T>({T(3), bad, T(0), T(0), T(0), T(0)}));
     CHECK(out.status.has(Reason::torque_not_finite));
     CHECK(loop.law_memory.evaluations == evaluations);
-    CHECK(m.v[0] < speed);
+    CHECK(m.group().v[0] < speed);
     check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
   }
 }
@@ -257,11 +256,11 @@ TEST_CASE_TEMPLATE("Resolver: without news of the robot it brakes and holds, and
   const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, 0, 0, 0, 0, 0}; };
   Nanoseconds now{};
   while (now < 500ms) loop.step(now += 8ms, impulse);
-  CHECK(loop.memory.v[0] > T(0.2));
+  CHECK(loop.memory.group().v[0] > T(0.2));
   auto& m = loop.memory;
   const State<6, T> old = loop.measure(now);
   const Nanoseconds silent = now;
-  auto before = m.command;
+  auto before = m.command();
   bool stale = false;
   const auto advanced = [&] { return loop.law_memory.evaluations; };
   auto evaluations = advanced();
@@ -278,7 +277,7 @@ TEST_CASE_TEMPLATE("Resolver: without news of the robot it brakes and holds, and
   }
   CHECK(stale);
   CHECK(advanced() == evaluations);
-  for (const T v : m.command.velocity) CHECK(std::abs(v) < T(1e-5));
+  for (const T v : m.command().velocity) CHECK(std::abs(v) < T(1e-5));
   auto s = old;
   s.time = now += 8ms;
   const auto out = step(loop.robot, m, loop.law_memory, s, now, pushing<T>({}));
@@ -293,7 +292,7 @@ TEST_CASE_TEMPLATE("Resolver: a stop brakes and holds, a resume goes on without 
   ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
   const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, -9 * t, 0, 0, 0, 0.1 * t}; };
   Nanoseconds now{};
-  auto before = loop.memory.command;
+  auto before = loop.memory.command();
   const auto run = [&](Nanoseconds until) {
     Status seen;
     while (now < until) {
@@ -309,16 +308,16 @@ TEST_CASE_TEMPLATE("Resolver: a stop brakes and holds, a resume goes on without 
   loop.robot.stop(loop.memory);
   CHECK(run(1s).has(Reason::stopping));
   const auto evaluations = loop.law_memory.evaluations;
-  const auto rest = loop.memory.command.position;
+  const auto rest = loop.memory.command().position;
   CHECK(run(2s).has(Reason::stopping));
   CHECK(loop.law_memory.evaluations == evaluations);
   for (std::size_t i = 0; i < 6; ++i) {
-    CHECK(std::abs(loop.memory.command.velocity[i]) < T(1e-5));
-    CHECK(std::abs(double(loop.memory.command.position[i] - rest[i])) < 1e-5);
+    CHECK(std::abs(loop.memory.command().velocity[i]) < T(1e-5));
+    CHECK(std::abs(double(loop.memory.command().position[i] - rest[i])) < 1e-5);
   }
   loop.robot.resume(loop.memory);
   CHECK_FALSE(run(2500ms).has(Reason::stopping));
-  CHECK(loop.memory.v[0] > T(0.2));
+  CHECK(loop.memory.group().v[0] > T(0.2));
 }
 
 TEST_CASE_TEMPLATE("Resolver: time that goes back or stands still changes nothing", C,
@@ -329,7 +328,7 @@ TEST_CASE_TEMPLATE("Resolver: time that goes back or stands still changes nothin
   const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, 0, 0, 0, 0, 0}; };
   Nanoseconds now{};
   while (now < 500ms) loop.step(now += 8ms, impulse);
-  const auto command = loop.memory.command;
+  const auto command = loop.memory.command();
   for (const Nanoseconds wrong : {now, now - 1ns, 0ns, Nanoseconds::min(), Nanoseconds::max()}) {
     auto m = loop.memory;
     Yield::Memory law;
@@ -348,7 +347,7 @@ TEST_CASE_TEMPLATE("Resolver: time that goes back or stands still changes nothin
   s.time = now + 3600s;
   m = loop.memory;
   CHECK_FALSE(step(loop.robot, m, law, s, now + 8ms, pushing<T>({})).status.has(Reason::time_backwards));
-  CHECK(m.measured.time == now + 8ms);
+  CHECK(m.measured().time == now + 8ms);
 }
 
 TEST_CASE_TEMPLATE("Resolver: a robot that starts beyond a limit is only moved inward", C,
@@ -364,8 +363,8 @@ TEST_CASE_TEMPLATE("Resolver: a robot that starts beyond a limit is only moved i
     Status seen;
     for (Nanoseconds now = 8ms; now < 2s; now += 8ms) {
       seen |= loop.step(now, impulse).status;
-      const double q =
-          C::interface == Interface::position ? double(loop.memory.command.position[2]) : loop.joints.q()[2];
+      const double q = C::interface == Interface::position ? double(loop.memory.command().position[2])
+                                                           : loop.joints.q()[2];
       if (last > double(c.limits.upper()[2])) CHECK(q <= last + 1e-6);
       last = q;
     }
@@ -381,7 +380,7 @@ TEST_CASE_TEMPLATE("Resolver: goes on from what the guard let out", C, INTERFACE
   const Impulse impulse = [](double t) { return std::array<double, 6>{8 * t, 0, 0, 0, 0, 0}; };
   Nanoseconds now{};
   while (now < 500ms) loop.step(now += 8ms, impulse);
-  auto instead = loop.memory.command;
+  auto instead = loop.memory.command();
   instead.velocity[0] = T(0.05);
   instead.position[0] -= T(0.001);
   loop.robot.sent(loop.memory, instead);
@@ -412,36 +411,36 @@ TEST_CASE_TEMPLATE("Resolver: nothing creeps in half an hour of rest", C, Case<I
                    Case<Interface::velocity, float>, Case<Interface::position, double>) {
   using T = typename C::scalar;
   auto c = configuration<T>(2ms);
-  const Resolver<C::interface, ur5::Model, T> robot(ur5::Model{}, c);
+  const ResolverBy<C::interface, ur5::Model, T> robot(ur5::Model{}, c);
   auto m = robot.start(at<T>(pose));
   Yield::Memory law;
   Nanoseconds now{};
   for (int k = 0; k < (sanitized ? 100'000 : 1'000'000); ++k) {
     now += 2ms;
-    auto s = m.measured;
+    auto s = m.measured();
     s.time = now;
     step(robot, m, law, s, now, pushing<T>({}));
   }
-  for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(double(m.command.position[i]) - pose[i]) < 1e-6);
+  for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(double(m.command().position[i]) - pose[i]) < 1e-6);
 }
 
 TEST_CASE_TEMPLATE("Resolver: slow motion is not lost to rounding", T, float, double) {
   // 1e-6 rad/s at 500 Hz: a step is 1/60 of float's resolution at 1 rad.
   auto c = configuration<T>(2ms);
-  const Resolver<Interface::position, ur5::Model, T> robot(ur5::Model{}, c);
+  const ResolverBy<Interface::position, ur5::Model, T> robot(ur5::Model{}, c);
   auto m = robot.start(at<T>({1, -1.5, 1.2, -1, -1.5, 0.3}));
-  m.v[0] = m.rate[0] = T(1e-6);
+  m.group().v[0] = m.group().rate[0] = T(1e-6);
   Yield::Memory law;
   Nanoseconds now{};
   const T hold = T(1e-6) * c.viscous_friction[0];
   for (int k = 0; k < 500'000; ++k) {
     now += 2ms;
-    auto s = m.measured;
+    auto s = m.measured();
     s.time = now;
-    s.q = m.q.value;
+    s.q = m.group().q.value;
     step(robot, m, law, s, now, pushing<T>({hold, T(0), T(0), T(0), T(0), T(0)}));
   }
-  CHECK(double(m.q.value[0]) + double(m.q.rest[0]) == doctest::Approx(1.001).epsilon(2e-5));
+  CHECK(double(m.group().q.value[0]) + double(m.group().q.rest[0]) == doctest::Approx(1.001).epsilon(2e-5));
 }
 
 namespace {
@@ -462,9 +461,9 @@ TEST_CASE_TEMPLATE("Resolver: whatever comes in, what goes out is finite and wit
   auto c = configuration<T>();
   const bool ok = rc::check([&] {
     ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
-    const Guard<C::interface, 6, T> guard({.limits = c.limits, .period = c.period});
-    auto guarded = guard.start(loop.memory.command, loop.measure(0ns));
-    auto before = loop.memory.command;
+    const Guard<C::interface, 6, T> guard(c);
+    auto guarded = guard.start(loop.memory.command(), loop.measure(0ns));
+    auto before = loop.memory.command();
     Nanoseconds now{};
     const int cycles = *rc::gen::inRange(1, 40);
     for (int k = 0; k < cycles; ++k) {
@@ -494,7 +493,7 @@ TEST_CASE_TEMPLATE("Resolver: whatever comes in, what goes out is finite and wit
       }
       RC_ASSERT(all_finite(out.command));
       before = out.command;
-      const auto let = guard.step(guarded, out.command, loop.memory.measured, at_time);
+      const auto let = guard.step(guarded, out.command, loop.memory.measured(), at_time);
       RC_ASSERT(all_finite(let.command));
       for (std::size_t i = 0; i < 6; ++i)
         RC_ASSERT(std::abs(let.command.velocity[i]) <= c.limits.velocity()[i] * T(1.0001));

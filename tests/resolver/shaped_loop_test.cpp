@@ -16,7 +16,7 @@ using namespace skinctl::testing;
 namespace {
 
 using Shape = ToolShape<5>;
-using Robot = Resolver<Interface::position, ur5::Model, double, CrankNicolson, 128, Passivity<>, Shape>;
+using Robot = ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 128, Passivity<>, Shape>;
 
 Shape::Settings settings() {
   return {.X_LT = {{}, {0, 0, 0.1}},
@@ -50,7 +50,7 @@ struct Loop {
   Nanoseconds period, now{};
 
   Loop(const Shape& shape, Nanoseconds p, const JointPosition<6>& q)
-      : robot(ur5::Model{}, configuration(p), shape),
+      : robot(ur5::Model{}, configuration(p), Passivity<>(), shape),
         joints(SimulatedJoints<6>::Kind::position, 0.008, 0.008, array(q)),
         memory(robot.start({0ns, q, {}})),
         period(p) {}

@@ -107,11 +107,11 @@ TEST_CASE_TEMPLATE("Resolver: torques beyond the limits accelerate as asked, onl
     CHECK(out.status.has(Reason::torque_limited) == (size > 100));
     double across = 0, along = 0, square = 0, speed = 0;
     for (std::size_t i = 0; i < 6; ++i) {
-      const double a = static_cast<double>(asked[i]), v = static_cast<double>(loop.memory.v[i]);
+      const double a = static_cast<double>(asked[i]), v = static_cast<double>(loop.memory.group().v[i]);
       along += a * v, square += a * a, speed += v * v;
     }
     for (std::size_t i = 0; i < 6; ++i) {
-      const double a = static_cast<double>(asked[i]), v = static_cast<double>(loop.memory.v[i]);
+      const double a = static_cast<double>(asked[i]), v = static_cast<double>(loop.memory.group().v[i]);
       across = std::max(across, std::abs(v - along / square * a));
     }
     CAPTURE(size);

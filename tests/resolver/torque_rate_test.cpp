@@ -77,7 +77,8 @@ Seen run(const Robot& arm, const L& law) {
   }
   return seen;
 }
-const RobotConfiguration<6> configuration{.limits = limits_of<ur5::Description>(), .period = 2ms};
+const RobotConfiguration<6> configuration{
+    .limits = limits_of<ur5::Description>(), .period = 2ms, .virtual_damping = 0};
 template <class F>
 void for_each_robot(F&& f) {
   f(by_position(Arm{}, configuration));

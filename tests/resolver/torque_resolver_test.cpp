@@ -1,11 +1,10 @@
-#include "skinctl/resolver/torque_resolver.hpp"
-
 #include <doctest/doctest.h>
 
 #include <Eigen/LU>
 #include <cmath>
 #include <string>
 
+#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/closed_loop.hpp"
 
 using namespace skinctl;
@@ -14,7 +13,7 @@ using namespace skinctl::testing;
 namespace {
 
 template <class T>
-using Robot = Resolver<Interface::torque, ur5::Model, T>;
+using Robot = ResolverBy<Interface::torque, ur5::Model, T>;
 static_assert(std::is_trivially_copyable_v<Robot<double>::Memory>);
 
 template <class T>
@@ -68,7 +67,7 @@ TEST_CASE("Resolver for torques: refuses shapes that it cannot give a real robot
   CHECK(refused([](auto&) {}).empty());
   CHECK(refused([](auto& c) { c.viscous_friction[0] = 3; }).empty());
   CHECK(refused([](auto& c) { c.virtual_damping = 1; }) ==
-        "skinctl: virtual damping = 1, allowed: 0 for a robot by torque");
+        "skinctl: virtual damping = 1, allowed: 0 for joints by torque");
   CHECK(refused([](auto& c) { c.coulomb_friction[1] = 1; }).find("Coulomb") != std::string::npos);
   CHECK(refused([](auto& c) { c.virtual_inertia[1] = 1; }).empty());  // of a motor
 }
@@ -166,7 +165,7 @@ TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, gravity is h
   bad.q[3] = nan;
   out = step(robot, m, law, bad, 8ms, {});
   CHECK(out.status == Reason::state_not_finite);
-  CHECK(m.measured.q == at<T>(0ns).q);
+  CHECK(m.measured().q == at<T>(0ns).q);
   out = step(robot, m, law, bad, 40ms, JointTorque<6, T>::constant(T(3)));
   CHECK(out.status.has(Reason::state_stale));
   holds(out, 0);  // nobody knows how it moves: friction by an old velocity would push

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "skinctl/model/ur5.hpp"
-#include "skinctl/resolver/resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/simulated_joints.hpp"
 
 namespace skinctl::testing {
@@ -177,8 +177,8 @@ struct Energies {
 template <Interface I, class Integrator = CrankNicolson, class Keeper, class... Shape>
 Energies run(const RandomScene& scene, const Keeper& keeper, const Shape&... tool) {
   using Tool = std::tuple_element_t<0, std::tuple<Shape..., NoToolShape>>;
-  using Robot = Resolver<I, ur5::Model, double, Integrator, 32, Keeper, Tool>;
-  const Robot robot(ur5::Model{}, scene.configuration, tool..., keeper);
+  using Robot = ResolverBy<I, ur5::Model, double, Integrator, 32, Keeper, Tool>;
+  const Robot robot(ur5::Model{}, scene.configuration, keeper, tool...);
   constexpr auto kind =
       I == Interface::position ? SimulatedJoints<6>::Kind::position : SimulatedJoints<6>::Kind::velocity;
   SimulatedJoints<6> joints(kind, seconds<double>(scene.delay * scene.period), scene.lag, scene.pose);
@@ -235,14 +235,14 @@ Energies run(const RandomScene& scene, const Keeper& keeper, const Shape&... too
     measured.time = now;
     measured.q = JointPosition<6>(joints.q());
     measured.dq = JointVelocity<6>(joints.dq());
-    const auto before = memory.q.value;
+    const auto before = memory.group().q.value;
     const auto result = robot.step(memory, law, law_memory, measured, interval,
                                    std::span<const SceneTouch>(parts, interval.substeps));
     for (std::size_t i = 0; i < 6; ++i) {
       double tau = 0;
       for (unsigned j = 0; j < interval.substeps; ++j)
         tau += skin_torque(0, 0, contact_part(parts[j]))[i] / interval.substeps;
-      given_virtual -= tau * (memory.q.value[i] - before[i]);
+      given_virtual -= tau * (memory.group().q.value[i] - before[i]);
     }
     out.status |= result.status;
     out.extracted = std::max(out.extracted, given);

@@ -15,7 +15,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/contact_stability.hpp"
-#include "skinctl/resolver/resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "tests/support/mujoco_plant.hpp"
 
 namespace skinctl::testing {
@@ -52,7 +52,7 @@ class PlantLoop {
   static constexpr double servo_lag = 0.008, quantum = 0.05;
   using Wrenches = LinkWrenches<ur5::Model, link_bit<link>>;
   using Keeper = Passivity<ContactDamper<>>;
-  using Robot = Resolver<Interface::position, ur5::Model, double, CrankNicolson, 128, Keeper>;
+  using Robot = ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 128, Keeper>;
 
   struct Setting {
     Nanoseconds period = 8ms;

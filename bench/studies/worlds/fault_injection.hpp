@@ -10,7 +10,7 @@
 
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/resolver/torque_resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "tests/support/skilled_arm.hpp"
 
@@ -71,7 +71,7 @@ struct SpoiltSkills : Skills {
 };
 
 template <Interface I>
-using SmallResolver = Resolver<I, ur5::Model, double, SemiImplicitEuler>;  // fastest to compile
+using SmallResolver = ResolverBy<I, ur5::Model, double, SemiImplicitEuler>;  // fastest to compile
 
 /// All skills of an arm; under sanitizers, where laws take long to compile, only the led arm.
 inline auto faulty_skills(double dt) {

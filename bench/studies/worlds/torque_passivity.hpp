@@ -2,7 +2,7 @@
 #pragma once
 
 #include "skinctl/math/ldlt.hpp"
-#include "skinctl/resolver/torque_resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "tests/support/contact_scene.hpp"
 
 namespace skinctl::testing {
@@ -18,7 +18,7 @@ struct TorqueEnergies {
 /// obstacles directly; the skin samples them at the rate of the commands.
 template <class Keeper>
 TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
-  using Robot = Resolver<Interface::torque, ur5::Model, double, CrankNicolson, 32, Keeper>;
+  using Robot = ResolverBy<Interface::torque, ur5::Model, double, CrankNicolson, 32, Keeper>;
   constexpr Nanoseconds period = 1ms;
   auto law = scene.law;
   for (Skill& s : law.skills) s.damping *= 0.1;  // small enough for a wrist commanded once a millisecond
@@ -31,7 +31,7 @@ TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
   state.q = JointPosition<6>(scene.pose);
   auto memory = robot.start(state);
   RandomSkills::Memory law_memory;
-  JointTorque<6> tau = memory.command.torque;
+  JointTorque<6> tau = memory.command().torque;
   TorqueEnergies out;
   double given = 0;
   const double h = 1e-4;
@@ -70,7 +70,7 @@ TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
     tau = result.command.torque;
     out.finite = out.finite && power(tau, state.dq) - power(tau, state.dq) == 0;
     out.status |= result.status;
-    if constexpr (Robot::has_tank) out.debt = std::max(out.debt, -memory.tank.energy);
+    if constexpr (Robot::has_tank) out.debt = std::max(out.debt, -memory.driven.tank.energy);
   }
   return out;
 }

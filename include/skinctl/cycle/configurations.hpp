@@ -193,23 +193,20 @@ class Configurations {
       detail::require_same(what, static_cast<double>(here), static_cast<double>(there), unit,
                            "in a configuration", "in the first one");
     };
-    const auto times = [&](const auto& a, const auto& b) {
-      same("period", milliseconds(a.period), milliseconds(b.period), "ms");
-      same("longest interval", milliseconds(a.longest_interval), milliseconds(b.longest_interval), "ms");
+    using Robot = std::remove_cvref_t<decltype(first.resolver())>;
+    const Robot &here = other.resolver(), &there = first.resolver();
+    same("period", milliseconds(here.period()), milliseconds(there.period()), "ms");
+    same("longest interval", milliseconds(here.longest_interval()), milliseconds(there.longest_interval()),
+         "ms");
+    Robot::each([&](auto k) {
+      const auto &a = here.template parameters<k.value>(), &b = there.template parameters<k.value>();
       same("delay", milliseconds(a.delay), milliseconds(b.delay), "ms");
       same("lag", a.lag, b.lag, "s");
-      for (std::size_t i = 0; i < a.shape.coulomb.size(); ++i)
-        same("Coulomb friction", a.shape.coulomb[i], b.shape.coulomb[i], "N m");
-    };
-    using Robot = std::remove_cvref_t<decltype(first.resolver())>;
-    if constexpr (detail::has_one_interface<Robot>) {
-      times(other.resolver().parameters(), first.resolver().parameters());
-    } else {
-      Robot::each([&](auto k) {
-        times(other.resolver().template parameters<k.value>(),
-              first.resolver().template parameters<k.value>());
-      });
-    }
+    });
+    same("delay", milliseconds(here.driven_delay()), milliseconds(there.driven_delay()), "ms");
+    same("lag", milliseconds(here.driven_lag()), milliseconds(there.driven_lag()), "ms");
+    for (std::size_t i = 0; i < joints; ++i)
+      same("Coulomb friction", here.shape().coulomb[i], there.shape().coulomb[i], "N m");
     const auto &a = other.resolver().limits(), &b = first.resolver().limits();
     for (std::size_t i = 0; i < joints; ++i) {
       same("lower position limit", a.lower()[i], b.lower()[i], "rad");
@@ -229,11 +226,11 @@ class Configurations {
     if constexpr (detail::has_one_interface<Robot>) {
       if constexpr (Robot::interface == Interface::torque) {
         for (const C* told : all) {
-          const auto& p = told->resolver().parameters();
-          LawTerms<joints, scalar> terms{p.period, p.shape};
+          const auto& shape = told->resolver().shape();
+          LawTerms<joints, scalar> terms{told->resolver().period(), shape};
           for (const C* real : all)
             if (const scalar ratio =
-                    mass_ratio(told->resolver().model(), real->resolver().model(), p.shape.inertia);
+                    mass_ratio(told->resolver().model(), real->resolver().model(), shape.inertia);
                 ratio > terms.mass_ratio)
               terms.mass_ratio = ratio;
           if constexpr (requires { told->law().check_for(terms); }) told->law().check_for(terms);

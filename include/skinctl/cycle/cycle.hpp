@@ -172,7 +172,7 @@ class Cycle {
     requires detail::takes_positions<Resolver>
   {
     m.robot = resolver_.start(measured, told);
-    start_rest(m, m.robot.started ? m.robot.measured : measured);
+    start_rest(m, m.robot.started ? m.robot.measured() : measured);
   }
 
   /// What the robot's exposed capsules may fill from now on until it stands, if it brakes now: for others that keep
@@ -182,8 +182,8 @@ class Cycle {
     requires has_surroundings
   {
     Surroundings<most_exposed_capsules, World, scalar> out;
-    auto is = m.robot.measured;
-    if constexpr (requires { m.robot.gap; }) is.q += m.robot.gap;  // where it really is
+    auto is = m.robot.measured();
+    is.q += resolver_.gap(m.robot);  // where it really is
     const auto filled = [&] {
       if constexpr (detail::has_one_interface<Resolver>) {
         return governor_.clearance().occupied(m.guard.command, is);
@@ -225,7 +225,7 @@ class Cycle {
   /// All but the robot.
   SKINCTL_COLD void start_rest(Memory& m, const State<joints, scalar>& measured) const noexcept {
     m.skin = skin_.start(measured.time);
-    m.guard = guard_.start(m.robot.command, measured);
+    m.guard = guard_.start(m.robot.command(), measured);
     m.governor = {};
     if constexpr (detail::StartsBlank<L>) {
       m.law = {};

@@ -5,17 +5,18 @@
 #include "skinctl/guard/group_guard.hpp"
 #include "skinctl/limits/group_governor.hpp"
 #include "skinctl/limits/motion_limits.hpp"
-#include "skinctl/resolver/group_resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// Guard and governor of a robot in groups.
-template <RobotModel M, Real S, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
-struct SceneParts<GroupResolver<M, S, Sets, Integrator, History, Keeper, Tool>> {
-  using Resolver = GroupResolver<M, S, Sets, Integrator, History, Keeper, Tool>;
+template <class Resolver>
+  requires(!has_one_interface<Resolver>)
+struct SceneParts<Resolver> {
   static constexpr std::size_t joints = Resolver::joints;
-  using T = S;
+  using T = typename Resolver::scalar;
+  using Sets = typename Resolver::JointSets;
+  using M = std::remove_cvref_t<decltype(std::declval<const Resolver&>().model())>;
   template <class Smooth = NoPart>
   using Guard = GroupGuard<Resolver, !std::is_same_v<Smooth, NoPart>>;
 

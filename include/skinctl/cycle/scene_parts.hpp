@@ -18,6 +18,10 @@ namespace detail {
 template <class R>
 concept Described = requires { typename ResolverOf<R>::type; };
 
+/// Whether a robot is one group of joints, which have one interface.
+template <class Resolver>
+inline constexpr bool has_one_interface = requires { Resolver::interface; };
+
 /// Guard and governor of a robot whose joints are all of one kind. Those of a robot in groups: `cycle/groups.hpp`.
 template <class Resolver>
 struct SceneParts {
@@ -30,7 +34,11 @@ struct SceneParts {
   /// @param more  settings of the guard, then limits of jerk.
   template <class Smooth = NoPart, class... More>
   [[nodiscard]] static Guard<Smooth> guard(const Resolver& r, const More&... more) {
-    return Guard<Smooth>(r.parameters().for_guard(), more...);
+    if constexpr (Resolver::has_virtual) {
+      return Guard<Smooth>(r.parameters().for_guard(), more...);
+    } else {
+      return Guard<Smooth>(r.for_guard(r.limits()), more...);
+    }
   }
   /// By torque the limits of the motion are added.
   template <class... Limits>
@@ -218,7 +226,7 @@ template <class Guard, class Resolver>
 SKINCTL_COLD void compare(const Guard& guard, const Resolver& resolver) {
   if constexpr (requires { guard.limits(); } && fault_in_guard<Guard, Resolver>() == GuardFault::none) {
     const auto& ours = guard.limits();
-    const auto& theirs = resolver.parameters().limits;
+    const auto& theirs = resolver.limits();
     const auto number = [](const auto& x) { return static_cast<double>(x); };
     for (std::size_t i = 0; i < Resolver::joints; ++i) {
       require_same("lower position limit", number(ours.lower()[i]), number(theirs.lower()[i]), "rad");
@@ -228,9 +236,9 @@ SKINCTL_COLD void compare(const Guard& guard, const Resolver& resolver) {
                    "rad/s^2");
       require_same("torque limit", number(ours.torque()[i]), number(theirs.torque()[i]), "N m");
     }
-    require_same("period", milliseconds(guard.period()), milliseconds(resolver.parameters().period), "ms");
+    require_same("period", milliseconds(guard.period()), milliseconds(resolver.period()), "ms");
     require_same("longest interval", milliseconds(guard.longest_interval()),
-                 milliseconds(resolver.parameters().longest_interval), "ms");
+                 milliseconds(resolver.longest_interval()), "ms");
   }
 }
 

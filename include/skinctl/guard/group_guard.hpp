@@ -3,7 +3,7 @@
 
 #include "skinctl/guard/guard.hpp"
 #include "skinctl/limits/group_governor.hpp"
-#include "skinctl/resolver/group_resolver.hpp"
+#include "skinctl/resolver/resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -11,7 +11,7 @@ template <bool Smooth, std::size_t N, Real T>
 using BrakingOf = std::conditional_t<Smooth, JerkLimits<N, T>, NoPart>;
 }  // namespace detail
 
-/// A `Guard` for each group of joints by position or velocity of a `GroupResolver`, and one for the joints by
+/// A `Guard` for each group of joints by position or velocity of a `Resolver`, and one for the joints by
 /// torque. Each reacts to faults of its own joints and to those that other stages found; a fault of one
 /// that waits for consent stops all, by the resolver, until `acknowledge`.
 ///
@@ -174,11 +174,8 @@ class GroupGuard {
   [[nodiscard]] static DrivenGuard driven_of([[maybe_unused]] const Robot& robot,
                                              [[maybe_unused]] const Settings& settings) {
     if constexpr (Robot::has_driven) {
-      return DrivenGuard(
-          RobotConfiguration<Driven::count, T>{.limits = detail::limits_of_part<Driven>(robot.limits()),
-                                               .period = robot.period(),
-                                               .longest_interval = robot.parameters().longest_interval},
-          part<Driven>(settings));
+      return DrivenGuard(robot.for_guard(detail::limits_of_part<Driven>(robot.limits())),
+                         part<Driven>(settings));
     } else {
       return {};
     }

@@ -31,7 +31,7 @@ struct Following {
 /// ```
 /// const FollowingMonitor monitor(arm.configuration());
 /// ...                                            // in the loop, after the cycle
-/// monitor.step(watched, memory.robot);
+/// monitor.step(watched, memory.robot.group());
 /// ```
 template <std::size_t N, Real T = double>
 class FollowingMonitor {

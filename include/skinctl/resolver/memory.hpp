@@ -9,6 +9,7 @@
 #include "skinctl/resolver/detail/torque_rate.hpp"
 #include "skinctl/resolver/interval.hpp"
 #include "skinctl/resolver/servo.hpp"
+#include "skinctl/robot/joint_groups.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -41,7 +42,6 @@ struct VirtualJointsMemory {
   bool stop = false;  ///< a stop was requested
   ResolverMode mode = ResolverMode::following;
   Nanoseconds time{};                  ///< of the virtual state
-  Nanoseconds odd = detail::no_time;   ///< the last cycle's time, if the clock had gone back
   detail::RunningPosition<N, T> q;     ///< q^
   JointVelocity<N, T> v;               ///< the virtual robot's velocity, which laws read
   JointVelocity<N, T> rate;            ///< dq^/dt: v, with the correction where that is sent
@@ -64,14 +64,105 @@ struct VirtualJointsMemory {
   detail::RunningPosition<N, T> sent;  ///< the sent position, or the integral of the sent velocities
   detail::RunningPosition<N, T> offset;  ///< corrections of r without motion (velocity interface)
   CommandsUnderWay<N, T, History> under_way;
-  detail::OwnTorque<N, T> own;  ///< of the laws in the last sub-step
-  JointCommand<N, T> command;   ///< the last one
+  JointCommand<N, T> command;  ///< the last one
 };
 
-/// A resolver's memory: the virtual robot, and the memory of its `Passivity` parts.
-template <std::size_t N, Real T, std::size_t History, class Keeper = Passivity<>>
-struct ResolverMemory : VirtualJointsMemory<N, T, History> {
+namespace detail {
+
+/// The element `K` of a tuple that is trivially copyable.
+template <std::size_t K, class Value>
+struct Element {
+  Value value;
+};
+template <class Indices, class... Values>
+struct PlainTuple;
+template <std::size_t... K, class... Values>
+struct PlainTuple<std::index_sequence<K...>, Values...> : Element<K, Values>... {};
+
+template <std::size_t K, class Value>
+[[nodiscard]] SKINCTL_INLINE Value& element(Element<K, Value>& e) noexcept {
+  return e.value;
+}
+template <std::size_t K, class Value>
+[[nodiscard]] SKINCTL_INLINE const Value& element(const Element<K, Value>& e) noexcept {
+  return e.value;
+}
+
+/// The virtual joints of each group, in a plain tuple.
+template <Real T, std::size_t History, class Groups>
+struct VirtualGroups;
+template <Real T, std::size_t History, class... Groups>
+struct VirtualGroups<T, History, std::tuple<Groups...>> {
+  using Memory = PlainTuple<std::make_index_sequence<sizeof...(Groups)>,
+                            VirtualJointsMemory<Groups::count, T, History>...>;
+};
+
+/// What joints by torque remember beside their measurement.
+template <std::size_t N, Real T, bool HasTank>
+struct DrivenMemory {
+  struct NoTank {};
+  OwnTorque<N, T> own;       ///< the laws' torque in the last cycle [N m]
+  JointTorque<N, T> torque;  ///< the torque that was sent last [N m]
+  [[no_unique_address]] std::conditional_t<HasTank, typename EnergyTank<T>::template Held<N>, NoTank> tank;
+};
+template <Real T, bool HasTank>
+struct DrivenMemory<0, T, HasTank> {};
+
+/// State and command of all joints, where no group of virtual joints holds those of the whole robot.
+template <std::size_t N, Real T>
+struct WholeRobot {
+  State<N, T> measured;          ///< the last good measurement
+  JointCommand<N, T> command{};  ///< the last command
+};
+struct HeldByGroup {};
+
+}  // namespace detail
+
+/// A resolver's memory: virtual joints of each group, joints by torque, and the memory of its `Passivity` parts.
+/// Trivially copyable; a default value has not been started and gives no valid command.
+/// @tparam Sets  `JointGroups`.
+template <std::size_t N, Real T, class Sets, std::size_t History = 32, class Keeper = Passivity<>>
+struct ResolverMemory {
+  static constexpr std::size_t joints = N;
+  using Groups = typename Sets::StiffGroups;
+  /// Whether one group of virtual joints is the whole robot.
+  static constexpr bool one_group = std::tuple_size_v<Groups> == 1 && Sets::Driven::count == 0;
+  bool started = false;
+  bool stop = false;                  ///< a stop was requested
+  Nanoseconds time{};                 ///< the end of the last interval
+  Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
+  typename detail::VirtualGroups<T, History, Groups>::Memory stiff;
+  [[no_unique_address]] detail::DrivenMemory<Sets::Driven::count, T, Keeper::template has<EnergyTank<T>>>
+      driven;
+  detail::OwnTorque<Sets::Stiff::count, T> own;  ///< the laws' torque in the last sub-step [N m]
+  [[no_unique_address]] std::conditional_t<one_group, detail::HeldByGroup, detail::WholeRobot<N, T>> whole;
   [[no_unique_address]] typename Keeper::template Memory<N> keeper;
+
+  /// The virtual joints of the stiff group `K`.
+  template <std::size_t K = 0>
+  [[nodiscard]] SKINCTL_INLINE auto& group() noexcept {
+    return detail::element<K>(stiff);
+  }
+  template <std::size_t K = 0>
+  [[nodiscard]] SKINCTL_INLINE const auto& group() const noexcept {
+    return detail::element<K>(stiff);
+  }
+  /// The last command.
+  [[nodiscard]] SKINCTL_INLINE const JointCommand<N, T>& command() const noexcept {
+    if constexpr (one_group) {
+      return group().command;
+    } else {
+      return whole.command;
+    }
+  }
+  /// The last good measurement; of a robot that is one group of virtual joints less its gap.
+  [[nodiscard]] SKINCTL_INLINE const State<N, T>& measured() const noexcept {
+    if constexpr (one_group) {
+      return group().measured;
+    } else {
+      return whole.measured;
+    }
+  }
 };
 
 SKINCTL_END_NAMESPACE

@@ -3,20 +3,13 @@
 
 #include <span>
 
-#include "skinctl/core/evaluate.hpp"
-#include "skinctl/dynamics/quantities.hpp"
-#include "skinctl/math/lu.hpp"
-#include "skinctl/resolver/detail/virtual_joints.hpp"
-#include "skinctl/resolver/integrator.hpp"
-#include "skinctl/robot/tool_shape.hpp"
-#include "skinctl/robot/virtual_mass.hpp"
-#include "skinctl/tactile/touch_wrenches.hpp"
+#include "skinctl/core/detail/copy_whole.hpp"
+#include "skinctl/resolver/detail/resolver_driven.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The result of one cycle of a resolver: the command, its status, the torque of each part of the law in the
-/// last sub-step, and for a torque interface the torque that holds the robot if the guard refuses the
-/// command.
+/// The result of one cycle of a resolver: the command, its status, the torque of each part of the law in its last
+/// evaluation, and the torque that holds the driven joints if the guard refuses the command.
 template <std::size_t N, Real T, std::size_t Terms>
 struct Resolved {
   JointCommand<N, T> command;
@@ -30,35 +23,22 @@ struct Resolved {
       : command(given.copy()), status(found), shares(parts) {}
 };
 
-/// In place of pressed areas: the resolver takes the contacts from the wrenches of the touch.
-struct PressedUnknown {};
-
-namespace detail {
-/// The parts of a scene's configuration that give its torque.
-template <class Robot, class L, class Touch>
-struct Asked {
-  const Robot& robot;
-  const L& law;
-  const typename L::Memory& memory;
-  const Touch& touch;
-};
-}  // namespace detail
-
-/// The torque resolver of the paper's section 4.5 for robots that take positions or velocities (for those
-/// that take torques see `torque_resolver.hpp`).
+/// The torque resolver of the paper's section 4.5: one robot, one law, one fused torque, and joints in groups.
+/// Stiff joints take positions or velocities, driven joints take torques.
 ///
-/// A virtual robot with the model's M, C, G and the configured friction carries the fused torque:
-/// `M dv = tau - (C + B) v - G - tau_c(v) + M L2 rho`, `dq^ = u = v + L1 rho`. All laws read its state
-/// `(q^, v)`, which is sent. The real robot enters through `r`, the measured position minus the position that
-/// the sent commands should have brought, by declared delay and lag, and `rho`, the part of r outside of the
-/// dead band: a robot that follows as declared is not disturbed, and feels as configured.
+/// **Stiff joints.** A virtual robot with the model's M, C, G and the configured friction carries the fused torque:
+/// `M dv = tau - (C + B) v - G - tau_c(v) + M L2 rho`, `dq^ = u = v + L1 rho`, sub-stepped over the interval just
+/// passed. All laws read its state `(q^, v)`, which is sent. The real robot enters through `r`, the measured
+/// position minus the position that the sent commands should have brought, by declared delay and lag of each group,
+/// and `rho`, the part of r outside of the dead band: a robot that follows as declared is not disturbed, and feels
+/// as configured.
 ///
 /// - Position interface: q^ is sent. Velocity interface: v is sent; `L1 rho` and a slow drift move q^ only.
 /// - Gravity acts on the virtual robot: a law has to compensate it (`GravityControl`, or `Y_r Theta` with G).
 /// - Torque beyond the joints' limits accelerates as asked, but less: `JointLimits::along`.
 /// - Limits: see `JointLimits::move`; the correction obeys them too, and so does the max lead,
 ///   `|q^ - q| <= max_lead v_max T`.
-/// - A robot that stays beyond the dead band for 5 T is blocked: q^ goes to q, v is zero, the law's memory
+/// - A group that stays beyond the dead band for 5 T is blocked: q^ goes to q, v is zero, the law's memory
 ///   does not change. It ends when the robot is back with q^ and is no longer pushed in the blocked
 ///   direction, or went on in it, or after `retry`.
 /// - Friction of a servo that gives way shows as a joint that moves with commands which are ahead of it by more than
@@ -71,99 +51,77 @@ struct Asked {
 ///   moves, for two seconds at most from the start or from `resume` (position interface): commands that have not
 ///   moved cannot have met an obstacle.
 /// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory does not change.
-/// - `Keeper` names further parts that watch over energy and contacts: see `Passivity`.
-/// - `Tool`: virtual inertia and friction at the tool; see `ToolShape`.
+/// - A group that is blocked, displaced or braking holds the other stiff groups too.
+///
+/// **Driven joints.** `tau = law(state) - B dq`, cut to the limits of torque and power; the law is evaluated at the
+/// end of the cycle, at the newest measurement of these joints, for one period from now. Of the configuration they
+/// use the limits of torque, period, longest interval, stale age, and of the virtual dynamics the viscous friction,
+/// which they show in addition to their own, and, where all joints are driven, the inertia: that of the motors. A
+/// torque is held for a period, so friction that would stop a motion in less time would shake it: the friction
+/// applied is `(B^-1 + 3/2 h M^-1)^-1 dq`. Positions and velocities of these joints are not limited here. While the
+/// state is stale, during a stop, and if the law's torque is not finite, gravity is compensated, with friction
+/// (stale: without, as the velocity is unknown).
+///
+/// To the virtual robot the driven joints are a load that moves as measured:
+/// `M_ss dv = tau_s - (C v)_s - G_s - B v - M_sd ddq_d`, with v of all joints, and `ddq_d` the change of the
+/// measured velocities since the last cycle: the arm takes the recoil of a finger that starts or stops.
+///
+/// - A measurement is taken for all joints or for none: one number that is not finite refuses all of it.
+/// - `Keeper` names parts that watch over energy and contacts: see `Passivity`. One tank pays for both, at the
+///   virtual port of the stiff joints and the real one of the driven ones, whose recoil is a port of the stiff ones;
+///   the passivity observer watches over the stiff joints, whose commands run ahead; contact damping acts on all.
+/// - `Tool`: virtual inertia and friction at the tool, on a link that no driven joint moves; see `ToolShape`.
+///
+/// A command has all kinds: `stiff(command)` and `torque(command)` are the parts for the devices, and
+/// cannot be mixed up, as their types differ; `part_of<Set>(command)` is that of one group.
 ///
 /// In the loop nothing throws or allocates; the cost is that of the law and the integrator, times sub-steps.
-template <Interface I, RobotModel M, Real T = double, class Integrator = CrankNicolson,
-          std::size_t History = 32, class Keeper = Passivity<>, class Tool = NoToolShape>
-class Resolver {
+template <RobotModel M, Real T, class Sets, class Integrator = CrankNicolson, std::size_t History = 32,
+          class Keeper = Passivity<>, class Tool = NoToolShape>
+class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, Keeper, Tool> {
+  using Base = detail::ResolverDriven<M, T, Sets, Integrator, History, Keeper, Tool>;
+
  public:
-  static_assert(I != Interface::torque, "for torques include skinctl/resolver/torque_resolver.hpp");
-  static constexpr std::size_t joints = M::joints;
-  static constexpr Interface interface = I;
-  using scalar = T;
-  using Configuration = RobotConfiguration<joints, T>;
-  static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
-  static constexpr bool has_passivity_observer = Keeper::template has<PassivityObserver<T>>;
-  static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
-  static constexpr bool watches_contacts = has_passivity_observer || has_damper;
-  static constexpr Needs keeper_needs = {
-      .angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank};
-  /// Whether laws may compute the bias of the virtual robot beside their own recursion.
-  static constexpr bool carries_bias =
-      std::same_as<Integrator, CrankNicolson> && std::same_as<Tool, NoToolShape>;
-  using Memory = ResolverMemory<joints, T, History, Keeper>;
-  /// The input of a law: the state of the virtual robot and the quantities that law and integrator need of
-  /// it.
+  using Base::each;
+  using Base::has_damper;
+  using Base::has_driven;
+  using Base::has_tank;
+  using Base::has_virtual;
+  using Base::joints;
+  using Base::one_group;
+  using Driven = typename Base::Driven;
+  using Stiff = typename Base::Stiff;
+  using Memory = typename Base::Memory;
+  template <std::size_t K>
+  using Part = typename Base::template Part<K>;
   template <class L, class Touch = NoTouch>
-  using Knows = Quantities<M, L::needs | Integrator::needs | keeper_needs, T, Touch,
-                           VirtualMass<joints, T, Tool, AllJoints<joints>, carries_bias>>;
+  using Knows = typename Base::template Knows<L, Touch>;
 
   /// Throws `ConfigurationError` for a number out of its range.
   ///
+  /// @param groups  each with its configuration, in a tuple: see `by_groups`.
   /// @param keeper  parts that watch over energy and contacts, see `Passivity`.
-  Resolver(const M& model, const Configuration& configuration, const Keeper& keeper = Keeper())
-    requires std::same_as<Tool, NoToolShape>
-      : model_(model), virtual_(configuration), keeper_(keeper) {}
-  /// @param tool  virtual inertia and friction at the tool, see `ToolShape`.
-  Resolver(const M& model, const Configuration& configuration, const Tool& tool,
-           const Keeper& keeper = Keeper())
-    requires(!std::same_as<Tool, NoToolShape>)
-      : model_(model), virtual_(configuration), keeper_(keeper), tool_(tool) {}
-
-  [[nodiscard]] const M& model() const noexcept { return model_; }
-  [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return parameters().limits; }
-  [[nodiscard]] const Keeper& keeper() const noexcept { return keeper_; }
-  /// The robot's numbers in the form in which the resolver uses them.
-  [[nodiscard]] SKINCTL_INLINE const detail::ResolverParameters<joints, T>& parameters() const noexcept {
-    return virtual_.parameters();
-  }
-  /// T = delay + lag + period [s]: the time until a measurement shows a command.
-  [[nodiscard]] T total_delay() const noexcept { return parameters().total_delay; }
-  /// e_max: the largest lead of joint `i` of the virtual robot over the real one [rad].
-  [[nodiscard]] T max_lead(std::size_t i) const noexcept { return parameters().max_lead[i]; }
-  /// Speed that the max lead leaves to joint `i` of a robot that follows: the virtual joint can still stop if
-  /// the robot is blocked at that moment.
-  [[nodiscard]] T top_speed(std::size_t i) const noexcept {
-    const T u = speed_to_stop(max_lead(i), total_delay(), limits().acceleration()[i]);
-    return u < limits().velocity()[i] ? u : limits().velocity()[i];
+  /// @param tool    virtual inertia and friction at the tool, see `ToolShape`.
+  template <class... Given>
+  Resolver(const M& model, const std::tuple<Given...>& groups, const Keeper& keeper = Keeper(),
+           const Tool& tool = Tool())
+      : Base(model, those<detail::IsStiffGroup>(groups), those<detail::IsDrivenGroup>(groups), keeper, tool) {
   }
 
-  /// Length of a sub-step in a punctual cycle [s].
-  [[nodiscard]] T planned_step() const noexcept { return parameters().planned_step(); }
+  /// Of a robot that is one group of joints.
+  Resolver(const M& model, const RobotConfiguration<joints, T>& configuration,
+           const Keeper& keeper = Keeper(), const Tool& tool = Tool())
+    requires Base::is_one_group
+      : Resolver(model, std::tuple(JointGroup<Base::interface, joints_between(0, joints), T>{configuration}),
+                 keeper, tool) {}
 
-  /// The virtual robot takes over at the position of the real one, and with its velocity where that covers
-  /// more than the dead band in T. The law's memory then starts at `state(memory)`. A state that is not
-  /// finite gives a memory that has not been started.
-  [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept {
-    return {virtual_.start(measured), keeper_.template start<joints>()};
+  /// The command of the stiff joints.
+  [[nodiscard]] static JointCommand<Stiff::count, T> stiff(const JointCommand<joints, T>& c) noexcept {
+    return part_of<Stiff>(c);
   }
-  /// The same of a robot that was told to be at `told` and stands beside it (a servo that droops, encoders that
-  /// are off): the first command is `told`, so that the robot does not step, and the gap is taken off the
-  /// measurements. More than `largest_gap` of one joint: the memory has not been started.
-  [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured,
-                                          const JointPosition<joints, T>& told) const noexcept
-    requires(I == Interface::position)
-  {
-    return {virtual_.start(measured, told), keeper_.template start<joints>()};
-  }
-
-  /// The state that laws read.
-  [[nodiscard]] State<joints, T> state(const Memory& m) const noexcept { return {m.time, m.q.value, m.v}; }
-
-  /// What a law knows at `state`, which must outlive it like `touch`: for a torque that is held for `dt` seconds.
-  template <class L, class Touch>
-  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(
-      const State<joints, T>& state, const T& dt, const Touch& touch,
-      detail::BiasBeside<joints, T>* beside = nullptr) const noexcept {
-    return Knows<L, Touch>(model_, state, dt, touch,
-                           {parameters().limits, parameters().shape.inertia, tool_, beside});
-  }
-
-  /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle.
-  [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
-    return virtual_.interval(m, now);
+  /// The command of the driven joints [N m].
+  [[nodiscard]] static JointTorque<Driven::count, T> torque(const JointCommand<joints, T>& c) noexcept {
+    return Driven::of(c.torque);
   }
 
   /// One cycle: integrates `interval` and gives the command for its end.
@@ -179,77 +137,155 @@ class Resolver {
   SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
       const Interval& interval, std::span<const Touch> touches, const Check& check = {},
-      const Pressed& pressed = {}) const noexcept;
+      const Pressed& pressed = {}) const noexcept {
+    Resolved<joints, T, terms_of<L>> out{m.command(), interval.status, {}};
+    if (!m.started || interval.substeps == 0) [[unlikely]] {
+      m.odd = detail::odd_time_of(interval);
+      // Even if the clock is wrong, gravity is compensated at the measured position.
+      if (m.started) out.fallback = this->held(detail::believed(measured, m.measured(), check));
+      return out;
+    }
+    SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
+    m.odd = detail::no_time;
+    const Touch& newest = touches[interval.substeps - 1];
+    const T dt = seconds<T>(interval.to - interval.from);
+    const auto begun = this->begin(m, measured, interval, check, dt);
+    out.status |= begun.status | this->watch(m, pressed, newest, dt);
+    [[maybe_unused]] auto load = this->load_of(m, begun, newest);
 
-  /// The joint torque that accelerates the virtual robot under the configuration `next` in the coming
-  /// sub-step as under `before`, less that of `next`; both are of the same scene. Zero where the laws do not
-  /// move the virtual robot. Evaluates both laws once and the integrator `joints` times, without limits.
+    Torque torque;
+    if constexpr (has_virtual) torque = this->stiff_only(m.command().torque);
+    if constexpr (has_virtual)
+      for (unsigned j = 0; j < interval.substeps; ++j)
+        move(m, law, law_memory, begun, interval.at(j), seconds<T>(interval.at(j + 1) - interval.at(j)),
+             touches[j], torque, out);
+    m.time = interval.to;
+    each([&](auto k) { m.template group<k.value>().time = m.time; });
+
+    bool blocked = false, braking = m.stop || begun.stale;
+    each([&](auto k) {
+      const ResolverMode mode = m.template group<k.value>().mode;
+      blocked = blocked || mode == ResolverMode::blocked;
+      braking = braking || mode == ResolverMode::braking;
+    });
+    if constexpr (has_driven) {
+      Driven::put(Driven::of(load.gravity) - load.resists, out.fallback);
+      load.given = Driven::of(out.fallback);
+      if (!has_virtual && m.stop && !begun.stale) out.status |= Reason::stopping;
+    }
+    if (blocked) [[unlikely]]
+      out.status |= Reason::blocked;
+    if (!braking && (has_driven || blocked)) [[unlikely]]
+      turn(m, law, law_memory, begun, blocked, newest, dt, load, torque, out);
+    if constexpr (has_driven) this->give(m, load, torque, out);
+    each([&](auto k) {
+      out.status |= std::get<k.value>(virtual_).end(
+          m.template group<k.value>(), std::get<k.value>(begun.groups), Part<k.value>::of(torque));
+    });
+    this->compose(m, torque);
+    out.command.assign(m.command());
+    return out;
+  }
+
+  /// The joint torque by which two configurations of one scene differ: for the stiff joints that which
+  /// accelerates the virtual robot under `next` in the coming sub-step as under `before`, less that of `next`; for
+  /// the driven ones the torque of `before` less that of `next` at the measured state, friction included. Zero where
+  /// no law acts. Evaluates both laws, and the integrator for each stiff joint, without limits.
   template <class L, class Touch, class Check>
   [[nodiscard]] SKINCTL_COLD JointTorque<joints, T> lacking(
-      const Memory& m, const State<joints, T>& measured, const Interval& interval, const Check&,
+      const Memory& m, const State<joints, T>& measured, const Interval& interval, const Check& check,
       const detail::Asked<Resolver, L, Touch>& before,
-      const detail::Asked<Resolver, L, Touch>& next) const noexcept;
-
-  /// Tells that the guard let `command` out instead of the last one: the virtual robot goes on from there.
-  SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {
-    virtual_.sent(m, command);
+      const detail::Asked<Resolver, L, Touch>& next) const noexcept {
+    Torque lacks;
+    if (!m.started || m.stop) return lacks;
+    if constexpr (has_virtual)
+      if (this->following(m)) Stiff::put(this->lacking_of_stiff(m, interval, before, next), lacks);
+    if constexpr (has_driven) {
+      State<joints, T> newest = m.measured();
+      static_cast<void>(take_measurement(newest, measured, interval.to, check));
+      State<joints, T> seen = this->state(m);
+      seen.time = has_virtual ? seen.time : newest.time;
+      Driven::put(Driven::of(newest.q), seen.q);
+      Driven::put(Driven::of(newest.dq), seen.dq);
+      const auto sent_by = [&](const auto& who) {
+        const Knows<L, Touch> known =
+            who.robot.template known<L>(seen, seconds<T>(this->period()), who.touch);
+        return Driven::of(torque_of(who.law, who.memory, known)) - who.robot.friction(newest);
+      };
+      Driven::put(sent_by(before) - sent_by(next), lacks);
+    }
+    return lacks;
   }
-
-  /// By what the robot stands beside its commands: the measured position less that which they should have brought, r + g.
-  [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> off(const Memory& m) noexcept {
-    return m.residual + m.gap;
-  }
-
-  /// Whether the robot stops, or is beside its commands by more than the dead band, as one that is held fast. Braking and
-  /// correction then have to be sent as they are: what is smoothed behind the resolver changes its velocity, and the
-  /// robot swings for ever.
-  [[nodiscard]] static SKINCTL_INLINE bool stops_or_corrects(const Memory& m) noexcept {
-    return decltype(virtual_)::stops_or_corrects(m);
-  }
-
-  /// Tells that another configuration has taken over: a torque that differs is no jump of its laws.
-  void changed(Memory& m) const noexcept { m.own.known = false; }
-  /// Begins a stop.
-  void stop(Memory& m) const noexcept { m.stop = true; }
-  [[nodiscard]] static bool stops(const Memory& m) noexcept { return m.stop; }
-  /// Ends a stop that was not the user's: a displaced robot waits on.
-  static void go_on(Memory& m) noexcept { m.stop = false; }
-  /// Ends a stop. A displaced robot goes on with the gap that it has now, if that is at most `largest_gap`.
-  void resume(Memory& m) const noexcept { virtual_.resume(m); }
 
  private:
-  using Torque = JointTorque<joints, T>;
-  using Position = JointPosition<joints, T>;
-  using Velocity = JointVelocity<joints, T>;
-  using Row = detail::Row<joints, T>;
-  /// The law's part and the velocity after a sub-step: `torque` is the law's, cut to the limits.
-  template <class L>
-  struct Driven {
-    /// Built in place. (GCC would first zero an aggregate, then write it.)
-    template <class F>
-    SKINCTL_INLINE explicit Driven(F&& law_now) : law(law_now()), status(law.status) {}
+  using Base::keeper_;
+  using Base::limits_;
+  using Base::model_;
+  using Base::stale_after_;
+  using Base::virtual_;
+  using Velocity = typename Base::Velocity;
+  using Acceleration = typename Base::Acceleration;
+  using Torque = typename Base::Torque;
+  using DrivenTorque = typename Base::DrivenTorque;
 
-    Evaluation<joints, T, typename L::Memory, terms_of<L>> law;
-    Torque torque;
-    Velocity velocity;
-    Status status;
-  };
-  template <class Pressed>
-  SKINCTL_INLINE Status watch(Memory& m, const Pressed& pressed, const T& dt) const noexcept;
-  SKINCTL_INLINE bool affords(const Memory& m, Velocity& v) const noexcept;
-  Torque weight(const Memory& m) const noexcept;
-  Torque limited(const State<joints, T>& state, const Torque& tau) const noexcept;
-  template <class L, class Touch>
-  Driven<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory, Nanoseconds at,
-                  const Velocity& v, const JointAcceleration<joints, T>& pull, const T& h,
-                  const Touch& touch) const noexcept;
+  template <template <class> class Kind, class... Given>
+  [[nodiscard]] static auto those(const std::tuple<Given...>& groups) {
+    return std::apply([](const auto&... g) { return detail::those_of<Kind>(g...); }, groups);
+  }
 
-  [[no_unique_address]] M model_;
-  detail::VirtualJoints<I, joints, T, History> virtual_;
-  [[no_unique_address]] Keeper keeper_;
-  [[no_unique_address]] Tool tool_;
+  /// `h` seconds of the stiff joints, from `at` on.
+  template <class L, class Began, class Touch, class Out>
+  SKINCTL_INLINE void move(Memory& m, const L& law, typename L::Memory& law_memory, const Began& begun,
+                           Nanoseconds at, const T& h, const Touch& touch, Torque& torque,
+                           Out& out) const noexcept {
+    Velocity v1;
+    if (this->following(m)) {
+      const auto moved = this->drive(m, law, law_memory, this->state(m, at, this->velocity(m)), begun.pull,
+                                     begun.swing, h, touch);
+      out.status |= moved.status;
+      detail::copy_row(moved.velocity, v1);
+      if (!this->affords(m, v1)) [[unlikely]]
+        out.status |= Reason::energy_held;
+      if (!moved.status.has(Reason::torque_not_finite)) [[likely]] {
+        detail::copy_row(moved.torque, torque);
+        detail::copy_whole(moved.law.memory, law_memory);
+        detail::copy_whole(moved.law.shares, out.shares);
+      }
+    }
+    [[maybe_unused]] const auto from = this->position(m);
+    each([&](auto k) {
+      out.status |= std::get<k.value>(virtual_).move(
+          m.template group<k.value>(), std::get<k.value>(begun.groups).correction, Part<k.value>::of(v1), h);
+    });
+    if constexpr (has_tank)
+      keeper_.template get<EnergyTank<T>>().book(m.keeper.template of<EnergyTank<T>>(),
+                                                 this->position(m) - from, this->shape_, h);
+  }
+
+  /// The law at the end of a cycle: for the driven joints, and for groups that are blocked.
+  template <class L, class Began, class Touch, class Load, class Out>
+  SKINCTL_NOINLINE void turn(Memory& m, const L& law, typename L::Memory& law_memory, const Began& begun,
+                             bool blocked, const Touch& touch, [[maybe_unused]] const T& dt,
+                             [[maybe_unused]] Load& load, Torque& torque, Out& out) const noexcept {
+    const State<joints, T> now = this->state(m, m.time, blocked ? Velocity{} : this->velocity(m));
+    Torque asked;
+    if constexpr (!has_driven) {
+      const auto moved = this->drive(m, law, law_memory, now, {}, {}, seconds<T>(this->period()), touch);
+      if (moved.status.has(Reason::torque_not_finite)) return;
+      asked = moved.torque;
+    } else {
+      if (!this->ask(m, law, law_memory, now, touch, dt, load, asked, out)) return;
+    }
+    if (!blocked) return;
+    torque = has_driven ? limits_.within(asked, Velocity{}) : asked;
+    const Torque net = torque - gravity_torque(model_, JointAngles<M, T>(model_, now.q));
+    each([&](auto k) {
+      auto& group = m.template group<k.value>();
+      if (group.mode == ResolverMode::blocked)
+        std::get<k.value>(virtual_).try_to_leave(group, std::get<k.value>(begun.groups).correction,
+                                                 Part<k.value>::of(net));
+    });
+  }
 };
 
 SKINCTL_END_NAMESPACE
-
-#include "skinctl/resolver/detail/resolver_loop.hpp"

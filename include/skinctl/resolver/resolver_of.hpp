@@ -3,12 +3,8 @@
 
 #include "skinctl/model/weightless.hpp"
 #include "skinctl/resolver/resolver.hpp"
-#include "skinctl/resolver/torque_resolver.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-template <RobotModel M, Real T, class Groups, class... Parts>
-class GroupsDescription;
 
 /// A part of a description: room for this many commands under way, for a robot whose delay is longer than 30
 /// periods. 32 by default.
@@ -66,42 +62,68 @@ struct ChosenParts {
   using Keeper = KeeperOf<Of<KeeperPart>>;
 };
 
-template <class Robot>
-struct ResolverOf;
-/// In `group_resolver.hpp`.
-template <class Robot>
-struct GroupResolverOf {
-  static_assert(!std::is_same_v<Robot, Robot>,
-                "a robot in groups of joints: #include \"skinctl/cycle/groups.hpp\"");
-};
-template <Interface I, RobotModel M, Real T, class... Parts>
-struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
+/// The resolver of a described robot, and how it is made of its parts.
+template <RobotModel Seen, Real T, class Sets, class... Parts>
+struct ResolverOfParts {
   using Chosen = ChosenParts<Parts...>;
   using Tool = typename Chosen::Tool;
-  static constexpr bool has_tool = Chosen::template count<ToolShapePart> == 1;
-  static_assert(I != Interface::torque || (Chosen::template count<IntegratorPart> == 0 && !has_tool),
+  static_assert(Sets::Stiff::count > 0 || (Chosen::template count<IntegratorPart> == 0 &&
+                                           Chosen::template count<ToolShapePart> == 0),
                 "by torque there is no virtual robot: leave integrator and tool shape out");
-  /// The model as laws see it: without weight where the robot itself compensates gravity.
-  using SeenModel = std::conditional_t<(Chosen::template count<RobotHoldsGravity> > 0), Weightless<M>, M>;
-  using type = Resolver<I, SeenModel, T, typename Chosen::Integrator, Chosen::History::commands,
+  using type = Resolver<Seen, T, Sets, typename Chosen::Integrator, Chosen::History::commands,
                         typename Chosen::Keeper::type, Tool>;
 
-  static type make(const RobotDescription<I, M, T, Parts...>& robot) {
+  template <class Robot, class Groups>
+  [[nodiscard]] static type make(const Robot& robot, const Groups& groups) {
     const auto keeper = Chosen::Keeper::of(robot.parts());
-    const SeenModel model(robot.model());
-    if constexpr (has_tool) {
-      return type(model, robot.configuration(), std::get<Tool>(robot.parts()), keeper);
+    const Seen model(robot.model());
+    if constexpr (Chosen::template count<ToolShapePart> == 1) {
+      return type(model, groups, keeper, std::get<Tool>(robot.parts()));
     } else {
-      return type(model, robot.configuration(), keeper);
+      return type(model, groups, keeper);
     }
   }
 };
 
+template <class Robot>
+struct ResolverOf;
+template <Interface I, RobotModel M, Real T, class... Parts>
+struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
+  using Chosen = ChosenParts<Parts...>;
+  using Group = JointGroup<I, joints_between(0, M::joints), T>;
+  /// The model as laws see it: without weight where the robot itself compensates gravity.
+  using Seen = std::conditional_t<(Chosen::template count<RobotHoldsGravity> > 0), Weightless<M>, M>;
+  using Of = ResolverOfParts<Seen, T, JointGroups<M::joints, Group>, Parts...>;
+  using type = typename Of::type;
+
+  [[nodiscard]] static type make(const RobotDescription<I, M, T, Parts...>& robot) {
+    return Of::make(robot, std::tuple(Group{robot.configuration()}));
+  }
+};
 template <RobotModel M, Real T, class Groups, class... Parts>
-struct ResolverOf<GroupsDescription<M, T, Groups, Parts...>>
-    : GroupResolverOf<GroupsDescription<M, T, Groups, Parts...>> {};
+struct ResolverOf<GroupsDescription<M, T, Groups, Parts...>> {
+  using Robot = GroupsDescription<M, T, Groups, Parts...>;
+  using Chosen = ChosenParts<Parts...>;
+  static_assert(
+      Chosen::template count<RobotHoldsGravity> + Chosen::template count<RobotCompensatesFriction> +
+              Chosen::template count<FrictionUncompensated> + Chosen::template count<StiffestContactPart> ==
+          0,
+      "of a robot in groups laws compensate gravity and friction, and its stiffest contact cannot be "
+      "checked yet: leave RobotHoldsGravity, RobotCompensatesFriction, FrictionUncompensated and "
+      "StiffestContact out");
+  using Of = ResolverOfParts<M, T, typename Robot::Sets, Parts...>;
+  using type = typename Of::type;
+
+  [[nodiscard]] static type make(const Robot& robot) { return Of::make(robot, robot.groups()); }
+};
 
 }  // namespace detail
+
+/// The resolver of a robot that is one group of joints.
+template <Interface I, RobotModel M, Real T = double, class Integrator = CrankNicolson,
+          std::size_t History = 32, class Keeper = Passivity<>, class Tool = NoToolShape>
+using ResolverBy = Resolver<M, T, JointGroups<M::joints, JointGroup<I, joints_between(0, M::joints), T>>,
+                            Integrator, History, Keeper, Tool>;
 
 /// The resolver of a robot: for tests and for loops without a `Cycle`.
 template <class Robot>

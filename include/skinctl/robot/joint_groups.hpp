@@ -62,7 +62,6 @@ struct JointGroups {
                 "a joint is in two groups");
   static_assert((named & ~all) == 0, "a group names a joint that the robot has not");
   static_assert((all & ~named) == 0, "a joint is in no group: each takes positions, velocities or torques");
-  static_assert(by_torque != all, "all joints take torques: by_torque");
 
   using Driven = JointSubset<N, by_torque>;  ///< joints by torque
   using Stiff = typename Driven::Others;     ///< joints by position or velocity
@@ -157,8 +156,8 @@ class GroupsDescription<M, T, std::tuple<Groups...>, Parts...> {
     constexpr std::size_t k = [] {
       const bool stiff[] = {(Groups::interface != Interface::torque)...};
       std::size_t i = 0;
-      while (!stiff[i]) ++i;
-      return i;
+      while (i < sizeof...(Groups) && !stiff[i]) ++i;
+      return i < sizeof...(Groups) ? i : 0;  // all by torque: they are alike
     }();
     return std::get<k>(groups_).configuration;
   }

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "skinctl/model/ur5.hpp"
-#include "skinctl/resolver/resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/simulated_joints.hpp"
 
 namespace skinctl::testing {
@@ -44,7 +44,7 @@ using Impulse = std::function<std::array<double, 6>(double)>;
 template <Interface I, class T = double, class Integrator = CrankNicolson, class M = ur5::Model>
 class ClosedLoop {
  public:
-  using Robot = Resolver<I, M, T, Integrator, 128>;
+  using Robot = ResolverBy<I, M, T, Integrator, 128>;
   static constexpr auto kind =
       I == Interface::position ? SimulatedJoints<6>::Kind::position : SimulatedJoints<6>::Kind::velocity;
 

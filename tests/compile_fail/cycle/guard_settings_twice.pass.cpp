@@ -2,7 +2,7 @@
 
 using namespace skinctl;
 
-using Arm = Resolver<Interface::torque, ur5::Model>;
+using Arm = ResolverBy<Interface::torque, ur5::Model>;
 
 auto scene(const Cycle<Arm, GravityControl>& plain, const GuardSettings<6>& one,
            const MaxToolSpeed<5>& slow) {

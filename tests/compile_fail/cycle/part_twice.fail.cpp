@@ -3,7 +3,7 @@
 
 using namespace skinctl;
 
-using Arm = Resolver<Interface::position, ur5::Model>;
+using Arm = ResolverBy<Interface::position, ur5::Model>;
 
 auto scene(const Cycle<Arm, GravityControl>& plain, const MaxJerk<6>& jerk, const MaxJerk<6>& gentle) {
   return plain.with(jerk).with(gentle);

@@ -3,7 +3,7 @@
 
 using namespace skinctl;
 
-using Robot = Resolver<Interface::position, ur5::Model>;
+using Robot = ResolverBy<Interface::position, ur5::Model>;
 
 auto scene(const Robot& robot, const Guard<Interface::position, 6>& guard, const LinkContact<2>& contact) {
   return Cycle(robot, NoSkin{}, GravityControl{}, guard,

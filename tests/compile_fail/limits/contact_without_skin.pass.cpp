@@ -2,7 +2,7 @@
 
 using namespace skinctl;
 
-using Robot = Resolver<Interface::position, ur5::Model>;
+using Robot = ResolverBy<Interface::position, ur5::Model>;
 
 auto scene(const Robot& robot, const Guard<Interface::position, 6>& guard, const LinkContact<2>& contact,
            const Skin<ur5::Model, double, Patch<2, 10>>& skin) {

@@ -3,7 +3,7 @@
 
 using namespace skinctl;
 
-using Robot = Resolver<Interface::torque, ur5::Model>;
+using Robot = ResolverBy<Interface::torque, ur5::Model>;
 
 auto scene(const Robot& robot, const Guard<Interface::torque, 6>& guard, const JerkLimits<6>& jerk) {
   return Cycle(robot, GravityControl{}, guard, make_governor(robot.limits(), jerk));

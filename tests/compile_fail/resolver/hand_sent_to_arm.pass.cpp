@@ -4,7 +4,7 @@ using namespace skinctl;
 
 using Arm = JointGroup<Interface::velocity, joints_between(0, 6)>;
 using Hand = JointGroup<Interface::torque, joints_between(6, 22)>;
-using Robot = GroupResolver<ur5_allegro::Model<>, double, JointGroups<22, Arm, Hand>>;
+using Robot = Resolver<ur5_allegro::Model<>, double, JointGroups<22, Arm, Hand>>;
 
 JointVelocity<6> arm(const JointCommand<22>& command) {
   return Robot::stiff(command).velocity;

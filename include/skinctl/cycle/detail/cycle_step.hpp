@@ -28,7 +28,7 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
   const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
   status |= interval.status;
   const auto measured = [&]() SKINCTL_INLINE_LAMBDA -> const State<joints, scalar>& {
-    return detail::believed(input.measured, m.robot.measured, guard_);
+    return detail::believed(input.measured, m.robot.measured(), guard_);
   };
   status |= detail::receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
   const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
@@ -82,8 +82,8 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::ru
       if constexpr (requires { given.hold; }) resolved.fallback = given.hold;
     }
   }
-  const auto guarded =
-      guard_.step(m.guard, resolved.command, m.robot.measured, input.now, resolved.fallback, found | status);
+  const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured(), input.now,
+                                   resolved.fallback, found | status);
   status |= guarded.status | input.observed;
   if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
   if constexpr (governed) {
@@ -102,22 +102,22 @@ SKINCTL_INLINE auto Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::go
     Memory& m, const Resolved& resolved, const Pressed& pressed, const Interval& interval,
     [[maybe_unused]] bool hard, [[maybe_unused]] bool stops) const noexcept {
   scalar dt = seconds<scalar>(interval.to - interval.from);
-  if constexpr (detail::takes_positions<Resolver>) dt = m.robot.command_span;
+  if constexpr (detail::takes_positions<Resolver>) dt = resolver_.span(m.robot, dt);
   const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
   if constexpr (!detail::has_one_interface<Resolver>) {
     std::array<scalar, Resolver::stiff_groups> spans;
     Resolver::each([&](auto k) { spans[k.value] = resolver_.template span<k.value>(m.robot, dt); });
     return governor_.step(m.governor, guard_.last(m.guard), resolved.command, resolved.fallback,
                           guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
-                          scalar(guard_.settings().torque_rate), m.robot.measured, pressed, nearest, spans,
+                          scalar(guard_.settings().torque_rate), m.robot.measured(), pressed, nearest, spans,
                           dt, hard, stops);
   } else if constexpr (Resolver::interface == Interface::torque) {
     return governor_.step_torque(m.governor, m.guard.command, resolved.command, resolved.fallback,
                                  guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
-                                 scalar(guard_.settings().torque_rate), m.robot.measured, pressed, nearest,
+                                 scalar(guard_.settings().torque_rate), m.robot.measured(), pressed, nearest,
                                  dt);
   } else {
-    return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured, pressed, nearest,
+    return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured(), pressed, nearest,
                           dt, hard, stops);
   }
 }
@@ -145,7 +145,7 @@ SKINCTL_COLD void Cycle<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>::star
   if (measured.time > input.now) measured.time = input.now;
   if (!guard_.believes(measured)) return;
   if constexpr (detail::takes_positions<Resolver>)
-    if (m.robot.gap_told) return start(m, measured, measured.q - m.robot.gap);
+    if (m.robot.group().gap_told) return start(m, measured, measured.q - m.robot.group().gap);
   start(m, measured);
 }
 

@@ -43,17 +43,9 @@ template <class Overseer, class Skin>
 /// Whether a governor watches how much of the skin feels.
 template <class Overseer>
 inline constexpr bool watches_skin = requires { requires Overseer::has_watch; };
-/// Whether all joints of a resolver have the same interface, and whether it commands motion of any.
+/// Whether a resolver commands motion of any joint.
 template <class Resolver>
-inline constexpr bool has_one_interface = requires { Resolver::interface; };
-template <class Resolver>
-inline constexpr bool commands_motion = [] {
-  if constexpr (has_one_interface<Resolver>) {
-    return Resolver::interface != Interface::torque;
-  } else {
-    return true;
-  }
-}();
+inline constexpr bool commands_motion = [] { return Resolver::has_virtual; }();
 template <class Resolver>
 inline constexpr bool watches_contacts = requires { requires Resolver::watches_contacts; };
 /// Whether a skin says where it is pressed, beside the touch `Touch` of other sensors.

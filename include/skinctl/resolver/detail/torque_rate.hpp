@@ -58,5 +58,11 @@ struct OwnTorque {
   }
 };
 
+/// Of no joint.
+template <Real T>
+struct OwnTorque<0, T> {
+  bool known = false;
+};
+
 }  // namespace detail
 SKINCTL_END_NAMESPACE

@@ -57,7 +57,6 @@ class VirtualJoints {
   [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured) const noexcept;
   /// The same from the position that the robot was told; a gap to the measured one is agreed to.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured, const Position& told) const noexcept;
-  [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept;
 
   /// Begins a cycle: takes the measurement and computes the correction for the sub-steps.
   template <class Check = AnyState>

@@ -51,21 +51,12 @@ SKINCTL_COLD auto SKINCTL_VIRTUAL_JOINTS_CLASS::start(const State<N, T>& measure
 }
 
 SKINCTL_VIRTUAL_JOINTS
-Interval SKINCTL_VIRTUAL_JOINTS_CLASS::interval(const Memory& m, Nanoseconds now) const noexcept {
-  Interval out = interval_since(m.started, m.time, m.odd, now, p_.longest_interval);
-  const std::int64_t steps = (out.to - out.from + p_.substep - 1ns) / p_.substep;
-  out.substeps = steps < std::int64_t(max_substeps) ? static_cast<unsigned>(steps) : max_substeps;
-  return out;
-}
-
-SKINCTL_VIRTUAL_JOINTS
 template <class Check>
 SKINCTL_INLINE auto SKINCTL_VIRTUAL_JOINTS_CLASS::begin(Memory& m, const State<N, T>& measured,
                                                         const Interval& interval,
                                                         const Check& check) const noexcept -> Begun {
   const T dt = seconds<T>(interval.to - interval.from);
   const Velocity before = m.rate;
-  m.odd = no_time;
   if (interval.clock_set || interval.to - m.command.time > 1s + p_.longest_interval) [[unlikely]] {
     set_clock(m, interval);
   } else if constexpr (I == Interface::velocity) {

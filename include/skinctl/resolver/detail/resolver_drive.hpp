@@ -1,0 +1,211 @@
+// A sub-step of the virtual robot: law, limits of torque, integrator, tank.
+#pragma once
+
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/math/lu.hpp"
+#include "skinctl/resolver/detail/resolver_energy.hpp"
+#include "skinctl/resolver/detail/velocity_step.hpp"
+#include "skinctl/tactile/touch_wrenches.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// The parts of a scene's configuration that give its torque.
+template <class Robot, class L, class Touch>
+struct Asked {
+  const Robot& robot;
+  const L& law;
+  const typename L::Memory& memory;
+  const Touch& touch;
+};
+
+/// What a law knows in a `Resolver`, and how the virtual robot moves under its torque.
+template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
+class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Keeper, Tool> {
+  using Base = ResolverEnergy<M, T, Sets, Integrator, History, Keeper, Tool>;
+
+ public:
+  using Base::carries_bias;
+  using Base::has_damper;
+  using Base::has_driven;
+  using Base::has_tank;
+  using Base::has_virtual;
+  using Base::joints;
+  using Driven = typename Base::Driven;
+  using Stiff = typename Base::Stiff;
+  using Memory = typename Base::Memory;
+  static constexpr Needs keeper_needs =
+      has_virtual ? Integrator::needs |
+                        Needs{.angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank}
+                  : Needs{.angles = has_tank, .mass = has_tank};
+  using Mass =
+      std::conditional_t<has_virtual, VirtualMass<joints, T, Tool, Stiff, carries_bias>, RealMass<joints, T>>;
+  /// The input of a law: the state of stiff and driven joints, and the quantities that law and integrator need of
+  /// it.
+  template <class L, class Touch = NoTouch>
+  using Knows = Quantities<M, L::needs | keeper_needs, T, Touch, Mass>;
+
+  /// What a law knows at `state`, which must outlive it like `touch`: for a torque that is held for `dt` seconds.
+  template <class L, class Touch>
+  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(
+      const State<joints, T>& state, const T& dt, const Touch& touch,
+      [[maybe_unused]] BiasBeside<joints, T>* beside = nullptr) const noexcept {
+    if constexpr (has_virtual) {
+      return Knows<L, Touch>(model_, state, dt, touch, Mass(limits_, shape_.inertia, tool_, beside));
+    } else {
+      return Knows<L, Touch>(model_, state, dt, touch, Mass(limits_, shape_.inertia));
+    }
+  }
+
+ protected:
+  using Base::Base;
+  using Base::keeper_;
+  using Base::limits_;
+  using Base::model_;
+  using Base::shape_;
+  using Base::stiff_only;
+  using Base::stiff_shape_;
+  using Base::tool_;
+  using Velocity = typename Base::Velocity;
+  using Acceleration = typename Base::Acceleration;
+  using Torque = typename Base::Torque;
+  using StiffTorque = typename Base::StiffTorque;
+
+  /// The law's part and the velocity after a sub-step; elements of driven joints are zero.
+  template <class L>
+  struct Moved {
+    /// Built in place. (GCC would first zero an aggregate, then write it.)
+    template <class F>
+    SKINCTL_INLINE explicit Moved(F&& law_now) : law(law_now()), status(law.status) {}
+
+    Evaluation<joints, T, typename L::Memory, terms_of<L>> law;
+    Torque torque;  ///< the law's, cut to the limits [N m]
+    Velocity velocity;
+    Status status;
+  };
+
+  /// `h` seconds of the virtual robot from `now` on. One function for the sub-steps and for a blocked robot: the law
+  /// is the largest part of a cycle's code.
+  template <class L, class Touch>
+  SKINCTL_NOINLINE Moved<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,
+                                  const State<joints, T>& now, const Acceleration& pull,
+                                  [[maybe_unused]] const Acceleration& swing, const T& h,
+                                  const Touch& touch) const noexcept {
+    const auto& total = total_of(touch);
+    BiasBeside<joints, T> beside;
+    const Knows<L, LawTouch<Touch>> known = this->template known<L>(now, h, total, &beside);
+    if constexpr (carries_bias) beside.v = middle_velocity<Stiff>(known, this->last(m));
+    Moved<L> out([&]() SKINCTL_INLINE_LAMBDA { return evaluate(law, law_memory, known, h); });
+    if (!is_finite(out.law.torque)) [[unlikely]] {
+      out.status |= Reason::torque_not_finite;
+      return out;
+    }
+    StiffTorque own = Stiff::of(out.law.torque);
+    const StiffTorque step = T(this->torque_rate_ * h) * Stiff::of(limits_.torque());
+    if (m.own.template bound<L, Stiff>(out.law.shares, step, own)) [[unlikely]]
+      out.status |= Reason::torque_limited;
+    Stiff::put(own, out.torque);
+    const Velocity v = stiff_only(now.dq);
+    if (!(limits_.within(out.torque, v) == out.torque)) [[unlikely]] {
+      out.status |= Reason::torque_limited;
+      out.torque = this->limited(now, out.torque);
+    }
+    const auto next = stepped(*this, m, known, out.torque, pull, swing);
+    if (next.singular) out.status |= Reason::singular;
+    Stiff::put(next.velocity, out.velocity);
+    if constexpr (has_tank) draw_from_tank(m, known, contact_part(touch), v, pull, swing, out);
+    return out;
+  }
+
+  /// The torque of the stiff joints that `next` lacks against `before`, see `Resolver::lacking`.
+  template <class Asks>
+  [[nodiscard]] SKINCTL_COLD StiffTorque lacking_of_stiff(const Memory& m, const Interval& interval,
+                                                          const Asks& before,
+                                                          const Asks& next) const noexcept {
+    constexpr std::size_t n = Stiff::count;
+    using StiffVelocity = JointVelocity<n, T>;
+    const T h = interval.substeps == 0 ? this->planned_step() : seconds<T>(interval.at(1) - interval.at(0));
+    const State<joints, T> here = this->state(m);
+    const auto asks = [&]<class L, class Robot, class Touch>(const Asked<Robot, L, Touch>& who, auto&& use) {
+      const Knows<L, Touch> known = who.robot.template known<L>(here, h, who.touch);
+      return use(Torque(torque_of(who.law, who.memory, known)), [&](const StiffTorque& tau) {
+        Torque whole;
+        Stiff::put(tau, whole);
+        return stepped(who.robot, m, known, whole, {}, {}, false).velocity;
+      });
+    };
+    const StiffVelocity wanted = asks(before, [&](const Torque& tau, const auto& moved) {
+      const Torque own = stiff_only(tau);
+      return moved(
+          Stiff::of(limits_.within(own, stiff_only(here.dq)) == own ? own : this->limited(here, own)));
+    });
+    return asks(next, [&](const Torque& whole, const auto& moved) {
+      const StiffTorque tau = Stiff::of(whole);
+      const StiffVelocity given = moved(tau);
+      T slope[n * n], difference[n];
+      for (std::size_t j = 0; j < n; ++j) {
+        StiffTorque more = tau;
+        more[j] += T(1);
+        const StiffVelocity there = moved(more);
+        for (std::size_t i = 0; i < n; ++i) slope[i * n + j] = there[i] - given[i];
+        difference[j] = wanted[j] - given[j];
+      }
+      StiffTorque found;
+      math::Lu<n, T>(slope).solve(difference, found.data);
+      return found;
+    });
+  }
+
+ private:
+  /// The virtual robot's velocity after a sub-step under `tau`, with the virtual dynamics of `robot`.
+  template <class Robot, class K>
+  [[nodiscard]] static SKINCTL_INLINE VelocityStep<Stiff::count, T> stepped(
+      const Robot& robot, const Memory& m, const K& known, const Torque& tau, const Acceleration& pull,
+      const Acceleration& swing, bool with_coulomb = true) noexcept {
+    const ContactDamping<joints, T>* damping = nullptr;
+    if constexpr (has_damper) {
+      const auto& d = m.keeper.template of<ContactDamper<T>>().damping;
+      if (d.any) damping = &d;
+    }
+    const bool has_coulomb = with_coulomb && robot.has_coulomb_;
+    if constexpr (Stiff::is_all) {
+      return step_velocity<Integrator>(known, robot.stiff_shape_, has_coulomb, tau, pull, robot.last(m),
+                                       damping, robot.tool_);
+    } else {
+      return step_velocity_of<Integrator, Stiff>(known, robot.stiff_shape_, has_coulomb, Stiff::of(tau),
+                                                 Stiff::of(pull), Stiff::of(robot.last(m)), damping,
+                                                 robot.tool_, &swing);
+    }
+  }
+  /// The tank pays for what the law does beside contacts and gravity, as far as it can.
+  template <class K, class Contact, class L>
+  SKINCTL_INLINE void draw_from_tank(Memory& m, const K& known, const Contact& contact, const Velocity& v,
+                                     [[maybe_unused]] const Acceleration& pull, const Acceleration& swing,
+                                     Moved<L>& out) const noexcept {
+    const auto& tank = keeper_.template get<EnergyTank<T>>();
+    auto& memory = m.keeper.template of<EnergyTank<T>>();
+    tank.charge(memory, known.mass(), v);
+    const Torque port = stiff_only(skin_torque(model_, known.angles(), contact));
+    const Torque passive = tank.settings().port_gain * port + stiff_only(known.gravity());
+    const T share = tank.pay(memory, port, out.torque - passive, v, out.velocity, known.dt(), [&] {
+      Velocity without;
+      Stiff::put(stepped(*this, m, known, passive, {}, swing).velocity, without);
+      return without;
+    });
+    if (share < T(1)) {
+      out.status |= Reason::tank_empty;
+      out.torque = passive + share * (out.torque - passive);
+    }
+    if constexpr (has_driven) {
+      // The recoil of the driven joints is a port as a contact is.
+      Torque recoil =
+          coriolis_torque(model_, known.angles(), v) - coriolis_torque(model_, known.angles(), known.dq());
+      for (const std::size_t i : Stiff::index)
+        for (const std::size_t j : Driven::index) recoil[i] = recoil[i] - known.mass()(i, j) * swing[j];
+      memory.port += stiff_only(recoil);
+    }
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

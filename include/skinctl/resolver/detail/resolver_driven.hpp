@@ -1,0 +1,185 @@
+// The joints by torque of a resolver: the law at the newest measurement, friction, tank.
+#pragma once
+
+#include "skinctl/resolver/detail/resolver_drive.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// The measurement of a cycle, and the driven joints of a `Resolver`.
+template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
+class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Keeper, Tool> {
+  using Base = ResolverDrive<M, T, Sets, Integrator, History, Keeper, Tool>;
+
+ public:
+  using Base::each;
+  using Base::has_damper;
+  using Base::has_driven;
+  using Base::has_tank;
+  using Base::has_virtual;
+  using Base::joints;
+  using Base::one_group;
+  using Driven = typename Base::Driven;
+  using Memory = typename Base::Memory;
+  template <std::size_t K>
+  using Part = typename Base::template Part<K>;
+  template <class L, class Touch = NoTouch>
+  using Knows = typename Base::template Knows<L, Touch>;
+
+  /// Whether the coming cycle evaluates the law for driven joints: no stop, no stale state.
+  template <class Check>
+  [[nodiscard]] bool asks_law(const Memory& m, const State<joints, T>& measured, Nanoseconds now,
+                              const Check& check) const noexcept {
+    if constexpr (!has_driven) return true;
+    State<joints, T> state = m.measured();
+    static_cast<void>(take_measurement(state, measured, now, check));
+    return m.started && !m.stop && now - state.time <= stale_after_;
+  }
+
+ protected:
+  using Base::Base;
+  using Base::keeper_;
+  using Base::limits_;
+  using Base::model_;
+  using Base::stale_after_;
+  using Base::virtual_;
+  using Acceleration = typename Base::Acceleration;
+  using Torque = typename Base::Torque;
+  using DrivenTorque = typename Base::DrivenTorque;
+
+  /// The begin of a cycle: what its measurement says.
+  template <class Groups>
+  struct Begun {
+    Groups groups;                         ///< of each stiff group
+    Acceleration pull{};                   ///< L2 rho of the stiff joints [rad/s^2]
+    Acceleration swing{};                  ///< measured accelerations of the driven joints [rad/s^2]
+    JointPosition<joints, T> displaced{};  ///< measured motion since the last cycle [rad]
+    Status status{};
+    bool stale = false;  ///< the last good measurement is too old
+  };
+  /// What acts on the driven joints, and what they are sent.
+  struct DrivenLoad {
+    Torque gravity;        ///< that holds their weight [N m]
+    Torque port;           ///< of contacts [N m]
+    DrivenTorque resists;  ///< friction that is added [N m]
+    DrivenTorque passive;  ///< for which a tank does not pay [N m]
+    DrivenTorque given;    ///< sent to them [N m]
+  };
+  struct NoLoad {};
+
+  /// Takes the measurement.
+  template <class Check>
+  [[nodiscard]] SKINCTL_INLINE auto begin(Memory& m, const State<joints, T>& measured,
+                                          const Interval& interval, const Check& check,
+                                          [[maybe_unused]] const T& dt) const noexcept {
+    if constexpr (one_group) {
+      Begun<std::tuple<typename std::tuple_element_t<0, decltype(virtual_)>::Begun>> out{
+          {std::get<0>(virtual_).begin(m.group(), measured, interval, check)}};
+      out.status = std::get<0>(out.groups).status;
+      out.pull = std::get<0>(out.groups).correction.pull;
+      return out;
+    } else {
+      const State<joints, T> before = m.whole.measured;
+      const Status taken = take_measurement(m.whole.measured, measured, interval.to, check);
+      auto groups = [&]<std::size_t... K>(std::index_sequence<K...>) {
+        return std::tuple{std::get<K>(virtual_).begin(m.template group<K>(),
+                                                      part_of<Part<K>>(m.whole.measured), interval)...};
+      }(std::make_index_sequence<Base::stiff_groups>{});
+      Begun<decltype(groups)> out{groups};
+      out.status = taken;
+      each([&](auto k) {
+        const auto& group = std::get<k.value>(out.groups);
+        out.status |= group.status;
+        Part<k.value>::put(group.correction.pull, out.pull);
+      });
+      if (has_driven && interval.to - m.whole.measured.time > stale_after_) out.status |= Reason::state_stale;
+      out.stale = out.status.has(Reason::state_stale);
+      for (const std::size_t i : Driven::index) out.swing[i] = (m.whole.measured.dq[i] - before.dq[i]) / dt;
+      out.displaced = m.whole.measured.q - before.q;
+      return out;
+    }
+  }
+
+  /// What acts on the driven joints, and the work of the torque that they have held.
+  template <class Began, class Touch>
+  [[nodiscard]] SKINCTL_INLINE auto load_of(Memory& m, const Began& begun,
+                                            const Touch& touch) const noexcept {
+    if constexpr (!has_driven) {
+      return NoLoad{};
+    } else {
+      DrivenLoad load;
+      const State<joints, T>& now = m.measured();
+      load.gravity = gravity_torque(model_, now.q);
+      // An old velocity is no basis for braking.
+      if (!begun.stale) load.resists = this->friction(now);
+      if constexpr (has_damper) {
+        const auto& damping = m.keeper.template of<ContactDamper<T>>().damping;
+        if (damping.any && !begun.stale)
+          load.resists += detail::held_damping<Driven>(damping, this->real_mass(now.q), now.dq,
+                                                       seconds<T>(this->period()));
+      }
+      if constexpr (has_tank) {
+        // The stiff joints draw from the same tank afterwards.
+        const auto& tank = keeper_.template get<EnergyTank<T>>();
+        auto& shared = m.keeper.template of<EnergyTank<T>>().energy;
+        load.port = skin_torque(model_, JointAngles<M, T>(model_, now.q), contact_part(touch));
+        m.driven.tank.energy = shared;
+        tank.book(m.driven.tank, Driven::of(begun.displaced), Driven::of(load.port),
+                  Driven::of(load.gravity));
+        shared = m.driven.tank.energy;
+        load.passive =
+            tank.settings().port_gain * Driven::of(load.port) + Driven::of(load.gravity) - load.resists;
+      }
+      return load;
+    }
+  }
+
+  /// Evaluates the law at `now`, for the driven joints: `load.given`, and `asked` of all joints. False if its torque
+  /// is not finite. Where all joints are driven, its memory advances by `dt`.
+  template <class L, class Touch, class Load, class Out>
+  [[nodiscard]] SKINCTL_INLINE bool ask(Memory& m, const L& law, typename L::Memory& law_memory,
+                                        const State<joints, T>& now, const Touch& touch, const T& dt,
+                                        Load& load, Torque& asked, Out& out) const noexcept {
+    const T period = seconds<T>(this->period());
+    const auto& total = total_of(touch);
+    const Knows<L, LawTouch<Touch>> known =
+        this->template known<L>(has_virtual ? now : m.measured(), period, total);
+    const auto evaluation = evaluate(law, law_memory, known, has_virtual ? period : dt);
+    if (!has_virtual) out.status |= evaluation.status;
+    if (!is_finite(evaluation.torque)) [[unlikely]] {
+      out.status |= Reason::torque_not_finite;
+      return false;
+    }
+    if constexpr (!has_virtual) {
+      law_memory = evaluation.memory;
+      out.shares = evaluation.shares;
+    }
+    asked = evaluation.torque;
+    load.given = Driven::of(asked);
+    const DrivenTorque step = T(this->driven_torque_rate_ * dt) * Driven::of(limits_.torque());
+    if (m.driven.own.template bound<L, Driven>(evaluation.shares, step, load.given)) [[unlikely]]
+      out.status |= Reason::torque_limited;
+    load.given -= load.resists;
+    if constexpr (has_tank) out.status |= this->pay(m, load.passive, Driven::of(load.gravity), load.given);
+    return true;
+  }
+  /// The torque of the driven joints, within their limits.
+  template <class Out>
+  SKINCTL_INLINE void give(Memory& m, const DrivenLoad& load, Torque& torque, Out& out) const noexcept {
+    const State<joints, T>& now = m.measured();
+    Driven::put(load.given, torque);
+    const Torque given = limits_.within(torque, now.dq);
+    if (!(Driven::of(given) == load.given)) out.status |= Reason::torque_limited;
+    m.driven.torque = Driven::of(given);
+    Driven::put(m.driven.torque, torque);
+    for (const std::size_t i : Driven::index)
+      if (!(now.q[i] >= limits_.lower()[i] && now.q[i] <= limits_.upper()[i]))
+        out.status |= Reason::outside_limits;
+    if constexpr (has_tank)
+      keeper_.template get<EnergyTank<T>>().sent(m.driven.tank, m.driven.torque, load.passive,
+                                                 Driven::of(load.port), Driven::of(load.gravity));
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,153 @@
+// Energy and contacts in a resolver.
+#pragma once
+
+#include "skinctl/resolver/detail/affordable.hpp"
+#include "skinctl/resolver/detail/resolver_state.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// In place of pressed areas: the resolver takes the contacts from the wrenches of the touch.
+struct PressedUnknown {};
+
+namespace detail {
+
+/// A resolver's `Passivity`: what it is told in a cycle, and what it leaves.
+template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
+class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Keeper, Tool> {
+  using Base = ResolverState<M, T, Sets, Integrator, History, Keeper, Tool>;
+
+ public:
+  using Base::has_damper;
+  using Base::has_driven;
+  using Base::has_passivity_observer;
+  using Base::has_tank;
+  using Base::joints;
+  using Base::watches_contacts;
+  using Driven = typename Base::Driven;
+  using Memory = typename Base::Memory;
+  template <std::size_t K>
+  using Group = typename Base::template Group<K>;
+  template <std::size_t K>
+  using Part = typename Base::template Part<K>;
+
+ protected:
+  using Base::Base;
+  using Base::each;
+  using Base::keeper_;
+  using Base::limits_;
+  using Base::model_;
+  using Base::virtual_;
+  using Position = typename Base::Position;
+  using Velocity = typename Base::Velocity;
+  using Torque = typename Base::Torque;
+  using DrivenTorque = typename Base::DrivenTorque;
+
+  /// The inputs of the passivity parts in a cycle of `dt` seconds. The observer watches over the stiff joints: a
+  /// contact's motion by the driven ones is not ahead of the measurement.
+  template <class Pressed, class Touch>
+  SKINCTL_INLINE Status watch(Memory& m, const Pressed& pressed, const Touch& touch,
+                              const T& dt) const noexcept {
+    if constexpr (!watches_contacts) {
+      return {};
+    } else if constexpr (std::is_same_v<Pressed, PressedUnknown>) {
+      return observe(m, contacts_of(model_, m.measured().q, contact_part(touch)), dt);
+    } else {
+      return observe(m, contacts_of(model_, m.measured().q, pressed), dt);
+    }
+  }
+  /// Slows the stiff joints' velocity `v` to what the observer can pay for; false if it was slowed.
+  SKINCTL_INLINE bool affords(const Memory& m, Velocity& v) const noexcept {
+    if constexpr (has_passivity_observer) {
+      return slow_to_afford(keeper_.template get<PassivityObserver<T>>(),
+                            m.keeper.template of<PassivityObserver<T>>(), v,
+                            [&](const Velocity& u) { return way_to_rest(m, u); });
+    } else {
+      return true;
+    }
+  }
+  /// Scales the active part of the driven joints' torque down to the share that the tank pays for. Their motion
+  /// is predicted for stiff joints that move steadily; what it was is booked in the next cycle.
+  SKINCTL_INLINE Status pay(Memory& m, const DrivenTorque& passive, const DrivenTorque& gravity,
+                            DrivenTorque& torque) const noexcept {
+    const auto& tank = keeper_.template get<EnergyTank<T>>();
+    auto& held_tank = m.driven.tank;
+    held_tank.energy = m.keeper.template of<EnergyTank<T>>().energy;
+    Torque whole;
+    Driven::put(torque, whole);
+    const auto& now = m.measured();
+    const DrivenTorque active = Driven::of(limits_.within(whole, now.dq)) - passive;
+    const JointAngles<M, T> angles(model_, now.q);
+    const DrivenTorque bias = gravity + Driven::of(coriolis_torque(model_, angles, now.dq));
+    const math::Ldlt<Driven::count, T> mass(block_of<Driven>(this->real_mass(now.q)).data);
+    const auto v = Driven::of(now.dq);
+    const T h = seconds<T>(this->period());
+    const T share = tank.pay(held_tank, passive, active, v, h, [&](const DrivenTorque& tau) {
+      const DrivenTorque net = tau - bias;
+      JointAcceleration<Driven::count, T> given;
+      if (mass.positive_definite()) mass.solve(net.data, given.data);
+      return integrate(v, given, h);
+    });
+    if (!(share < T(1))) return {};
+    torque = passive + share * active;
+    return Reason::tank_empty;
+  }
+
+ private:
+  template <class Contacts>
+  SKINCTL_INLINE Status observe(Memory& m, Contacts contacts, const T& dt) const noexcept {
+    Status status;
+    if constexpr (has_damper)
+      if (keeper_.template get<ContactDamper<T>>().observe(m.keeper.template of<ContactDamper<T>>(), contacts,
+                                                           m.measured().dq, dt))
+        status |= Reason::contact_damped;
+    if constexpr (has_passivity_observer) {
+      if constexpr (has_driven)
+        for (std::size_t k = 0; k < contacts.count; ++k)
+          for (const std::size_t i : Driven::index) contacts.list[k].row[i] = T(0);
+      keeper_.template get<PassivityObserver<T>>().book(m.keeper.template of<PassivityObserver<T>>(),
+                                                        contacts, m.measured().q, this->total_delay() / dt,
+                                                        [&](auto&& f) { each_way_under_way(m, f); });
+    }
+    return status;
+  }
+  /// Calls `f` with the displacements from the measured position that commands under way lead to.
+  template <class F>
+  SKINCTL_INLINE void each_way_under_way(const Memory& m, F& f) const noexcept {
+    each([&](auto k) {
+      constexpr bool here = Group<k.value>::interface == Interface::position;
+      const auto& group = m.template group<k.value>();
+      std::get<k.value>(virtual_).servo().each_under_way(group.under_way, [&](const auto& q) {
+        Position way;
+        // The other groups' furthest command is their last one.
+        each([&](auto other) {
+          const auto& o = m.template group<other.value>();
+          constexpr bool by_position = Group<other.value>::interface == Interface::position;
+          Part<other.value>::put(o.sent.value - (by_position ? o.measured.q : o.under_way.reached), way);
+        });
+        Part<k.value>::put(q - (here ? group.measured.q : group.under_way.reached), way);
+        f(way);
+      });
+    });
+  }
+  /// The displacement from the measured position to where the stiff joints come to rest that move at `u`.
+  SKINCTL_INLINE Position way_to_rest(const Memory& m, const Velocity& u) const noexcept {
+    Position dq;
+    each([&](auto k) {
+      const auto& group = m.template group<k.value>();
+      const auto& p = this->template parameters<k.value>();
+      constexpr bool by_position = Group<k.value>::interface == Interface::position;
+      const T ahead = p.lead + p.cycle;
+      for (std::size_t j = 0; j < Group<k.value>::count; ++j) {
+        const std::size_t i = Part<k.value>::index[j];
+        const T speed = u[i] < T(0) ? T(-u[i]) : u[i];
+        const T from = by_position ? group.measured.q[j] : group.under_way.reached[j];
+        const T sent = by_position ? group.q.value[j] : group.sent.value[j];
+        dq[i] = sent - from + u[i] * (ahead + T(0.5) * speed / p.limits.acceleration()[j]);
+      }
+    });
+    return dq;
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,265 @@
+// A robot in groups of joints as a resolver uses it: its model and numbers, checked.
+#pragma once
+
+#include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/resolver/detail/held_friction.hpp"
+#include "skinctl/resolver/detail/virtual_joints.hpp"
+#include "skinctl/resolver/integrator.hpp"
+#include "skinctl/robot/joint_groups.hpp"
+#include "skinctl/robot/tool_shape.hpp"
+#include "skinctl/robot/virtual_mass.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// `interface` of a robot that is one group.
+template <class... Groups>
+struct InterfaceOf {
+  static constexpr bool is_one_group = false;
+};
+template <class Group>
+struct InterfaceOf<Group> {
+  static constexpr bool is_one_group = true;
+  static constexpr Interface interface = Group::interface;
+};
+template <class Stiff, class Driven>
+struct InterfaceOfSets;
+template <class... S, class... D>
+struct InterfaceOfSets<std::tuple<S...>, std::tuple<D...>> : InterfaceOf<S..., D...> {};
+
+/// The data of a `Resolver`, which derives from it, and what follows from them alone.
+template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
+class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typename Sets::DrivenGroups> {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  using Driven = typename Sets::Driven;  ///< joints by torque
+  using Stiff = typename Sets::Stiff;    ///< joints by position or velocity
+  using Groups = typename Sets::StiffGroups;
+  static constexpr std::size_t stiff_groups = std::tuple_size_v<Groups>;
+  static constexpr bool has_driven = Driven::count > 0;
+  static constexpr bool has_virtual = Stiff::count > 0;
+  using scalar = T;
+  using Configuration = RobotConfiguration<joints, T>;
+  using JointSets = Sets;
+  using Memory = ResolverMemory<joints, T, Sets, History, Keeper>;
+  static constexpr bool one_group = Memory::one_group;
+  static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
+  static constexpr bool has_passivity_observer = Keeper::template has<PassivityObserver<T>>;
+  static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
+  static constexpr bool watches_contacts = has_passivity_observer || has_damper;
+  /// Whether laws may compute the bias of the virtual robot beside their own recursion.
+  static constexpr bool carries_bias =
+      Stiff::is_all && std::same_as<Integrator, CrankNicolson> && std::same_as<Tool, NoToolShape>;
+  static_assert(has_virtual || !has_passivity_observer,
+                "by torque no command runs ahead of the robot: its Passivity is an EnergyTank or a "
+                "ContactDamper, leave PassivityObserver out");
+
+  /// The joints of the stiff group `K`.
+  template <std::size_t K>
+  using Group = std::tuple_element_t<K, Groups>;
+  template <std::size_t K>
+  using Part = JointSubset<joints, Group<K>::set>;
+  /// Calls `f(std::integral_constant<std::size_t, K>)` for each stiff group.
+  template <class F>
+  static SKINCTL_INLINE void each(F&& f) {
+    [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
+      (f(std::integral_constant<std::size_t, K>{}), ...);
+    }(std::make_index_sequence<stiff_groups>{});
+  }
+
+  [[nodiscard]] const M& model() const noexcept { return model_; }
+  /// The limits of all joints.
+  [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return limits_; }
+  [[nodiscard]] const Keeper& keeper() const noexcept { return keeper_; }
+  /// The numbers of the stiff group `K` in the form in which the resolver uses them.
+  template <std::size_t K = 0>
+  [[nodiscard]] SKINCTL_INLINE const auto& parameters() const noexcept {
+    return std::get<K>(virtual_).parameters();
+  }
+  [[nodiscard]] Nanoseconds period() const noexcept { return period_; }
+  [[nodiscard]] Nanoseconds longest_interval() const noexcept { return longest_interval_; }
+  /// Virtual inertia and friction of the stiff joints; of the driven ones added friction, and their motors.
+  [[nodiscard]] const VirtualDynamics<joints, T>& shape() const noexcept { return shape_; }
+  /// Delay and lag of the driven joints, the longest of their groups.
+  [[nodiscard]] Nanoseconds driven_delay() const noexcept { return driven_delay_; }
+  [[nodiscard]] Nanoseconds driven_lag() const noexcept { return driven_lag_; }
+  /// The configuration that a guard of the driven joints reads; `limits` are theirs.
+  [[nodiscard]] RobotConfiguration<Driven::count, T> for_guard(
+      const JointLimits<Driven::count, T>& limits) const {
+    return {.limits = limits,
+            .period = period_,
+            .delay = driven_delay_,
+            .lag = driven_lag_,
+            .max_lead = driven_lead_,
+            .longest_interval = longest_interval_};
+  }
+  /// The time for which a law's torque is held in a punctual cycle [s]: a sub-step, or by torque a period.
+  [[nodiscard]] T planned_step() const noexcept {
+    return seconds<T>(has_virtual ? planned_substep(period_, substep_) : period_);
+  }
+  /// T = delay + lag + period of the slowest stiff group [s]: the time until a measurement shows a command.
+  [[nodiscard]] T total_delay() const noexcept {
+    T slowest(0);
+    each([&](auto k) {
+      const T total = parameters<k.value>().total_delay;
+      if (total > slowest) slowest = total;
+    });
+    return slowest;
+  }
+  /// e_max: the largest lead of joint `i` of the virtual robot over the real one [rad]; 0 by torque.
+  [[nodiscard]] T max_lead(std::size_t i) const noexcept {
+    T lead(0);
+    each([&](auto k) {
+      if ((Group<k.value>::set >> i) & 1u) lead = parameters<k.value>().max_lead[Part<k.value>::place(i)];
+    });
+    return lead;
+  }
+  /// Speed that the max lead leaves to joint `i` of a robot that follows: the virtual joint can still stop if
+  /// the robot is blocked at that moment.
+  [[nodiscard]] T top_speed(std::size_t i) const noexcept {
+    const T u = speed_to_stop(max_lead(i), total_delay(), limits_.acceleration()[i]);
+    return u < limits_.velocity()[i] ? u : limits_.velocity()[i];
+  }
+
+ protected:
+  using Position = JointPosition<joints, T>;
+  using Velocity = JointVelocity<joints, T>;
+  using Acceleration = JointAcceleration<joints, T>;
+  using Torque = JointTorque<joints, T>;
+  using StiffTorque = JointTorque<Stiff::count, T>;
+  using DrivenTorque = JointTorque<Driven::count, T>;
+
+  template <class... S, class... D>
+  SKINCTL_COLD ResolverNumbers(const M& model, const std::tuple<S...>& stiff, const std::tuple<D...>& driven,
+                               const Keeper& keeper, const Tool& tool)
+      : model_(model),
+        virtual_(virtual_of(stiff)),
+        limits_(limits_of_all(std::tuple_cat(stiff, driven))),
+        keeper_(keeper),
+        tool_(tool) {
+    const auto groups = std::tuple_cat(stiff, driven);
+    const auto& first = std::get<0>(groups).configuration;
+    period_ = first.period;
+    substep_ = first.substep;
+    longest_interval_ = first.longest();
+    if constexpr (has_virtual) {
+      shape_.damping = first.virtual_dynamics().damping;
+      torque_rate_ = first.torque_rate;
+    }
+    std::apply([&](const auto&... g) { (take(g), ...); }, groups);
+    if constexpr (has_virtual)
+      stiff_shape_ = {Stiff::of(shape_.viscous), Stiff::of(shape_.coulomb), Stiff::of(shape_.inertia),
+                      shape_.damping};
+  }
+
+  /// Of links, and of the motors of the driven joints.
+  [[nodiscard]] SKINCTL_INLINE MassMatrix<joints, T> real_mass(const Position& q) const noexcept {
+    MassMatrix<joints, T> m = mass_matrix(model_, q);
+    for (const std::size_t i : Driven::index) m(i, i) = m(i, i) + shape_.inertia[i];
+    return m;
+  }
+  /// The friction that is added to the driven joints [N m].
+  [[nodiscard]] SKINCTL_INLINE DrivenTorque friction(const State<joints, T>& s) const noexcept {
+    if constexpr (has_driven)
+      if (has_friction_)
+        return held_friction<Driven>(shape_.viscous, real_mass(s.q), s.dq, seconds<T>(period_));
+    return {};
+  }
+  /// The virtual robot's torque within its limits, along the motion that `tau` asks for; with Coriolis forces: at
+  /// full speed they are as large as what is left of a light joint's torque.
+  [[nodiscard]] SKINCTL_COLD Torque limited(const State<joints, T>& now, const Torque& tau) const noexcept {
+    const Torque hold = stiff_only(bias_torque(model_, JointAngles<M, T>(model_, now.q), now.dq));
+    return limits_.along(tau, hold, stiff_only(now.dq));
+  }
+  /// `whole` with zeros for the driven joints.
+  template <class V>
+  [[nodiscard]] static SKINCTL_INLINE V stiff_only(const V& whole) noexcept {
+    if constexpr (Stiff::is_all) {
+      return whole;
+    } else {
+      V out;
+      Stiff::put(Stiff::of(whole), out);
+      return out;
+    }
+  }
+  [[no_unique_address]] M model_;
+  template <class... G>
+  [[nodiscard]] static auto virtual_of(const std::tuple<G...>& groups) {
+    return std::apply(
+        [](const auto&... g) {
+          return std::tuple<VirtualJoints<G::interface, G::count, T, History>...>(
+              VirtualJoints<G::interface, G::count, T, History>(g.configuration)...);
+        },
+        groups);
+  }
+  decltype(virtual_of(std::declval<Groups>())) virtual_;
+  JointLimits<joints, T> limits_;
+  VirtualDynamics<joints, T> shape_;  ///< of all joints
+  struct NoShape {};
+  /// Of the virtual robot.
+  [[no_unique_address]] std::conditional_t<has_virtual, VirtualDynamics<Stiff::count, T>, NoShape>
+      stiff_shape_;
+  Nanoseconds period_{}, substep_{}, longest_interval_{};
+  Nanoseconds stale_after_{};  ///< age of a measurement by which the driven joints are no longer controlled
+  T torque_rate_ = T(50);      ///< of the virtual robot's laws, in torque limits per second
+  T driven_torque_rate_ = T(50);
+  Nanoseconds driven_delay_{}, driven_lag_{};
+  T driven_lead_ = T(2);  ///< `RobotConfiguration::max_lead` of the driven joints
+  bool has_coulomb_ = false, has_friction_ = false;
+  [[no_unique_address]] Keeper keeper_;
+  [[no_unique_address]] Tool tool_;
+
+ private:
+  /// The numbers of a group; throws `ConfigurationError` where they are out of range.
+  template <class Given>
+  void take(const Given& g) {
+    using Set = JointSubset<joints, Given::set>;
+    const auto& c = g.configuration;
+    check(c, Given::interface != Interface::torque);
+    Set::put(c.viscous_friction, shape_.viscous);
+    Set::put(c.coulomb_friction, shape_.coulomb);
+    Set::put(c.virtual_inertia, shape_.inertia);
+    const T damping = c.virtual_dynamics().damping;
+    const auto number = [](const T& x) { return static_cast<double>(x); };
+    if constexpr (Given::interface == Interface::torque) {
+      for (std::size_t i = 0; i < Given::count; ++i) {
+        has_friction_ = has_friction_ || c.viscous_friction[i] > T(0);
+        require(c.coulomb_friction[i] == T(0), "Coulomb friction", number(c.coulomb_friction[i]),
+                "0 for joints by torque");
+        require(!has_virtual || c.virtual_inertia[i] == T(0), "virtual inertia", number(c.virtual_inertia[i]),
+                "0 for joints by torque beside others");
+      }
+      require(damping == T(0), "virtual damping", number(damping), "0 for joints by torque");
+      driven_torque_rate_ = c.torque_rate;
+      stale_after_ = c.stale();
+      driven_delay_ = c.delay > driven_delay_ ? c.delay : driven_delay_;
+      driven_lag_ = c.lag > driven_lag_ ? c.lag : driven_lag_;
+      driven_lead_ = c.max_lead;
+    } else {
+      for (const T& x : c.coulomb_friction) has_coulomb_ = has_coulomb_ || x > T(0);
+      require(damping == shape_.damping, "virtual damping of a group", number(damping),
+              "that of the other groups: one virtual robot");
+      require(c.torque_rate == torque_rate_, "torque rate of a group", number(c.torque_rate),
+              "that of the other groups: one law");
+    }
+  }
+  template <class Given>
+  [[nodiscard]] static SKINCTL_COLD JointLimits<joints, T> limits_of_all(const Given& groups) {
+    typename JointLimits<joints, T>::Values all;
+    const auto put = [&](const auto& g) {
+      using Set = JointSubset<joints, std::remove_cvref_t<decltype(g)>::set>;
+      const auto& v = g.configuration.limits.values();
+      Set::put(v.lower, all.lower);
+      Set::put(v.upper, all.upper);
+      Set::put(v.velocity, all.velocity);
+      Set::put(v.acceleration, all.acceleration);
+      Set::put(v.torque, all.torque);
+      Set::put(v.power, all.power);
+    };
+    std::apply([&](const auto&... g) { (put(g), ...); }, groups);
+    return JointLimits<joints, T>(all);
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,238 @@
+// The states of a resolver between two cycles: start, stop, what was sent.
+#pragma once
+
+#include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/resolver/detail/resolver_numbers.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// What a `Resolver` does to its memory beside cycles.
+template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
+class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Keeper, Tool> {
+  using Base = ResolverNumbers<M, T, Sets, Integrator, History, Keeper, Tool>;
+
+ public:
+  using Base::each;
+  using Base::has_driven;
+  using Base::has_tank;
+  using Base::has_virtual;
+  using Base::joints;
+  using Base::one_group;
+  using Driven = typename Base::Driven;
+  using Stiff = typename Base::Stiff;
+  using Memory = typename Base::Memory;
+  template <std::size_t K>
+  using Group = typename Base::template Group<K>;
+  template <std::size_t K>
+  using Part = typename Base::template Part<K>;
+
+  /// The virtual joints take over at the positions of the real ones, and with their velocities where these cover
+  /// more than the dead band in T; gravity of the driven ones is compensated. The law's memory then starts at
+  /// `state(memory)`. A state that is not finite gives a memory that has not been started.
+  [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept {
+    Memory m;
+    if (!is_plausible(measured) || !is_plausible(measured.time)) return m;
+    m.started = true;
+    each([&](auto k) {
+      auto& group = m.template group<k.value>();
+      group = std::get<k.value>(virtual_).start(part_of<Part<k.value>>(measured));
+      m.started = m.started && group.started;
+    });
+    return m.started ? take_over(m, measured) : m;
+  }
+  /// The same of a robot by position that was told to be at `told` and stands beside it (a servo that droops,
+  /// encoders that are off): the first command is `told`, so that the robot does not step, and the gap is taken
+  /// off the measurements. More than `largest_gap` of one joint: the memory has not been started.
+  [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured,
+                                          const JointPosition<joints, T>& told) const noexcept
+    requires one_group
+  {
+    Memory m;
+    m.group() = std::get<0>(virtual_).start(measured, told);
+    m.started = m.group().started;
+    return m.started ? take_over(m, measured) : m;
+  }
+
+  /// The state that laws read: the virtual one of the stiff joints, the measured one of the driven ones.
+  [[nodiscard]] SKINCTL_INLINE State<joints, T> state(const Memory& m) const noexcept {
+    if constexpr (one_group) {
+      return {m.time, m.group().q.value, m.group().v};
+    } else if constexpr (has_virtual) {
+      return state(m, m.time, velocity(m));
+    } else {
+      return m.measured();
+    }
+  }
+
+  /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle. By
+  /// torque it is one sub-step: a torque is held, not integrated.
+  [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
+    Interval out = interval_since(m.started, m.time, m.odd, now, this->longest_interval_);
+    if constexpr (has_virtual) {
+      const std::int64_t steps = (out.to - out.from + this->substep_ - 1ns) / this->substep_;
+      out.substeps = steps < std::int64_t(max_substeps) ? static_cast<unsigned>(steps) : max_substeps;
+    } else {
+      out.substeps = out.to > out.from ? 1 : 0;
+    }
+    return out;
+  }
+
+  /// The torque that holds the driven joints without a law: `G(q) - B dq`; zero for the others.
+  [[nodiscard]] JointTorque<joints, T> held(const State<joints, T>& robot) const noexcept {
+    JointTorque<joints, T> out;
+    if constexpr (has_driven)
+      Driven::put(Driven::of(gravity_torque(model_, robot.q)) - this->friction(robot), out);
+    return out;
+  }
+
+  /// Tells that the guard let `command` out instead of the last one: the virtual robot goes on from there.
+  SKINCTL_INLINE void sent(Memory& m, const JointCommand<joints, T>& command) const noexcept {
+    if (!m.started || !command.valid) return;
+    if constexpr (one_group) {
+      std::get<0>(virtual_).sent(m.group(), command);
+    } else {
+      each([&](auto k) {
+        auto& group = m.template group<k.value>();
+        const auto given = part_of<Part<k.value>>(command);
+        if (!(given.position == group.command.position && given.velocity == group.command.velocity))
+          std::get<k.value>(virtual_).sent(group, given);
+      });
+      if constexpr (has_driven) {
+        m.driven.torque = Driven::of(command.torque);
+        if constexpr (has_tank) keeper_.template get<EnergyTank<T>>().sent(m.driven.tank, m.driven.torque);
+      }
+      compose(m, command.torque);
+    }
+  }
+  /// By what the robot stands beside its commands: the measured position less that which they should have
+  /// brought, r + g; zero for the driven joints.
+  [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> off(const Memory& m) noexcept {
+    JointPosition<joints, T> out;
+    each([&](auto k) {
+      const auto& g = m.template group<k.value>();
+      Part<k.value>::put(g.residual + g.gap, out);
+    });
+    return out;
+  }
+  /// Whether the robot stops, or is beside its commands by more than the dead band, as one that is held fast. Braking
+  /// and correction then have to be sent as they are: what is smoothed behind the resolver changes its velocity, and
+  /// the robot swings for ever.
+  [[nodiscard]] static SKINCTL_INLINE bool stops_or_corrects(const Memory& m) noexcept {
+    bool any = false;
+    each([&](auto k) {
+      const auto& group = m.template group<k.value>();
+      any = any || std::tuple_element_t<k.value, decltype(Base::virtual_)>::stops_or_corrects(group);
+    });
+    return any;
+  }
+  /// What was taken off the measured positions, g; zero for the driven joints.
+  [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> gap(const Memory& m) noexcept {
+    JointPosition<joints, T> out;
+    each([&](auto k) { Part<k.value>::put(m.template group<k.value>().gap, out); });
+    return out;
+  }
+  /// Tells that another configuration has taken over: a torque that differs is no jump of its laws.
+  void changed(Memory& m) const noexcept {
+    m.own.known = false;
+    if constexpr (has_driven) m.driven.own.known = false;
+  }
+  /// Begins a stop.
+  void stop(Memory& m) const noexcept {
+    m.stop = true;
+    each([&](auto k) { m.template group<k.value>().stop = true; });
+  }
+  [[nodiscard]] static bool stops(const Memory& m) noexcept { return m.stop; }
+  /// Ends a stop that was not the user's: displaced joints wait on.
+  static void go_on(Memory& m) noexcept {
+    m.stop = false;
+    each([&](auto k) { m.template group<k.value>().stop = false; });
+  }
+  /// Ends a stop. A displaced robot goes on with the gap that it has now, if that is at most `largest_gap`.
+  void resume(Memory& m) const noexcept {
+    m.stop = false;
+    each([&](auto k) { std::get<k.value>(virtual_).resume(m.template group<k.value>()); });
+  }
+  /// The time in which a command of the stiff group `K` is to be reached [s].
+  template <std::size_t K = 0>
+  [[nodiscard]] SKINCTL_INLINE T span(const Memory& m, const T& dt) const noexcept {
+    return Group<K>::interface == Interface::position ? m.template group<K>().command_span : dt;
+  }
+
+ protected:
+  using Base::Base;
+  using Base::keeper_;
+  using Base::model_;
+  using Base::virtual_;
+  using Position = typename Base::Position;
+  using Velocity = typename Base::Velocity;
+  using Acceleration = typename Base::Acceleration;
+  using Torque = typename Base::Torque;
+
+  /// The velocities of the stiff joints; zero for the others.
+  [[nodiscard]] SKINCTL_INLINE Velocity velocity(const Memory& m) const noexcept {
+    Velocity v;
+    each([&](auto k) { Part<k.value>::put(m.template group<k.value>().v, v); });
+    return v;
+  }
+  [[nodiscard]] SKINCTL_INLINE Position position(const Memory& m) const noexcept {
+    if constexpr (one_group) {
+      return m.group().q.value;
+    } else {
+      Position q = m.measured().q;
+      each([&](auto k) { Part<k.value>::put(m.template group<k.value>().q.value, q); });
+      return q;
+    }
+  }
+  [[nodiscard]] SKINCTL_INLINE Acceleration last(const Memory& m) const noexcept {
+    Acceleration a;
+    each([&](auto k) { Part<k.value>::put(m.template group<k.value>().last, a); });
+    return a;
+  }
+  /// The state of the virtual joints, moving at `v`, and of the measured ones.
+  [[nodiscard]] SKINCTL_INLINE State<joints, T> state(const Memory& m, Nanoseconds time,
+                                                      const Velocity& v) const noexcept {
+    if constexpr (Stiff::is_all) {
+      return {time, position(m), v};
+    } else {
+      State<joints, T> s{time, position(m), m.measured().dq};
+      Stiff::put(Stiff::of(v), s.dq);
+      return s;
+    }
+  }
+  [[nodiscard]] static SKINCTL_INLINE bool following(const Memory& m) noexcept {
+    bool all = true;
+    each([&](auto k) { all = all && m.template group<k.value>().mode == ResolverMode::following; });
+    return all;
+  }
+  /// The command of all groups.
+  SKINCTL_INLINE void compose(Memory& m, const Torque& torque) const noexcept {
+    if constexpr (!one_group) {
+      auto& all = m.whole.command;
+      all = {m.time, true, m.measured().q, m.measured().dq, {}, {}};
+      each([&](auto k) { put_part<Part<k.value>>(m.template group<k.value>().command, all); });
+      if constexpr (has_driven) Driven::put(Driven::of(torque), all.torque);
+    }
+  }
+
+ private:
+  /// What a memory holds beside its virtual joints.
+  [[nodiscard]] SKINCTL_COLD Memory take_over(Memory& m, const State<joints, T>& measured) const noexcept {
+    m.time = measured.time;
+    m.keeper = keeper_.template start<joints>();
+    if constexpr (!one_group) {
+      m.whole.measured = measured;
+      const Torque torque = held(measured);
+      if constexpr (has_driven) {
+        m.driven.torque = Driven::of(torque);
+        if constexpr (has_tank)
+          m.driven.tank = keeper_.template get<EnergyTank<T>>().template hold<Driven::count>();
+      }
+      compose(m, torque);
+    }
+    return m;
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE
