@@ -1,10 +1,9 @@
 // The joints of a virtual robot: observer of the real ones, limits, commands.
 #pragma once
 
-#include "skinctl/core/measurement.hpp"
-#include "skinctl/resolver/detail/parameters.hpp"
+#include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/resolver/detail/virtual_joints_motion.hpp"
 #include "skinctl/resolver/interval.hpp"
-#include "skinctl/resolver/memory.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -16,29 +15,16 @@ inline constexpr double settling_time = 2;
 /// the declared delay and lag, limits and max lead, the modes, the command. It has no model, so that it
 /// serves a part of a robot's joints while the others take torques.
 template <Interface I, std::size_t N, Real T, std::size_t History>
-class VirtualJoints {
-  static_assert(I != Interface::torque, "a joint that takes torques has no virtual state");
+class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
+  using Base = VirtualJointsMotion<I, N, T, History>;
 
  public:
-  using Memory = VirtualJointsMemory<N, T, History>;
-  using Position = JointPosition<N, T>;
-  using Velocity = JointVelocity<N, T>;
-  using Torque = JointTorque<N, T>;
-  using Row = detail::Row<N, T>;
-  /// A cycle's measurement as correction for its sub-steps.
-  struct Correction {
-    Velocity rate;                 ///< L1 rho (+ drift r)
-    JointAcceleration<N, T> pull;  ///< L2 rho
-    bool off = false;              ///< rho is not zero
-    bool gap = false;              ///< the robot stands beside its commands
-    bool lags = false;  ///< it follows later than declared: the correction holds the virtual one back
-    struct Speed {
-      Velocity least, most;
-    };
-    struct Free {};
-    [[no_unique_address]] std::conditional_t<I == Interface::velocity, Speed, Free>
-        speed;  ///< of the command
-  };
+  using Memory = typename Base::Memory;
+  using Position = typename Base::Position;
+  using Velocity = typename Base::Velocity;
+  using Torque = typename Base::Torque;
+  using Row = typename Base::Row;
+  using Correction = typename Base::Correction;
   /// The begin of a cycle.
   struct Begun {
     Correction correction;
@@ -47,31 +33,97 @@ class VirtualJoints {
     Status status;
   };
 
-  SKINCTL_COLD explicit VirtualJoints(const RobotConfiguration<N, T>& c) : p_(c), servo_(p_.delay, p_.lag) {
-    require(p_.delay / p_.period + 2 <= static_cast<std::int64_t>(History), "delay / period",
-            milliseconds(p_.delay) / milliseconds(p_.period), "<= History - 2: commands under way");
-  }
-  [[nodiscard]] SKINCTL_INLINE const ResolverParameters<N, T>& parameters() const noexcept { return p_; }
-  [[nodiscard]] SKINCTL_INLINE const JointServo<N, T, History>& servo() const noexcept { return servo_; }
+  using Base::Base;
 
-  [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured) const noexcept;
+  [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured) const noexcept {
+    Memory m;
+    if (!is_plausible(measured) || !is_plausible(measured.time)) return m;
+    m.started = true;
+    m.time = measured.time;
+    m.measured = measured;
+    const T ahead = seconds<T>(p_.delay) + p_.lag;
+    Position command = measured.q;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T most = p_.limits.velocity()[i];
+      const T dq = clamp(measured.dq[i], T(-most), most);
+      if ((dq < T(0) ? -dq : dq) > p_.resting_speed[i]) {
+        m.v[i] = dq;
+        command[i] = measured.q[i] + dq * ahead;
+      }
+      m.q.set(i, command[i] - p_.lead * m.v[i]);
+      m.sent.set(i, command[i]);
+    }
+    m.rate = m.v;
+    m.settles_for = T(settling_time);
+    m.under_way = servo_.start(measured.time, measured.q, m.v);
+    m.command.time = m.time;
+    m.command.position = command;
+    m.command.velocity = m.v;
+    m.command.valid = true;
+    return m;
+  }
   /// The same from the position that the robot was told; a gap to the measured one is agreed to.
-  [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured, const Position& told) const noexcept;
+  [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured, const Position& told) const noexcept {
+    const Row gap = Row(measured.q) - told;
+    if (!all(magnitude(gap) <= Row(T(plausible)))) return {};
+    Memory m;
+    if (all(magnitude(gap) <= Row(p_.largest_gap))) m = start(State<N, T>{measured.time, told, measured.dq});
+    gap.store(m.gap);
+    m.gap_told = true;
+    return m;
+  }
 
   /// Begins a cycle: takes the measurement and computes the correction for the sub-steps.
   template <class Check = AnyState>
   SKINCTL_INLINE Begun begin(Memory& m, const State<N, T>& measured, const Interval& interval,
-                             const Check& check = {}) const noexcept;
-  /// One sub-step towards the velocity `v1` (ignored where the mode is another than `following`).
-  SKINCTL_INLINE Status move(Memory& m, const Correction& c, const Velocity& v1, const T& h) const noexcept;
-  /// Lets a blocked robot follow again if it may; `net` is the torque of its laws at rest, less gravity.
-  SKINCTL_COLD void try_to_leave(Memory& m, const Correction& c, const Torque& net) const noexcept;
+                             const Check& check = {}) const noexcept {
+    const T dt = seconds<T>(interval.to - interval.from);
+    const Velocity before = m.rate;
+    if (interval.clock_set || interval.to - m.command.time > 1s + p_.longest_interval) [[unlikely]] {
+      set_clock(m, interval);
+    } else if constexpr (I == Interface::velocity) {
+      // The velocity that was sent has been held up to now.
+      for (std::size_t i = 0; i < N; ++i)
+        m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
+    }
+    const Status status = interval.status | measure(m, measured, interval.to, check);
+    const Begun out{correct(m, interval.to, dt), before, dt, status};
+    m.mode_for = m.mode_for + dt;
+    choose_mode(m, out.correction, status.has(Reason::state_stale));
+    return out;
+  }
   /// Ends a cycle: computes `command`, which is sent.
-  SKINCTL_INLINE Status end(Memory& m, const Begun& begun, const Torque& torque) const noexcept;
+  SKINCTL_INLINE Status end(Memory& m, const Begun& begun, const Torque& torque) const noexcept {
+    Status status;
+    if (m.mode == ResolverMode::blocked) status |= Reason::blocked;
+    if (m.mode == ResolverMode::displaced) status |= Reason::displaced;
+    if (m.stop) status |= Reason::stopping;
+    if (begun.correction.lags) [[unlikely]]
+      status |= Reason::lead_limited;
+    if (!p_.limits.hold(m.q.value)) status |= Reason::outside_limits;
+    return status | publish(m, begun.correction, begun.before, torque, begun.dt);
+  }
 
   /// The user agrees to go on. A displaced robot follows again from where it stands: the residual becomes the
   /// gap, if it is at most `largest_gap`; otherwise it stays displaced.
-  SKINCTL_COLD void resume(Memory& m) const noexcept;
+  SKINCTL_COLD void resume(Memory& m) const noexcept {
+    m.stop = false;
+    if (m.mode != ResolverMode::displaced) return;
+    const Row gap = Row(m.gap) + m.residual;
+    if (any(!(magnitude(gap) <= Row(p_.largest_gap)))) return;
+    gap.store(m.gap);
+    m.measured.q -= m.residual;
+    m.residual = {};
+    m.watched = false;
+    for (auto& w : m.watch) {
+      w = {.slack = w.slack};
+      m.watched = m.watched || w.slack > T(0);
+    }
+    for (T& t : m.off_for) t = T(0);
+    m.mode = ResolverMode::following;
+    m.mode_for = T(0);
+    m.settles_for = T(settling_time);
+  }
 
   /// See `Resolver::stops_or_corrects`.
   [[nodiscard]] static SKINCTL_INLINE bool stops_or_corrects(const Memory& m) noexcept {
@@ -81,46 +133,46 @@ class VirtualJoints {
   }
 
   /// `command` was sent instead of the last one.
-  SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept;
+  SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept {
+    if (!m.started || !command.valid) return;
+    m.command = command;
+    m.command.time = m.time;
+    m.behind = false;
+    // A correction is no velocity of the virtual robot's own: it keeps what it had of the velocity that was sent.
+    for (std::size_t i = 0; i < N; ++i) {
+      const T u = command.velocity[i];
+      m.v[i] = m.v[i] == m.rate[i] ? u : (u < T(0) ? clamp(m.v[i], u, T(0)) : clamp(m.v[i], T(0), u));
+    }
+    m.rate = command.velocity;
+    m.last = {};
+    const T ahead = p_.lead - (I == Interface::velocity ? T(0.5) * seconds<T>(p_.period) : T(0));
+    for (std::size_t i = 0; i < N; ++i) {
+      if constexpr (I == Interface::position) m.sent.set(i, command.position[i]);
+      m.q.set(i, m.sent.value[i] + m.offset.value[i] - ahead * m.v[i]);
+    }
+    servo_.correct(m.under_way, m.sent.value, I == Interface::velocity ? command.velocity : Velocity{});
+  }
 
  private:
-  template <class Check>
-  SKINCTL_INLINE Status measure(Memory& m, const State<N, T>& measured, Nanoseconds now,
-                                const Check& check) const noexcept;
-  /// The gap of a robot whose commands have not moved yet.
-  SKINCTL_COLD void settle(Memory& m, const T& dt) const noexcept;
-  SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept;
-  /// A clock that leapt, or was set.
-  SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept;
-  /// Judges the residuals `r` that are outside of the dead band, by `rho`, and bounds the correction.
-  SKINCTL_COLD void watch(Memory& m, Correction& c, const Position& r, Position rho,
-                          const T& dt) const noexcept;
-  /// Dead band and slack together stay within two thirds of the max lead.
-  [[nodiscard]] T most_slack(std::size_t i) const noexcept {
-    const T room = T(2) / T(3) * p_.max_lead[i] - p_.dead_band[i];
-    return room > T(0) ? room : T(0);
-  }
-  /// Leaves out what friction explains: the dead band is wider by the slack that joints have shown.
-  SKINCTL_COLD void spare_slack(Memory& m, Correction& c, const Position& r, Position& rho,
-                                const T& dt) const noexcept;
-  SKINCTL_INLINE void choose_mode(Memory& m, const Correction& c, bool stale) const noexcept;
-  SKINCTL_INLINE Status shift(Memory& m, const Correction& c, const Velocity& rate, bool off,
-                              const Velocity& v1, const T& h) const noexcept;
-  SKINCTL_COLD Velocity way_back(const Memory& m, const T& h) const noexcept;
-  SKINCTL_NOINLINE Status follow(Memory& m, const Velocity& before, const T& dt) const noexcept;
-  /// How far a position command may be from the last one.
-  SKINCTL_INLINE bool is_near(const Row& moved) const noexcept {
-    return all(magnitude(moved) <= p_.cycle * Row(p_.limits.velocity()));
-  }
-  SKINCTL_INLINE Status publish(Memory& m, const Correction& c, const Velocity& before, const Torque& torque,
-                                const T& dt) const noexcept;
+  using Base::choose_mode;
+  using Base::correct;
+  using Base::measure;
+  using Base::p_;
+  using Base::publish;
+  using Base::servo_;
 
-  ResolverParameters<N, T> p_;
-  JointServo<N, T, History> servo_;
+  /// A clock that leapt, or was set.
+  SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept {
+    servo_.restart(m.under_way, interval.from);
+    if constexpr (I == Interface::velocity) {
+      servo_.correct(m.under_way, m.sent.value, m.command.velocity);
+      for (std::size_t i = 0; i < N; ++i)
+        m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - interval.from));
+    }
+    m.command.time = interval.from;
+    if (m.measured.time > interval.from) m.measured.time = interval.from;
+  }
 };
 
 }  // namespace detail
 SKINCTL_END_NAMESPACE
-
-#include "skinctl/resolver/detail/virtual_joints_loop.hpp"
-#include "skinctl/resolver/detail/virtual_joints_observer.hpp"
