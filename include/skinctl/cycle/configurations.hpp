@@ -37,16 +37,16 @@ struct ChangeFrom {
   const Scene* before;  ///< null: no change
   const LawMemory& memory;
 
-  template <class Memory, class Receive>
-  Status receive(const Scene& now, Memory& m, const Receive& goal) const noexcept {
+  template <class Loop, class Memory, class Receive>
+  Status receive(const Loop& now, Memory& m, const Receive& goal) const noexcept {
     if (before == nullptr) return goal();
     now.restart(m);
     const Status status = goal();
     if (status.has(Reason::goal_refused)) m.law = memory;
     return status;
   }
-  template <class Memory, class State>
-  void carry(const Scene& now, Memory& m, const State& measured, const Interval& interval) const noexcept {
+  template <class Loop, class Memory, class State>
+  void carry(const Loop& now, Memory& m, const State& measured, const Interval& interval) const noexcept {
     if (before == nullptr) return;
     now.carry_from(*before, memory, m, measured, interval);
   }

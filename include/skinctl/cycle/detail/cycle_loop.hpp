@@ -1,0 +1,250 @@
+// What runs in every cycle of a scene.
+#pragma once
+
+#include <span>
+
+#include "skinctl/core/real_time.hpp"
+#include "skinctl/cycle/detail/cycle_parts.hpp"
+#include "skinctl/cycle/stage.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+template <class C, std::size_t Count>
+class Configurations;
+namespace detail {
+template <class Scene, class LawMemory>
+struct ChangeFrom;
+
+/// The start and the step of a `Cycle`.
+template <class Resolver, class GivenLaw, class GivenSkin, class Watchman, class Overseer>
+class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Overseer> {
+  using Parts = CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>;
+
+ public:
+  using Parts::governed;
+  using Parts::has_gripper;
+  using Parts::has_surroundings;
+  using Parts::joints;
+  using Parts::watches_contacts;
+  using scalar = typename Parts::scalar;
+  using Goal = typename Parts::Goal;
+  using Input = typename Parts::Input;
+  using Output = typename Parts::Output;
+  using Wrenches = typename Parts::Wrenches;
+  using Touch = typename Parts::Touch;
+  using Memory = typename Parts::Memory;
+
+  /// See `Cycle::start`.
+  SKINCTL_COLD void start(Memory& m, const State<joints, scalar>& measured) const noexcept {
+    m.robot = resolver_.start(measured);
+    start_rest(m, measured);
+  }
+  SKINCTL_COLD void start(Memory& m, const State<joints, scalar>& measured,
+                          const JointPosition<joints, scalar>& told) const noexcept
+    requires takes_positions<Resolver>
+  {
+    m.robot = resolver_.start(measured, told);
+    start_rest(m, m.robot.started ? m.robot.measured() : measured);
+  }
+
+ protected:
+  using Parts::CycleParts;
+  using Parts::governor_;
+  using Parts::guard_;
+  using Parts::law_;
+  using Parts::pauses;
+  using Parts::period;
+  using Parts::resolver_;
+  using Parts::skin_;
+  using L = typename Parts::L;
+
+  /// @param change  the configuration of the last cycle, or `NoChange`.
+  template <class Watch, class Change>
+  SKINCTL_INLINE Output run(Memory& m, const Input& input, Watch& watch,
+                            const Change& change) const noexcept {
+    const RealTimeScope real_time;
+    watch.begin();
+    Status status;
+    if (input.request == CycleRequest::stop) resolver_.stop(m.robot);
+    if (input.request == CycleRequest::resume) {
+      if (guard_.refuses_start(m.guard)) [[unlikely]] {
+        start_anew(m, input);
+      } else {
+        resolver_.resume(m.robot);
+        guard_.acknowledge(m.guard);
+      }
+    }
+    if (input.goal) status |= change.receive(*this, m, [&] { return receive(m, input); });
+
+    const Interval interval = resolver_.interval(m.robot, input.now);
+    Unwritten<Touch, max_substeps> touches;
+    const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
+    status |= interval.status;
+    const auto measured = [&]() SKINCTL_INLINE_LAMBDA -> const State<joints, scalar>& {
+      return believed(input.measured, m.robot.measured(), guard_);
+    };
+    status |= receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
+    const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
+    bool pause = false;
+    if constexpr (watches_skin<Overseer>) {
+      status |= governor_.watch().look(m.governor.watch, coverage_of(skin_, m.skin),
+                                       seconds<scalar>(interval.to - interval.from));
+      pause = pauses(m);
+      if (pause) resolver_.stop(m.robot);
+    }
+    if constexpr (requires { law_.feel(m.law, skin_.contacts(m.skin), interval.to); })
+      law_.feel(m.law, skin_.contacts(m.skin), interval.to);
+    if constexpr (has_gripper) law_.grip(m.law, input.gripper, interval.to);
+    if constexpr (has_surroundings)
+      governor_.clearance().see(m.governor.around, input.around, measured().q, interval.to);
+    watch.end(CycleStage::sense);
+
+    change.carry(*this, m, input.measured, interval);
+    [[maybe_unused]] bool hard = false;  // before the step and after it: the last one ends with hard braking
+    if constexpr (limits_jerk<Overseer>) hard = resolver_.stops_or_corrects(m.robot);
+    const std::span<const Touch> felt(touches.data, parts);
+    auto resolved = [&] {
+      if constexpr (detail::watches_contacts<Resolver>) {
+        return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_, pressed);
+      } else {
+        return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_);
+      }
+    }();
+    [[maybe_unused]] const bool stops = resolver_.stops(m.robot);
+    if constexpr (watches_skin<Overseer>) {
+      if (pause) {
+        resolver_.go_on(m.robot);
+        resolved.status = Status::from_bits(resolved.status.bits() & ~Status(Reason::stopping).bits());
+      }
+    }
+    status |= resolved.status;
+    if constexpr (limits_jerk<Overseer>) hard = hard || resolver_.stops_or_corrects(m.robot);
+    watch.end(CycleStage::resolve);
+
+    Status found = input.observed;
+    bool slowed = false;
+    if constexpr (governed) {
+      if (interval.substeps != 0) {
+        if constexpr (Overseer::has_clearance && requires { resolver_.off(m.robot); })
+          governor_.clearance().stand_off(m.governor.around, resolver_.off(m.robot));
+        const auto given = govern(m, resolved, pressed, interval, hard, stops);
+        status |= given.status;
+        found |= given.status;
+        slowed = given.altered;
+        resolved.command.assign(given.command);
+        if constexpr (requires { given.hold; }) resolved.fallback = given.hold;
+      }
+    }
+    const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured(), input.now,
+                                     resolved.fallback, found | status);
+    status |= guarded.status | input.observed;
+    if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
+    if constexpr (governed) {
+      if (guarded.altered && commands_motion<Resolver>) governor_.sent(m.governor, guarded.command);
+    }
+    if (guard_.waits(m.guard)) resolver_.stop(m.robot);
+    watch.end(CycleStage::guard);
+    Output out(guarded.command, status, resolved.shares);
+    if constexpr (has_gripper) out.gripper = L::gripper(m.law);
+    return out;
+  }
+
+ private:
+  template <class, std::size_t>
+  friend class skinctl::Configurations;
+  template <class, class>
+  friend struct ChangeFrom;
+
+  /// All but the robot.
+  SKINCTL_COLD void start_rest(Memory& m, const State<joints, scalar>& measured) const noexcept {
+    m.skin = skin_.start(measured.time);
+    m.guard = guard_.start(m.robot.command(), measured);
+    m.governor = {};
+    if constexpr (StartsBlank<L>) {
+      m.law = {};
+    } else {
+      const auto state = resolver_.state(m.robot);
+      const Wrenches touch = skin_.wrenches(m.skin);
+      m.law = law_.start(resolver_.template known<L>(state, period(), touch));
+    }
+  }
+  /// A robot that was told to be elsewhere by a gap still is.
+  SKINCTL_COLD void start_anew(Memory& m, const Input& input) const noexcept {
+    State<joints, scalar> measured = input.measured;
+    if (measured.time > input.now) measured.time = input.now;
+    if (!guard_.believes(measured)) return;
+    if constexpr (takes_positions<Resolver>)
+      if (m.robot.group().gap_told) return start(m, measured, measured.q - m.robot.group().gap);
+    start(m, measured);
+  }
+  SKINCTL_COLD Status receive(Memory& m, const Input& input) const noexcept {
+    if constexpr (std::is_same_v<Goal, NoGoal>) {
+      return Reason::goal_refused;
+    } else {
+      const auto state = resolver_.state(m.robot);
+      const Wrenches touch = skin_.wrenches(m.skin);
+      const auto received =
+          follow_or_receive(law_, m.law, resolver_.template known<L>(state, period(), touch), *input.goal);
+      m.law = received.memory;
+      return received.status;
+    }
+  }
+  template <class Resolved, class Pressed>
+  SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Pressed& pressed,
+                             const Interval& interval, [[maybe_unused]] bool hard,
+                             [[maybe_unused]] bool stops) const noexcept {
+    scalar dt = seconds<scalar>(interval.to - interval.from);
+    if constexpr (takes_positions<Resolver>) dt = resolver_.span(m.robot, dt);
+    const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
+    if constexpr (!has_one_interface<Resolver>) {
+      std::array<scalar, Resolver::stiff_groups> spans;
+      Resolver::each([&](auto k) { spans[k.value] = resolver_.template span<k.value>(m.robot, dt); });
+      return governor_.step(m.governor, guard_.last(m.guard), resolved.command, resolved.fallback,
+                            guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
+                            scalar(guard_.settings().torque_rate), m.robot.measured(), pressed, nearest,
+                            spans, dt, hard, stops);
+    } else if constexpr (Resolver::interface == Interface::torque) {
+      return governor_.step_torque(
+          m.governor, m.guard.command, resolved.command, resolved.fallback,
+          guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
+          scalar(guard_.settings().torque_rate), m.robot.measured(), pressed, nearest, dt);
+    } else {
+      return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured(), pressed,
+                            nearest, dt, hard, stops);
+    }
+  }
+
+  // For `Configurations`: whether another one may take over now; the law's start at the robot's state; the
+  // difference of torque between the old configuration and this one.
+  [[nodiscard]] bool may_change(const Memory& m, const Input& input) const noexcept {
+    if (guard_.refuses_start(m.guard)) return false;
+    if constexpr (requires { resolver_.asks_law(m.robot, input.measured, input.now, guard_); }) {
+      auto robot = m.robot;
+      if (input.request == CycleRequest::stop) resolver_.stop(robot);
+      if (input.request == CycleRequest::resume) resolver_.resume(robot);
+      if (pauses(m)) resolver_.stop(robot);
+      return resolver_.asks_law(robot, input.measured, input.now, guard_);
+    } else {
+      return true;
+    }
+  }
+  SKINCTL_COLD void restart(Memory& m) const noexcept {
+    if constexpr (!std::is_same_v<Goal, NoGoal>)
+      m.law =
+          law_.start(resolver_.template known<L>(resolver_.state(m.robot), period(), skin_.wrenches(m.skin)));
+  }
+  SKINCTL_COLD void carry_from(const CycleLoop& before, const typename L::Memory& law_before, Memory& m,
+                               const State<joints, scalar>& measured,
+                               const Interval& interval) const noexcept {
+    using Asked = detail::Asked<Resolver, L, Wrenches>;
+    const Wrenches touch_before = before.skin_.wrenches(m.skin), touch = skin_.wrenches(m.skin);
+    if constexpr (requires { resolver_.changed(m.robot); }) resolver_.changed(m.robot);
+    L::drop(m.law);
+    L::carry(m.law, resolver_.lacking(m.robot, measured, interval, guard_,
+                                      Asked{before.resolver_, before.law_, law_before, touch_before},
+                                      Asked{resolver_, law_, m.law, touch}));
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE
