@@ -1,10 +1,7 @@
 // The second-order sliding mode of eqs. (8)-(14), in joint or operational space, for any plan of targets.
 #pragma once
 
-#include "skinctl/core/evaluate.hpp"
-#include "skinctl/dynamics/quantities.hpp"
-#include "skinctl/tracking/damping.hpp"
-#include "skinctl/tracking/joint_space.hpp"
+#include "skinctl/tracking/detail/tracking_reset.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -23,21 +20,6 @@ template <class Space>
 using PlacementOf = typename PlacementIn<Space>::type;
 }  // namespace detail
 
-/// The memory of a tracking law; trivially copyable.
-template <class Space, class Plan>
-struct TrackingMemory {
-  using T = typename Space::scalar;
-  Nanoseconds since_reset{};
-  bool held = false;  ///< the skin pushes against this law: integrals and spline are stopped
-  Plan plan;
-  SurfaceBias<Space::coordinates, T> bias;
-  Integrals<Space::coordinates, T> I1;  ///< of S_delta
-  Integrals<Space::coordinates, T> I2;  ///< of its sign [s]
-  T tb = T(0);                          ///< convergence time [s], stretched if need be; 0: no time base
-  T K_from = T(0);                      ///< without one: the gain at the reset [1/s]
-  [[no_unique_address]] typename Space::Memory space = {};  ///< the space's own
-};
-
 /// Tracking, eqs. (8)-(14): `tau = -K_d S_q + Y_r Theta`, evaluated at the middle of the interval for which
 /// it will be held, at the state that the law predicts there.
 ///
@@ -49,20 +31,30 @@ struct TrackingMemory {
 /// @tparam Space  the coordinates: `JointSpace` or `OperationalSpace`.
 /// @tparam Plan   the source of targets: a spline to a goal, or samples from outside.
 template <class Space, class Plan, class Damping = InertialDamping<typename Space::scalar>>
-class Tracking : public Composable {
+class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
+  using Reset = detail::TrackingReset<Space, Plan, Damping>;
+  using Reset::begin_bias;
+  using Reset::begin_gain;
+  using Reset::bumpless_transfer;
+  using Reset::damping_;
+  using Reset::gains;
+  using Reset::gains_;
+  using Reset::look;
+  using Reset::schedule_;
+  using Reset::settings_;
+  using Reset::space_;
+  using Reset::stepped;
+  using Reset::switched;
+
  public:
-  static constexpr std::size_t N = Space::joints;
-  static constexpr std::size_t joints = N;
-  static constexpr std::size_t coordinates = Space::coordinates;
-  using scalar = typename Space::scalar;
-  using T = typename Space::scalar;
-  using Memory = TrackingMemory<Space, Plan>;
-  using Goal = typename Plan::Goal;
-  using Surface = typename Space::Surface;
-  using Settings = typename Space::Settings;
-  static constexpr Needs needs = Damping::needs | Space::needs;
-  static constexpr LawRole role = LawRole::tracking;
-  static constexpr const char* name = Plan::name;
+  using Reset::coordinates;
+  using Reset::N;
+  using scalar = typename Reset::scalar;
+  using T = typename Reset::T;
+  using Memory = typename Reset::Memory;
+  using Goal = typename Reset::Goal;
+  using Surface = typename Reset::Surface;
+  using Settings = typename Reset::Settings;
 
   /// Throws `ConfigurationError` for settings that cannot work: see `check`.
   Tracking()
@@ -91,15 +83,7 @@ class Tracking : public Composable {
     requires(std::same_as<Damping, InertialDamping<T>> && !std::default_initializable<Space>)
       : Tracking(Space(X_LP, settings), settings) {}
   Tracking(const Space& space, const Settings& settings, const Damping& damping)
-      : space_(space),
-        settings_(settings),
-        damping_(damping),
-        gains_(Space::tracking(settings)),
-        schedule_(gains().K_c, gains().base, gains().settle),
-        decay_(gains().kappa, seconds<T>(gains().dt)) {
-    check(gains(), damping.fastest());
-  }
-  [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+      : Reset(space, settings, damping) {}
   /// Throws `ConfigurationError` where times or virtual dynamics are not those of the robot, and where the gains are too
   /// large for the lightest of its configurations.
   void check_for(const LawTerms<N, T>& robot) const {
@@ -107,7 +91,6 @@ class Tracking : public Composable {
     if (robot.mass_ratio > gains().mass_ratio)
       detail::check_gains(gains(), damping_.fastest(), robot.mass_ratio);
   }
-  [[nodiscard]] const Space& space() const noexcept { return space_; }
 
   /// Takes over at the known state: the target is the robot's position, `S_d` takes up its velocity, S_q is
   /// zero.
@@ -158,18 +141,8 @@ class Tracking : public Composable {
     return out;
   }
 
-  /// The surface at the known state: shared by `torque` and `advance`.
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
-    static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
-    return space_.surface(gains_, inputs(memory, T(0), no_rates, no_rates), space_.site(known), memory.space);
-  }
-
-  /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
-  template <GravityTerm G = GravityTerm::included, class K>
-  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
-                                                        const LawShare<T>& share,
-                                                        const Surface& at_t) const noexcept;
+  using Reset::now;
+  using Reset::torque;
   template <GravityTerm G = GravityTerm::included, class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
                                                         const LawShare<T>& share = {}) const noexcept {
@@ -256,93 +229,6 @@ class Tracking : public Composable {
     if (memory.held) s |= Reason::opposed;
     return s;
   }
-
- private:
-  [[nodiscard]] static SKINCTL_INLINE T finite(const T& x) noexcept { return x - x == T(0) ? x : T(0); }
-  [[nodiscard]] SKINCTL_INLINE Gain<T> gain(const Memory& memory, const T& x) const noexcept {
-    const T t = seconds<T>(memory.since_reset) + x;
-    return memory.tb > T(0) ? schedule_.at(t, memory.tb) : schedule_.rising(t, memory.K_from);
-  }
-  [[nodiscard]] SKINCTL_INLINE const JointControlSettings<N, T>& gains() const noexcept {
-    return Space::tracking(settings_);
-  }
-  using Rates = JointVelocity<Space::coordinates, T>;
-  static inline const Rates no_rates{};
-  /// The middle of the interval, as the law predicts it. Built where it stays: a copy in other pieces than it was
-  /// written in would have to wait for them.
-  struct Middle {
-    using R = detail::Row<N, T>;
-    template <class K, bool Brief = Space::brief>
-    SKINCTL_INLINE Middle(const Tracking& law, const Memory& memory, const K& known, const Surface& at_t,
-                          const T& h, std::bool_constant<Brief> = {}) noexcept
-        : damped(law.damping_.acceleration(known, at_t.S_q)),
-          a(at_t.ddq_r - damped),
-          q(known.q() + h * (known.dq() + T(T(0.5) * h) * a)),
-          dq(known.dq() + h * a),
-          inputs(law.template inputs<Brief>(memory, h, at_t.dI1, at_t.dI2)),
-          surface(
-              law.space_.surface(law.gains_, inputs, law.space_.site(known.model(), q, dq), memory.space)) {}
-
-    R damped;  ///< `M^-1 K_d S_q`
-    R a;       ///< `ddq_r - damped`, both at its beginning
-    JointPosition<N, T> q;
-    JointVelocity<N, T> dq;
-    typename Space::Inputs inputs;
-    Surface surface;
-  };
-  /// Part of its caller where a call costs much of what the law costs; elsewhere one copy for all callers.
-  template <bool Brief = Space::brief>
-  [[nodiscard]] SKINCTL_INLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
-                                                             const Rates& dI1,
-                                                             const Rates& dI2) const noexcept {
-    if constexpr (Brief) {
-      return inputs_here(memory, x, dI1, dI2);
-    } else {
-      return inputs_called(memory, x, dI1, dI2);
-    }
-  }
-  [[nodiscard]] SKINCTL_INLINE typename Space::Inputs inputs_here(const Memory& memory, const T& x,
-                                                                  const Rates& dI1,
-                                                                  const Rates& dI2) const noexcept;
-  [[nodiscard]] SKINCTL_NOINLINE typename Space::Inputs inputs_called(const Memory& memory, const T& x,
-                                                                      const Rates& dI1,
-                                                                      const Rates& dI2) const noexcept {
-    return inputs_here(memory, x, dI1, dI2);
-  }
-  [[nodiscard]] SKINCTL_INLINE Memory stepped(const Memory& memory, const Surface& at_t,
-                                              const T& dt) const noexcept;
-  template <class K>
-  [[nodiscard]] SKINCTL_COLD Memory switched(const Memory& memory, const K& known, const T& dt,
-                                             Opposition opposition) const noexcept;
-  /// `now` and the middle for rare calls: one copy of each.
-  template <class K>
-  [[nodiscard]] SKINCTL_COLD Surface look(const Memory& memory, const K& known) const noexcept {
-    return space_.surface(gains_, inputs_called(memory, T(0), no_rates, no_rates), space_.site(known),
-                          memory.space);
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_COLD Surface look_ahead(const Memory& memory, const K& known,
-                                                const Surface& at_t) const noexcept {
-    return Middle(*this, memory, known, at_t, T(T(0.5) * known.dt()), std::false_type{}).surface;
-  }
-  template <class K>
-  SKINCTL_COLD Status begin_gain(Memory& memory, const K& known) const noexcept;
-  template <class K>
-  SKINCTL_COLD void begin_bias(Memory& memory, const K& known) const noexcept;
-  template <class K>
-  SKINCTL_COLD void slow_gain(Memory& memory, const K& known) const noexcept;
-  template <class K>
-  SKINCTL_COLD void bumpless_transfer(Memory& next, const Memory& before, const K& known) const noexcept;
-
-  [[no_unique_address]] Space space_;
-  Settings settings_;
-  Damping damping_;
-  SurfaceGains<T> gains_;
-  GainSchedule<T> schedule_;
-  detail::Decay<T> decay_;  ///< of the bias
 };
 
 SKINCTL_END_NAMESPACE
-
-#include "skinctl/tracking/detail/tracking_loop.hpp"
-#include "skinctl/tracking/detail/tracking_reset.hpp"

@@ -1,95 +1,207 @@
 // The part of Tracking that runs in every cycle.
 #pragma once
 
-#include "skinctl/tracking/tracking.hpp"
+#include "skinctl/core/evaluate.hpp"
+#include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/tracking/damping.hpp"
+#include "skinctl/tracking/joint_space.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The inputs of the surface `x` seconds from now, with the integrals going on at the given rates.
-template <class Space, class Plan, class Damping>
-SKINCTL_INLINE typename Space::Inputs Tracking<Space, Plan, Damping>::inputs_here(
-    const Memory& memory, const T& x, const Rates& dI1, const Rates& dI2) const noexcept {
-  using R = detail::Row<Space::coordinates, T>;
-  // Built in place: a copy right after writes of another width would stall on store forwarding.
-  return {memory.plan.at(x, settings_),
-          gain(memory, x),
-          memory.bias.at(x, decay_, seconds<T>(gains().bumpless_transfer)),
-          Rates(R(memory.I1.sum) + x * R(dI1)),
-          Rates(R(memory.I2.sum) + x * R(dI2)),
-          memory.held};
-}
+/// The memory of a tracking law; trivially copyable.
+template <class Space, class Plan>
+struct TrackingMemory {
+  using T = typename Space::scalar;
+  Nanoseconds since_reset{};
+  bool held = false;  ///< the skin pushes against this law: integrals and spline are stopped
+  Plan plan;
+  SurfaceBias<Space::coordinates, T> bias;
+  Integrals<Space::coordinates, T> I1;  ///< of S_delta
+  Integrals<Space::coordinates, T> I2;  ///< of its sign [s]
+  T tb = T(0);                          ///< convergence time [s], stretched if need be; 0: no time base
+  T K_from = T(0);                      ///< without one: the gain at the reset [1/s]
+  [[no_unique_address]] typename Space::Memory space = {};  ///< the space's own
+};
 
-/// The memory `dt` seconds later.
-template <class Space, class Plan, class Damping>
-SKINCTL_INLINE TrackingMemory<Space, Plan> Tracking<Space, Plan, Damping>::stepped(
-    const Memory& memory, const Surface& at_t, const T& dt) const noexcept {
-  const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
-  return {later(memory.since_reset, ns),
-          memory.held,
-          memory.plan.advanced(ns, settings_),
-          memory.bias.advanced(dt, ns, decay_),
-          memory.I1.advanced(at_t.dI1, dt),
-          memory.I2.advanced(at_t.dI2, dt),
-          memory.tb,
-          memory.K_from,
-          space_.advanced(memory.space, at_t, dt)};
-}
+namespace detail {
 
-/// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
-/// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
+/// The configuration of a `Tracking`, its surface, and its torque.
 template <class Space, class Plan, class Damping>
-template <GravityTerm G, class K>
-SKINCTL_INLINE auto Tracking<Space, Plan, Damping>::torque(const Memory& memory, const K& known,
-                                                           const LawShare<T>& share,
-                                                           const Surface& at_t) const noexcept
-    -> JointTorque<N, T> {
-  using M = typename K::model_type;
-  using R = detail::Row<N, T>;
-  const T h = T(0.5) * known.dt();
-  const Middle mid(*this, memory, known, at_t, h);
-  const R damped = mid.damped, asked = mid.surface.ddq_r;
-  const auto& K_p = mid.inputs.K_p;
-  // The held acceleration is the one that the surface gives at the middle: the state there is computed once
-  // more with it.
-  const R dv = h * (asked - damped - mid.a), dx = T(T(0.5) * h) * dv;
-  const JointVelocity<N, T> dq_h(mid.dq + dv);
-  const R v_r = share.feed_forward * (mid.surface.dq_r - K_p.K * dx);
-  R a_r = share.feed_forward * (asked - K_p.K * dv - K_p.dK * dx);
-  constexpr bool inertial = std::same_as<Damping, InertialDamping<T>>;
-  if constexpr (inertial) a_r = a_r - share.feedback * damped;
-  const auto& shape = gains().virtual_dynamics;
-  const R decayed = a_r + shape.damping * v_r;
-  const R shaped = shape.viscous * v_r + shape.inertia * decayed;  // of rotors and friction
-  const JointVelocity<N, T> dq_r(v_r);
-  const JointAcceleration<N, T> ddq_r(decayed);
-  JointTorque<N, T> tau;
-  const JointAngles<M, T> angles(known.model(), R(mid.q) + dx);
-  constexpr bool weighs = G == GravityTerm::included;
-  if constexpr (K::carries_bias) {
-    detail::BiasBeside<N, T> unasked;
-    auto* const beside = known.bias_beside();
-    detail::run_recursion_beside<weighs || !K::needs.gravity>(
-        known.model(),
-        detail::RecursionMotion<JointAngles<M, T>, N, T>{angles, dq_h, dq_r, ddq_r,
-                                                         weighs ? share.feed_forward : T(0)},
-        tau, known.middle(), K::needs.gravity ? T(0) : T(1), beside != nullptr ? *beside : unasked);
-  } else {
-    const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
-      detail::run_recursion<T>(known.model(), angles, detail::Values<T>{dq_h.data},
-                               detail::Values<T>{dq_r.data}, detail::Values<T>{ddq_r.data}, a0, tau.data);
-    };
-    if constexpr (weighs) {
-      run(T(-share.feed_forward) * known.model().template gravity<T>());
+class TrackingLoop : public Composable {
+ public:
+  static constexpr std::size_t N = Space::joints;
+  static constexpr std::size_t joints = N;
+  static constexpr std::size_t coordinates = Space::coordinates;
+  using scalar = typename Space::scalar;
+  using T = typename Space::scalar;
+  using Memory = TrackingMemory<Space, Plan>;
+  using Goal = typename Plan::Goal;
+  using Surface = typename Space::Surface;
+  using Settings = typename Space::Settings;
+  static constexpr Needs needs = Damping::needs | Space::needs;
+  static constexpr LawRole role = LawRole::tracking;
+  static constexpr const char* name = Plan::name;
+
+  [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+  [[nodiscard]] const Space& space() const noexcept { return space_; }
+
+  /// The surface at the known state: shared by `torque` and `advance`.
+  template <class K>
+  [[nodiscard]] SKINCTL_INLINE Surface now(const Memory& memory, const K& known) const noexcept {
+    static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
+    return space_.surface(gains_, inputs(memory, T(0), no_rates, no_rates), space_.site(known), memory.space);
+  }
+  /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
+  ///
+  /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
+  /// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
+  template <GravityTerm G = GravityTerm::included, class K>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const Memory& memory, const K& known,
+                                                        const LawShare<T>& share,
+                                                        const Surface& at_t) const noexcept {
+    using M = typename K::model_type;
+    using R = Row<N, T>;
+    const T h = T(0.5) * known.dt();
+    const Middle mid(*this, memory, known, at_t, h);
+    const R damped = mid.damped, asked = mid.surface.ddq_r;
+    const auto& K_p = mid.inputs.K_p;
+    // The held acceleration is the one that the surface gives at the middle: the state there is computed once
+    // more with it.
+    const R dv = h * (asked - damped - mid.a), dx = T(T(0.5) * h) * dv;
+    const JointVelocity<N, T> dq_h(mid.dq + dv);
+    const R v_r = share.feed_forward * (mid.surface.dq_r - K_p.K * dx);
+    R a_r = share.feed_forward * (asked - K_p.K * dv - K_p.dK * dx);
+    constexpr bool inertial = std::same_as<Damping, InertialDamping<T>>;
+    if constexpr (inertial) a_r = a_r - share.feedback * damped;
+    const auto& shape = gains().virtual_dynamics;
+    const R decayed = a_r + shape.damping * v_r;
+    const R shaped = shape.viscous * v_r + shape.inertia * decayed;  // of rotors and friction
+    const JointVelocity<N, T> dq_r(v_r);
+    const JointAcceleration<N, T> ddq_r(decayed);
+    JointTorque<N, T> tau;
+    const JointAngles<M, T> angles(known.model(), R(mid.q) + dx);
+    constexpr bool weighs = G == GravityTerm::included;
+    if constexpr (K::carries_bias) {
+      BiasBeside<N, T> unasked;
+      auto* const beside = known.bias_beside();
+      run_recursion_beside<weighs || !K::needs.gravity>(
+          known.model(),
+          RecursionMotion<JointAngles<M, T>, N, T>{angles, dq_h, dq_r, ddq_r,
+                                                   weighs ? share.feed_forward : T(0)},
+          tau, known.middle(), K::needs.gravity ? T(0) : T(1), beside != nullptr ? *beside : unasked);
     } else {
-      run(ZeroTriple{});
+      const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
+        run_recursion<T>(known.model(), angles, Values<T>{dq_h.data}, Values<T>{dq_r.data},
+                         Values<T>{ddq_r.data}, a0, tau.data);
+      };
+      if constexpr (weighs) {
+        run(T(-share.feed_forward) * known.model().template gravity<T>());
+      } else {
+        run(ZeroTriple{});
+      }
+    }
+    (R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return tau[i]; }) + shaped).store(tau);
+    if constexpr (!inertial) {
+      const auto feedback = damping_.torque(at_t.S_q);
+      tau -= share.feedback * feedback;
+    }
+    return tau;
+  }
+
+ protected:
+  TrackingLoop(const Space& space, const Settings& settings, const Damping& damping)
+      : space_(space),
+        settings_(settings),
+        damping_(damping),
+        gains_(Space::tracking(settings)),
+        schedule_(gains().K_c, gains().base, gains().settle),
+        decay_(gains().kappa, seconds<T>(gains().dt)) {
+    check(gains(), damping.fastest());
+  }
+
+  [[nodiscard]] static SKINCTL_INLINE T finite(const T& x) noexcept { return x - x == T(0) ? x : T(0); }
+  [[nodiscard]] SKINCTL_INLINE Gain<T> gain(const Memory& memory, const T& x) const noexcept {
+    const T t = seconds<T>(memory.since_reset) + x;
+    return memory.tb > T(0) ? schedule_.at(t, memory.tb) : schedule_.rising(t, memory.K_from);
+  }
+  [[nodiscard]] SKINCTL_INLINE const JointControlSettings<N, T>& gains() const noexcept {
+    return Space::tracking(settings_);
+  }
+  /// The memory `dt` seconds later.
+  [[nodiscard]] SKINCTL_INLINE Memory stepped(const Memory& memory, const Surface& at_t,
+                                              const T& dt) const noexcept {
+    const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
+    return {later(memory.since_reset, ns),
+            memory.held,
+            memory.plan.advanced(ns, settings_),
+            memory.bias.advanced(dt, ns, decay_),
+            memory.I1.advanced(at_t.dI1, dt),
+            memory.I2.advanced(at_t.dI2, dt),
+            memory.tb,
+            memory.K_from,
+            space_.advanced(memory.space, at_t, dt)};
+  }
+  using Rates = JointVelocity<Space::coordinates, T>;
+  static inline const Rates no_rates{};
+  /// The middle of the interval, as the law predicts it. Built where it stays: a copy in other pieces than it was
+  /// written in would have to wait for them.
+  struct Middle {
+    using R = Row<N, T>;
+    template <class K, bool Brief = Space::brief>
+    SKINCTL_INLINE Middle(const TrackingLoop& law, const Memory& memory, const K& known, const Surface& at_t,
+                          const T& h, std::bool_constant<Brief> = {}) noexcept
+        : damped(law.damping_.acceleration(known, at_t.S_q)),
+          a(at_t.ddq_r - damped),
+          q(known.q() + h * (known.dq() + T(T(0.5) * h) * a)),
+          dq(known.dq() + h * a),
+          inputs(law.template inputs<Brief>(memory, h, at_t.dI1, at_t.dI2)),
+          surface(
+              law.space_.surface(law.gains_, inputs, law.space_.site(known.model(), q, dq), memory.space)) {}
+
+    R damped;  ///< `M^-1 K_d S_q`
+    R a;       ///< `ddq_r - damped`, both at its beginning
+    JointPosition<N, T> q;
+    JointVelocity<N, T> dq;
+    typename Space::Inputs inputs;
+    Surface surface;
+  };
+  /// Part of its caller where a call costs much of what the law costs; elsewhere one copy for all callers.
+  template <bool Brief = Space::brief>
+  [[nodiscard]] SKINCTL_INLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
+                                                             const Rates& dI1,
+                                                             const Rates& dI2) const noexcept {
+    if constexpr (Brief) {
+      return inputs_here(memory, x, dI1, dI2);
+    } else {
+      return inputs_called(memory, x, dI1, dI2);
     }
   }
-  (R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return tau[i]; }) + shaped).store(tau);
-  if constexpr (!inertial) {
-    const auto feedback = damping_.torque(at_t.S_q);
-    tau -= share.feedback * feedback;
+  /// The inputs of the surface `x` seconds from now, with the integrals going on at the given rates.
+  [[nodiscard]] SKINCTL_INLINE typename Space::Inputs inputs_here(const Memory& memory, const T& x,
+                                                                  const Rates& dI1,
+                                                                  const Rates& dI2) const noexcept {
+    using R = detail::Row<Space::coordinates, T>;
+    // Built in place: a copy right after writes of another width would stall on store forwarding.
+    return {memory.plan.at(x, settings_),
+            gain(memory, x),
+            memory.bias.at(x, decay_, seconds<T>(gains().bumpless_transfer)),
+            Rates(R(memory.I1.sum) + x * R(dI1)),
+            Rates(R(memory.I2.sum) + x * R(dI2)),
+            memory.held};
   }
-  return tau;
-}
+  [[nodiscard]] SKINCTL_NOINLINE typename Space::Inputs inputs_called(const Memory& memory, const T& x,
+                                                                      const Rates& dI1,
+                                                                      const Rates& dI2) const noexcept {
+    return inputs_here(memory, x, dI1, dI2);
+  }
 
+  [[no_unique_address]] Space space_;
+  Settings settings_;
+  Damping damping_;
+  SurfaceGains<T> gains_;
+  GainSchedule<T> schedule_;
+  Decay<T> decay_;  ///< of the bias
+};
+
+}  // namespace detail
 SKINCTL_END_NAMESPACE
