@@ -1,26 +1,9 @@
 // All skills of a robot as one law: the active one is chosen while it runs, with bumpless transfer.
 #pragma once
 
-#include <cmath>
-
-#include "skinctl/fusion/blended.hpp"
-#include "skinctl/skills/detail/rate_bound.hpp"
-#include "skinctl/skills/one_gripper.hpp"
-#include "skinctl/skills/skill_request.hpp"
+#include "skinctl/skills/detail/skill_loop.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// Settings of the change between skills.
-struct SkillSettings {
-  Nanoseconds bumpless_transfer = 100ms;  ///< time in which the torque changes over to the next skill ...
-  Nanoseconds longest = 2s;               ///< ... or longer for large changes, up to this
-  /// Of every joint's torque during a transfer [N m/s]. A transfer takes 1.9 times its largest difference of torque over this
-  /// rate, up to `longest`, and what is asked for meanwhile waits for its end: a skill that has to answer at once needs a
-  /// higher rate.
-  double max_rate = 1000;
-  double touched = 1;               ///< the skin's joint torque from which the robot counts as touched [N m]
-  OppositionSettings opposition{};  ///< when skin and tracking count as opposed
-};
 
 /// A set of skills, made by `skill_set(library, controllers...)`. It is a law like any other: a `Cycle` runs,
 /// records and replays it, and `Input::goal` brings its requests.
@@ -58,92 +41,32 @@ struct Behaviours {
 };
 
 template <class... Behaviour, Sum P, class... L, class Grip>
-class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip> {
+class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
+    : public detail::SkillLoop<Behaviours<Behaviour...>, Grip, P, L...> {
+  using Loop = detail::SkillLoop<Behaviours<Behaviour...>, Grip, P, L...>;
+  using Loop::blend_;
+  using Loop::run;
+  using Loop::settings_;
+  using Loop::skills_;
+  using Loop::skin;
+  using Loop::step;
+
  public:
   using Names = Behaviours<Behaviour...>;
   using Fusion = Fused<P, L...>;
-  using Laws = std::tuple<L...>;
-  using Blend = Blended<Fusion>;
-  static constexpr bool has_gripper = !std::is_same_v<Grip, NoGripper>;
-  using Goal =
-      typename detail::GoalTypes<std::conditional_t<has_gripper, SkillRequest<GripperGoal>, SkillRequest<>>,
-                                 L...>::type;
-  static constexpr std::size_t controllers = Fusion::terms;
-  static constexpr std::size_t terms = controllers + 1;  ///< with the carried difference
-  static constexpr auto roles = detail::roles_with_carried<Fusion>;
-  static constexpr std::size_t skills = Names::count;
-  static constexpr Needs needs = Blend::needs;
-  static constexpr LawRole role = Fusion::role;
-  static constexpr const char* name = "skills";
-  static constexpr bool complete_sum = true;
-  static constexpr bool compensates_friction = Fusion::compensates_friction;
-  static_assert(Fusion::gravity_laws == 1, "a set of skills holds gravity: give it a gravity controller");
-  static_assert(skills > 0 && skills < 256);
-  static constexpr std::size_t joints = detail::joints_of_laws<L...>();
-  static_assert(joints > 0 || Fusion::tracking_laws == 0,
-                "a tracking controller says for how many joints it is: static constexpr std::size_t joints");
-
-  struct Memory {
-    typename Blend::Memory blend;
-    detail::RateBound<joints> bound;
-    Goal request;  ///< the accepted one: its goals serve the skills of a sequence
-    Goal waiting;  ///< waits for the end of a change
-    SkillSwitches commanded, reported;
-    std::uint32_t reporting = 0;  ///< switches that have ever been reported
-    double touch = 0;             ///< norm of the last torque of the skin's laws [N m]
-    Nanoseconds since{};          ///< the skill's start
-    Nanoseconds held{};           ///< how long its finish condition has held
-    std::uint8_t skill = 0;
-    SkillPhase phase = SkillPhase::loading;
-    [[no_unique_address]] typename Grip::Memory gripper;
-    SkillReport told;      ///< of the request that the skill, or the one that failed last, serves
-    SkillReport refused;   ///< of the last request that was refused
-    bool waits = false;    ///< for the end of a change
-    bool goes_on = false;  ///< what waits is the next skill of a sequence, or the fallback
-    bool touched = false, was_touched = false;  ///< as the skill's `touch` says; and since it began to run
-  };
+  static constexpr std::size_t joints = Loop::joints;
+  static constexpr bool has_gripper = Loop::has_gripper;
+  static constexpr std::size_t controllers = Loop::controllers;
+  static constexpr std::size_t skills = Loop::skills;
+  using Goal = typename Loop::Goal;
+  using Memory = typename Loop::Memory;
 
   /// @param rows  the first is the initial skill and the fallback. Throws `ConfigurationError` for numbers
   ///              out of their range.
   SkillSet(const Fusion& sum, const std::array<Skill<controllers>, skills>& rows,
            const SkillSettings& settings = {}, const Grip& gripper = {})
-      : blend_(sum.opposed_by(settings.opposition), rows[0].weights,
-               BlendSettings{settings.bumpless_transfer, {}}),
-        skills_(rows),
-        settings_(settings),
-        gripper_(gripper) {
-    require(settings.max_rate > 0 && settings.max_rate <= 1e9, "max_rate", settings.max_rate, "> 0 N m/s");
-    require(settings.longest >= settings.bumpless_transfer, "longest", seconds<double>(settings.longest),
-            ">= bumpless_transfer, in s");
-    for (const auto& s : rows) {
-      const auto& c = s.conditions;
-      require(s.next < skills, "next", s.next, "the index of a skill");
-      require(c.hold >= 0ns && c.timeout >= 0ns, "hold or timeout",
-              seconds<double>(c.hold < c.timeout ? c.hold : c.timeout), ">= 0 s");
-      require(c.still > 0 && c.still <= 1e3, "still", c.still, "> 0 rad/s");
-      require(c.touch.force >= 0 && c.touch.force <= 1e6 && c.touch.lasts >= 0ns, "touch: force",
-              c.touch.force, "0 to 1e6 N, for at least 0 s");
-      require(c.tolerance.position >= 0 && c.tolerance.orientation >= 0 && c.tolerance.joint >= 0,
-              "tolerance", -1, ">= 0 m or rad");
-      require(!s.grips || (has_gripper && finite(s.grip)), "goal of a gripper", s.grip.opening,
-              "finite, in a set with a gripper");
-      require(has_gripper || (c.finish != SkillFinish::gripped && c.finish != SkillFinish::opened),
-              "skills that wait for a gripper", 1, "in a set with a gripper");
-      require(c.max_touch >= 0 && c.max_touch <= 1e9, "max_touch", c.max_touch, ">= 0 N m");
-      for (std::size_t i = 0; i < controllers; ++i)
-        require(Fusion::roles[i] == LawRole::gravity ? s.weights[i] == 1
-                                                     : s.weights[i] >= 0 && s.weights[i] <= 1e6,
-                "weight of a controller", s.weights[i], "0 to 1e6, and 1 for gravity");
-    }
-    require(rows[0].conditions.timeout == 0ns && rows[0].conditions.max_touch == 0,
-            "failure of the first skill", 1, "none: others fall back to it");
-  }
-  [[nodiscard]] const Fusion& sum() const noexcept { return blend_.sum(); }
-  template <class Terms>
-  void check_for(const Terms& robot) const {
-    blend_.check_for(robot);
-  }
-  [[nodiscard]] const Skill<controllers>& skill(std::size_t i) const noexcept { return skills_[i]; }
+      : Loop(sum, rows, settings, gripper) {}
+  using Loop::skill;
   template <class B>
   [[nodiscard]] const Skill<controllers>& skill() const noexcept {
     return skills_[index<B>()];
@@ -238,9 +161,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip> {
   }
 
   /// A request, as `SkillRequest` says.
-  template <class K>
-  [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
-                                                      const Goal& request) const noexcept;
+  using Loop::receive;
 
   template <class K>
   [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque(
@@ -258,109 +179,6 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip> {
                                              const typename K::scalar& dt) const noexcept {
     return step(memory, known, dt, Opposition::none);
   }
-
- private:
-  template <std::size_t I>
-  using law_at = std::tuple_element_t<I, std::tuple<L...>>;
-
-  [[nodiscard]] bool may_start(const Memory& m, const Skill<controllers>& s) const noexcept {
-    if (s.conditions.untouched && !(m.touch <= settings_.touched)) return false;
-    return m.commanded.then(m.reported).stand(s.conditions.needs);
-  }
-  /// Calls `f(index, goal)` for each controller of a skill for which the request has a goal.
-  template <class F>
-  void each_goal(const Goal& request, std::uint8_t skill, F&& f) const noexcept {
-    detail::each_index<controllers>([&](auto i) {
-      if constexpr (detail::takes_goals<law_at<i.value>>) {
-        const auto& part = request.goals.template of<typename law_at<i.value>::Goal>();
-        if (part.has && skills_[skill].weights[i.value] > 0) f(i, part.goal);
-      }
-    });
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_COLD bool fits(const Memory& m, const K& known, const Goal& request,
-                                       std::uint8_t skill, Status& status) const noexcept;
-  template <class K>
-  SKINCTL_COLD void deliver(Memory& m, const K& known, const Goal& request, Status& status,
-                            bool arrived = false) const noexcept;
-  template <class K>
-  [[nodiscard]] SKINCTL_COLD Received<Memory> begun(const Memory& memory, const K& known,
-                                                    const Goal& request) const noexcept;
-  template <class K>
-  SKINCTL_COLD void stretch(typename Blend::Memory& m, const K& known) const noexcept;
-  template <class Torque, class Shares, class T>
-  [[nodiscard]] SKINCTL_COLD Torque bounded(detail::RateBound<joints>& bound,
-                                            const typename Blend::Memory& before,
-                                            typename Blend::Memory& next, const Torque& own, Shares shares,
-                                            const T& most) const noexcept;
-  template <class K, class Torque>
-  SKINCTL_NOINLINE void supervise(Memory& m, const K& known, const Torque& touched,
-                                  Nanoseconds dt) const noexcept;
-  /// The goal of a request, or else of its skill, to the gripper.
-  void ask_gripper(Memory& m, const Goal& request, std::uint8_t skill, bool starts) const noexcept {
-    if constexpr (has_gripper) {
-      const auto& part = request.goals.template of<GripperGoal>();
-      const auto& own = skills_[skill];
-      if (part.has)
-        gripper_.ask(m.gripper, part.goal);
-      else if (starts && own.grips)
-        gripper_.ask(m.gripper, own.grip);
-    }
-  }
-  /// Whether the robot is within the tolerance of each goal of its request that has a distance.
-  template <class K>
-  [[nodiscard]] SKINCTL_COLD bool near(const Memory& m, const K& known,
-                                       const GoalTolerance& t) const noexcept;
-  void end(Memory& m, SkillFailure failure, std::uint8_t next) const noexcept;
-  [[nodiscard]] Nanoseconds within(double time) const noexcept {
-    const Nanoseconds asked = time < 1e6 ? nanoseconds(time) : settings_.longest;
-    return asked > settings_.longest             ? settings_.longest
-           : asked > settings_.bumpless_transfer ? asked
-                                                 : settings_.bumpless_transfer;
-  }
-  // One function for the loop and for requests: it is the largest part of the code.
-  template <class K>
-  [[nodiscard]] SKINCTL_NOINLINE auto run(const typename Blend::Memory& m, const K& known,
-                                          const typename K::scalar& dt,
-                                          Opposition opposition) const noexcept {
-    return blend_.evaluate(m, known, dt, opposition);
-  }
-
-  /// Gives the newly loaded controllers their goals.
-  template <class K>
-  SKINCTL_COLD Status arrive(Memory& m, const K& known) const noexcept {
-    Status status;
-    m.phase = SkillPhase::running;
-    if (m.told.phase == SkillPhase::loading) m.told.phase = SkillPhase::running;
-    deliver(m, known, m.request, status, true);
-    return status;
-  }
-  template <class K>
-  [[nodiscard]] SKINCTL_INLINE Evaluation<K::joints, typename K::scalar, Memory, terms> step(
-      const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept;
-  template <class Torque>
-  [[nodiscard]] static auto largest(const Torque& tau) noexcept {
-    auto most = detail::magnitude(tau[0]);
-    for (const auto& x : tau)
-      if (detail::magnitude(x) > most) most = detail::magnitude(x);
-    return most;
-  }
-  /// The torque of the skin's laws.
-  template <class Shares>
-  [[nodiscard]] static SKINCTL_INLINE auto skin(const Shares& shares) noexcept {
-    std::remove_cvref_t<decltype(shares[0])> sum;
-    detail::each_index<controllers>([&](auto i) {
-      if constexpr (detail::answers_touch<law_at<i.value>>) sum += shares[i.value];
-    });
-    return sum;
-  }
-
-  Blend blend_;
-  std::array<Skill<controllers>, skills> skills_;
-  SkillSettings settings_;
-  [[no_unique_address]] Grip gripper_;
 };
 
 SKINCTL_END_NAMESPACE
-
-#include "skinctl/skills/detail/skill_change.hpp"
