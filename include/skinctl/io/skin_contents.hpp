@@ -1,8 +1,6 @@
 // The contents of a skin file. Needs no parser: those are in `io/skin_file.hpp` and `io/skin_xml.hpp`.
 #pragma once
 
-#include <array>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -11,28 +9,11 @@
 #include <vector>
 
 #include "skinctl/frames/transform.hpp"
+#include "skinctl/io/detail/skin_check.hpp"
+#include "skinctl/io/skin_pose.hpp"
 #include "skinctl/tactile/patch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// A pose of a skin file: origin [m], and the axes as a unit quaternion x, y, z, w.
-struct SkinPose {
-  Xyz<double> p{0, 0, 0};
-  std::array<double, 4> q{0, 0, 0, 1};
-
-  /// The axes; exact for a quaternion that is of unit length only to within rounding.
-  [[nodiscard]] Rotation<double> rotation() const {
-    const double n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    const double x = q[0] / n, y = q[1] / n, z = q[2] / n, w = q[3] / n;
-    return {{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
-            {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
-            {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)}};
-  }
-  /// The pose with axes `R` and origin `p`; `w >= 0`.
-  [[nodiscard]] static SkinPose of(const Rotation<double>& R, const Xyz<double>& p);
-
-  friend bool operator==(const SkinPose&, const SkinPose&) = default;
-};
 
 /// A skin as a file describes it, or as a program builds it to write one: cells in patches on named links.
 /// `check` says whether it makes sense; what the readers return is checked.
@@ -112,9 +93,7 @@ struct SkinFile {
   /// - an id that occurs twice, is 2^20 or more, or is unknown where neighbours and regions name it;
   /// - neighbours that are not mutual, or that only some cells of a patch have;
   /// - more than 2^20 cells, 8192 cells of a patch, or 4096 patches.
-  void check() const;
+  void check() const { detail::SkinCheck(*this).all(); }
 };
 
 SKINCTL_END_NAMESPACE
-
-#include "skinctl/io/detail/skin_check.hpp"

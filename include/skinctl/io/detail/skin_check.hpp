@@ -1,13 +1,18 @@
 // The rules of a skin file, each with its error.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
+#include <vector>
 
-#include "skinctl/io/skin_contents.hpp"
+#include "skinctl/core/contract.hpp"
+#include "skinctl/io/skin_pose.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -24,21 +29,23 @@ inline std::string skin_quoted(std::string_view name) {
   return out + (name.size() > 128 ? "...\"" : "\"");
 }
 
+/// @tparam File  `SkinFile`, whose `check` calls this.
+template <class File>
 class SkinCheck {
  public:
-  explicit SkinCheck(const SkinFile& file) : file_(file) {}
+  explicit SkinCheck(const File& file) : file_(file) {}
 
   void all() {
     check_links();
-    count(file_.patches.size(), 1, SkinFile::most_patches, "patches");
-    for (const SkinFile::Patch& patch : file_.patches) check_patch(patch);
-    count(cells_.size(), 1, SkinFile::most_cells, "cells");
-    for (const SkinFile::Link& link : file_.links)
+    count(file_.patches.size(), 1, File::most_patches, "patches");
+    for (const typename File::Patch& patch : file_.patches) check_patch(patch);
+    count(cells_.size(), 1, File::most_cells, "cells");
+    for (const typename File::Link& link : file_.links)
       if (!covered_.contains(link.name)) {
         at("link " + skin_quoted(link.name), link.line);
         fail("no patch is on it");
       }
-    for (const SkinFile::Patch& patch : file_.patches) check_neighbours(patch);
+    for (const typename File::Patch& patch : file_.patches) check_neighbours(patch);
     check_regions();
   }
 
@@ -48,8 +55,8 @@ class SkinCheck {
            (where_.empty() ? "" : ", ") + what);
   }
   void at(std::string where, int line) { where_ = std::move(where), line_ = line; }
-  void at(const SkinFile::Patch& patch) { at("patch " + skin_quoted(patch.name), patch.line); }
-  void at(const SkinFile::Patch& patch, const SkinFile::Cell& cell) {
+  void at(const typename File::Patch& patch) { at("patch " + skin_quoted(patch.name), patch.line); }
+  void at(const typename File::Patch& patch, const typename File::Cell& cell) {
     at("patch " + skin_quoted(patch.name) + ", cell " + std::to_string(cell.id),
        cell.line > 0 ? cell.line : patch.line);
   }
@@ -102,7 +109,7 @@ class SkinCheck {
   }
 
   void check_links() {
-    for (const SkinFile::Link& link : file_.links) {
+    for (const typename File::Link& link : file_.links) {
       at("link " + skin_quoted(link.name), link.line);
       name("name", link.name);
       if (!links_.insert(link.name).second) fail("the name occurs twice");
@@ -115,7 +122,7 @@ class SkinCheck {
     }
     at("", 0);
   }
-  void check_patch(const SkinFile::Patch& patch) {
+  void check_patch(const typename File::Patch& patch) {
     at(patch);
     name("name", patch.name);
     if (!patches_.insert(patch.name).second) fail("the name occurs twice");
@@ -126,13 +133,13 @@ class SkinCheck {
     range("gains.force", patch.gains.force, 0, 1e6, " N");
     range("gains.proximity", patch.gains.proximity, 0, 1e6, " N");
     covariance(patch.covariance);
-    count(patch.cells.size(), 1, SkinFile::most_cells_of_a_patch, "cells");
-    for (const SkinFile::Cell& cell : patch.cells) check_cell(patch, cell);
+    count(patch.cells.size(), 1, File::most_cells_of_a_patch, "cells");
+    for (const typename File::Cell& cell : patch.cells) check_cell(patch, cell);
     at("", 0);
   }
-  void check_cell(const SkinFile::Patch& patch, const SkinFile::Cell& cell) {
+  void check_cell(const typename File::Patch& patch, const typename File::Cell& cell) {
     at(patch, cell);
-    range("id", cell.id, 0, SkinFile::highest_id, "");
+    range("id", cell.id, 0, File::highest_id, "");
     if (!cells_.emplace(cell.id, &cell).second) fail("the id occurs twice");
     pose("X_RootCell", cell.X_RootCell);
     range("group", cell.group, 0, 65535, "");
@@ -141,9 +148,9 @@ class SkinCheck {
     covariance(cell.covariance);
     if (!cell.masked.empty()) name("masked", cell.masked);
   }
-  void check_neighbours(const SkinFile::Patch& patch) {
+  void check_neighbours(const typename File::Patch& patch) {
     const bool given = !patch.cells.front().neighbours.empty();
-    for (const SkinFile::Cell& cell : patch.cells) {
+    for (const typename File::Cell& cell : patch.cells) {
       at(patch, cell);
       if (cell.neighbours.empty() == given)
         fail("neighbours are " + std::string(given ? "missing" : "given") +
@@ -153,7 +160,7 @@ class SkinCheck {
         fail("neighbours: " + std::to_string(cell.neighbours.size()) + " ids, allowed: 4, one a port");
       for (std::size_t port = 0; port < 4; ++port) {
         const std::uint32_t other = cell.neighbours[port];
-        if (other == SkinFile::nobody) continue;
+        if (other == File::nobody) continue;
         const std::string is =
             "neighbour at port " + std::to_string(port + 1) + " = " + std::to_string(other);
         if (other == cell.id) fail(is + ", allowed: another cell");
@@ -169,11 +176,11 @@ class SkinCheck {
   }
   void check_regions() {
     std::unordered_set<std::string_view> names;
-    for (const SkinFile::Region& region : file_.regions) {
+    for (const typename File::Region& region : file_.regions) {
       at("region " + skin_quoted(region.name), region.line);
       name("name", region.name);
       if (!names.insert(region.name).second) fail("the name occurs twice");
-      count(region.cells.size(), 1, SkinFile::most_cells, "cells");
+      count(region.cells.size(), 1, File::most_cells, "cells");
       range("weight", region.weight, 0, 1000, "");
       if (!(region.force_limit > 0))
         fail("force_limit = " + skin_number(region.force_limit) + ", allowed: > 0 N");
@@ -185,25 +192,13 @@ class SkinCheck {
     }
   }
 
-  const SkinFile& file_;
+  const File& file_;
   std::string where_;
   int line_ = 0;
   std::unordered_set<std::string_view> links_, patches_, covered_;
-  std::unordered_map<std::uint32_t, const SkinFile::Cell*> cells_;
+  std::unordered_map<std::uint32_t, const typename File::Cell*> cells_;
 };
 
 }  // namespace detail
-
-inline void SkinFile::check() const {
-  detail::SkinCheck(*this).all();
-}
-
-inline SkinPose SkinPose::of(const Rotation<double>& R, const Xyz<double>& p) {
-  const Mat3<double> matrix = as_eigen(R);
-  Eigen::Quaterniond q(matrix);
-  q.normalize();
-  if (q.w() < 0) q.coeffs() = -q.coeffs();
-  return {p, {q.x(), q.y(), q.z(), q.w()}};
-}
 
 SKINCTL_END_NAMESPACE
