@@ -177,7 +177,7 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
     log.ball[f] = ball[f] / double(squeezed);
   }
   if (s.generation != Generation::v5_sense)  // no cell, no stale sample
-    all = Status::from_bits(all.bits() & ~Status(Reason::sample_stale).bits());
+    all = all.without(Reason::sample_stale);
   for (std::size_t r = 0; r < static_cast<std::size_t>(Reason::count); ++r)
     if (all.has(static_cast<Reason>(r)))
       log.status += (log.status.empty() ? "" : ", ") + std::string(name(static_cast<Reason>(r)));

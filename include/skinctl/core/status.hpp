@@ -82,6 +82,8 @@ class Status {
   friend constexpr Status operator|(Status a, Status b) noexcept { return a |= b; }
   /// The reasons that both sets hold.
   friend constexpr Status operator&(Status a, Status b) noexcept { return from_bits(a.bits_ & b.bits_); }
+  /// The reasons of this set that `s` does not hold.
+  [[nodiscard]] constexpr Status without(Status s) const noexcept { return from_bits(bits_ & ~s.bits_); }
   friend constexpr bool operator==(Status, Status) noexcept = default;
   [[nodiscard]] constexpr std::uint64_t bits() const noexcept { return bits_; }
   [[nodiscard]] static constexpr Status from_bits(std::uint64_t bits) noexcept {

@@ -122,7 +122,7 @@ class Governor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, 
       out.status |= exceeded(last, out.command, dt);
     } else if (left.slowed) {
       const auto motion = limits_.move(room, last.velocity, left.velocity, dt);
-      out.status |= Status::from_bits(motion.status.bits() & ~Status(Reason::acceleration_limited).bits());
+      out.status |= motion.status.without(Reason::acceleration_limited);
       make(m, last, motion, dt, out);
     }
     return out;
@@ -229,7 +229,7 @@ class Governor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, 
       make(m, last, motion, dt, out);
     } else {
       const auto motion = limits_.move(room, last.velocity, u, dt);
-      out.status |= Status::from_bits(motion.status.bits() & ~Status(Reason::acceleration_limited).bits());
+      out.status |= motion.status.without(Reason::acceleration_limited);
       if constexpr (has_jerk)
         for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
       make(m, last, motion, dt, out);

@@ -114,7 +114,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Ove
     if constexpr (watches_skin<Overseer>) {
       if (pause) {
         resolver_.go_on(m.robot);
-        resolved.status = Status::from_bits(resolved.status.bits() & ~Status(Reason::stopping).bits());
+        resolved.status = resolved.status.without(Reason::stopping);
       }
     }
     status |= resolved.status;

@@ -127,7 +127,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
     }
     copy_row(motion.velocity, m.rate);
     const std::uint64_t lead_acts = I == Interface::position && braked != 0 ? by_lead.bits() : 0;
-    status |= Status::from_bits(found.bits() & ~Status(Reason::position_limited).bits());
+    status |= found.without(Reason::position_limited);
     if ((braked & lead_acts) != 0) status |= Reason::lead_limited;
     if ((braked & ~lead_acts) != 0) status |= Reason::position_limited;
     return status;
