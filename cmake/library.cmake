@@ -14,6 +14,15 @@ target_sources(skinctl
     FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${skinctl_headers}
     FILE_SET io TYPE HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${skinctl_io_headers})
 
+# What serves above or beside the loop and is not in skinctl.hpp: targets of their own.
+foreach(part IN ITEMS calibration skin_network semantics)
+  add_library(skinctl_${part} INTERFACE)
+  add_library(skinctl::${part} ALIAS skinctl_${part})
+  set_target_properties(skinctl_${part} PROPERTIES EXPORT_NAME ${part})
+  target_link_libraries(skinctl_${part} INTERFACE skinctl)
+endforeach()
+target_link_libraries(skinctl_calibration INTERFACE skinctl_skin_network)
+
 # The same bits at every level of optimisation, on every instruction set, from GCC and Clang: no fused multiplication and addition.
 # The definition enters the library's inline namespace, so that files built with and without it do not meet.
 add_library(skinctl_exact INTERFACE)

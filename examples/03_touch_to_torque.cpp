@@ -6,8 +6,8 @@
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 
 using namespace skinctl;
 

@@ -8,10 +8,10 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
-#include "skinctl/core/evaluate.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/law/evaluate.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 using namespace skinctl;
 

@@ -15,7 +15,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 using namespace skinctl;
 

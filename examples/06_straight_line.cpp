@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "skinctl/control/spline_operational.hpp"
-#include "skinctl/core/evaluate.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/law/evaluate.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "support/curves.hpp"
 
 using namespace skinctl;

@@ -11,7 +11,7 @@
 #include "skinctl/cycle/groups.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/math/ldlt.hpp"
-#include "skinctl/model/ur5_allegro.hpp"
+#include "skinctl/robots/ur5_allegro.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 

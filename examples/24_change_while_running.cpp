@@ -11,11 +11,11 @@
 
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/configurations.hpp"
-#include "skinctl/cycle/recording.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/model/loaded.hpp"
+#include "skinctl/recording/recording.hpp"
 #include "support/arm.hpp"
 
 using namespace examples;

@@ -6,8 +6,8 @@
 //   drawn         a quiet, a noisy and a drifting cell, each pressed with its threshold beside it, in thousandths
 #include <cstdio>
 
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/sensing/noise.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/cell_noise.hpp"
 #include "support/curves.hpp"
 

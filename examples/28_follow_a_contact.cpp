@@ -1,8 +1,8 @@
 // 28 Follow a contact: a hand slides along an arm, a second one joins; each keeps its identity.
 //
 //   drawn  place of each contact along the forearm as felt and as it is, its push, the force of a region
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/contact_skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/pressing.hpp"
 #include "support/arm.hpp"
 

@@ -9,7 +9,7 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/cycle/cycle.hpp"
-#include "skinctl/model/ur5_allegro.hpp"
+#include "skinctl/robots/ur5_allegro.hpp"
 #include "skinctl/skills/library.hpp"
 #include "skinctl/tactile/skin.hpp"
 

@@ -7,9 +7,9 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/cycle/cycle.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/skills/library.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 
 using namespace skinctl;
 

@@ -24,7 +24,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/tanh.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tracking/adaptation.hpp"
 #include "tests/support/kdl_oracle.hpp"

@@ -16,8 +16,8 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/math/sincos.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "tests/support/kdl_oracle.hpp"
 
 using namespace skinctl;

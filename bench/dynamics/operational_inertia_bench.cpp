@@ -7,7 +7,7 @@
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/operational_inertia.hpp"
 #include "skinctl/kinematics/centre_of_mass.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "tests/support/mujoco_oracle.hpp"
 
 using namespace skinctl;

@@ -1,7 +1,7 @@
 // What scenes pay for what they ask of the model: everything computed once, nothing else.
 #include "bench/support/rows.hpp"
 #include "skinctl/dynamics/quantities.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 

@@ -8,7 +8,7 @@
 #include "bench/support/rows.hpp"
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/regressor.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "tests/support/kdl_oracle.hpp"
 
 using namespace skinctl;

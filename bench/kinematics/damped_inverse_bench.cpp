@@ -5,7 +5,7 @@
 
 #include "bench/support/rows.hpp"
 #include "skinctl/kinematics/damped_inverse.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "tests/support/kdl_oracle.hpp"
 
 using namespace skinctl;

@@ -6,7 +6,7 @@
 #include "bench/support/fingers.hpp"
 #include "bench/support/rows.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
 

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "skinctl/dynamics/loop_forward_dynamics.hpp"
-#include "skinctl/model/universal_robots.hpp"
-#include "skinctl/model/ur5_allegro.hpp"
+#include "skinctl/robots/universal_robots.hpp"
+#include "skinctl/robots/ur5_allegro.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

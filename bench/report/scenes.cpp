@@ -17,8 +17,8 @@
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/limits/skin_watch.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/needs_read.hpp"
 
 using namespace skinctl;

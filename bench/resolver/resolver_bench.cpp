@@ -6,9 +6,9 @@
 
 #include "bench/floor/ur5_task_floor.hpp"
 #include "bench/support/rows.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/resolver.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "tests/support/kdl_oracle.hpp"
 
 using namespace skinctl;

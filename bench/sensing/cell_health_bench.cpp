@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "bench/support/bench.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/sensing/cell_health.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/skin_signals.hpp"
 
 using namespace skinctl;

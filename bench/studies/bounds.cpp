@@ -22,9 +22,9 @@
 #include "bench/studies/bounds/sign_symmetries.hpp"
 #include "bench/studies/bounds/worst_found.hpp"
 #include "bench/studies/proofs/traced.hpp"
-#include "skinctl/model/allegro.hpp"
-#include "skinctl/model/universal_robots.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/allegro.hpp"
+#include "skinctl/robots/universal_robots.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 using namespace skinctl::bounds;

@@ -17,10 +17,10 @@
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/passivity/contact_damper.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
 

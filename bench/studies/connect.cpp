@@ -14,9 +14,9 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/hardware/loop.hpp"
-#include "skinctl/io/mcap_recorder.hpp"
-#include "skinctl/model/ur5_links.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/recording/mcap_recorder.hpp"
+#include "skinctl/robots/ur5_links.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
 

@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "skinctl/model/ur5_allegro.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/robots/ur5_allegro.hpp"
 
 using namespace skinctl;
 

@@ -10,7 +10,7 @@
 #include "skinctl/calibration/inertial_fit.hpp"
 #include "skinctl/calibration/nees.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/other_bodies.hpp"
 #include "skinctl/testing/random.hpp"
 

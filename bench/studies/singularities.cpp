@@ -22,7 +22,7 @@
 
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/control/spline_operational.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/random.hpp"
 

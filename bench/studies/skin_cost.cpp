@@ -12,7 +12,7 @@
 
 #include "bench/floor/event_floor.hpp"
 #include "bench/tactile/kdl_skin.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/testing/random_skin.hpp"
 #include "skinctl/testing/robots.hpp"

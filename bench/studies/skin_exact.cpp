@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/testing/random_skin.hpp"
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "skinctl/calibration/learnt_fill_in.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/fill_in.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/pressing.hpp"
 #include "skinctl/testing/random.hpp"
 

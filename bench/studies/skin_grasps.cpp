@@ -11,7 +11,7 @@
 
 #include "bench/studies/worlds/recorded_grasps.hpp"
 #include "skinctl/calibration/learnt_fill_in.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
 #include "skinctl/testing/skin_signals.hpp"

@@ -10,7 +10,7 @@
 #include "skinctl/calibration/excitation.hpp"
 #include "skinctl/calibration/joint_lines.hpp"
 #include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/moved_skin.hpp"
 
 using namespace skinctl;

@@ -12,7 +12,7 @@
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/tracking/adaptation.hpp"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "skinctl/model/allegro.hpp"
+#include "skinctl/robots/allegro.hpp"
 
 namespace skinctl::bench {
 

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "bench/support/bench.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;

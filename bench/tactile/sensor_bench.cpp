@@ -1,6 +1,6 @@
 // What sensors beside the skin cost a cycle: a wrist sensor, the motors' residual, velocities from positions.
 #include "bench/support/rows.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/tactile/motor_touch.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"

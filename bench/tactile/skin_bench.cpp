@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/support/rows.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 using namespace skinctl;
 

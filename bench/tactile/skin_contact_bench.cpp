@@ -2,8 +2,8 @@
 #include <memory>
 
 #include "bench/support/bench.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/contact_skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 
 using namespace skinctl;
 

@@ -6,11 +6,11 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/model/ur5_allegro.hpp"
 #include "skinctl/robot/preset.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_allegro.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 
 namespace trade {
 

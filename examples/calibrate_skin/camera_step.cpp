@@ -11,7 +11,7 @@
 #include "examples/support/text.hpp"
 #include "skinctl/frames/rotation.hpp"
 #include "skinctl/io/skin_file.hpp"
-#include "skinctl/model/ur5_links.hpp"
+#include "skinctl/robots/ur5_links.hpp"
 
 namespace calibrate_skin {
 

@@ -10,8 +10,8 @@
 #include "skinctl/calibration/line_model.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/urdf_writer.hpp"
-#include "skinctl/model/ur5_links.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_links.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 namespace calibrate_skin {
 

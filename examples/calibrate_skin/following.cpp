@@ -8,7 +8,7 @@
 #include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 namespace calibrate_skin {
 

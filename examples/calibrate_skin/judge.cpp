@@ -14,8 +14,8 @@
 #include "examples/compliant_ur5/run.hpp"
 #include "skinctl/calibration/turn.hpp"
 #include "skinctl/io/skin_file.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/model/ur5_links.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_links.hpp"
 #include "skinctl/testing/random.hpp"
 
 namespace calibrate_skin {

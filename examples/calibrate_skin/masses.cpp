@@ -9,7 +9,7 @@
 #include "skinctl/calibration/link_inertia.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 namespace calibrate_skin {
 

@@ -7,7 +7,7 @@
 #include "examples/calibrate_skin/step_functions.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/support/text.hpp"
-#include "skinctl/calibration/patch_graph.hpp"
+#include "skinctl/skin_network/patch_graph.hpp"
 
 namespace calibrate_skin {
 

@@ -9,8 +9,8 @@
 
 #include "examples/calibrate_skin/arm.hpp"
 #include "skinctl/calibration/accelerometer.hpp"
-#include "skinctl/calibration/patch_graph.hpp"
 #include "skinctl/calibration/sighting_types.hpp"
+#include "skinctl/skin_network/patch_graph.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 struct MotionRecording;

@@ -4,7 +4,7 @@
 #include "examples/adapters/allegro/cells.hpp"
 #include "examples/compliant_ur5/settings.hpp"
 #include "skinctl/kinematics/centre_of_mass.hpp"
-#include "skinctl/model/ur5_allegro.hpp"
+#include "skinctl/robots/ur5_allegro.hpp"
 
 namespace arm_and_hand {
 

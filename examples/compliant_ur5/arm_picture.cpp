@@ -9,8 +9,8 @@
 
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 namespace compliant_ur5 {
 namespace {

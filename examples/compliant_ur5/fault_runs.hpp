@@ -12,7 +12,7 @@
 
 #include "examples/compliant_ur5/run.hpp"
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 namespace compliant_ur5 {
 

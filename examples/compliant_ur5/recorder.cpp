@@ -8,8 +8,8 @@
 #include "skinctl/io/skin_export.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/urdf_writer.hpp"
-#include "skinctl/model/ur5_links.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_links.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 namespace compliant_ur5 {
 

@@ -9,7 +9,7 @@
 #include "examples/compliant_ur5/run_log.hpp"
 #include "examples/compliant_ur5/settings.hpp"
 #include "examples/support/job.hpp"
-#include "skinctl/io/mcap_recorder.hpp"
+#include "skinctl/recording/mcap_recorder.hpp"
 
 namespace compliant_ur5 {
 

@@ -13,9 +13,9 @@
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/limits/skin_watch.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
 #include "skinctl/robot/preset.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
 #include "skinctl/tracking/friction_learning.hpp"
 

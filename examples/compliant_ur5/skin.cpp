@@ -2,8 +2,8 @@
 
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/skin_placement.hpp"
-#include "skinctl/model/ur5_links.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_links.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 namespace compliant_ur5 {
 

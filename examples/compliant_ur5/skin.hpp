@@ -6,7 +6,7 @@
 #include "examples/compliant_ur5/settings.hpp"
 #include "examples/compliant_ur5/touch_observer.hpp"
 #include "examples/simulated_ur5/skin.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 

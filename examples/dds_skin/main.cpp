@@ -17,8 +17,8 @@
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/io/ros_messages.hpp"
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 namespace {
 

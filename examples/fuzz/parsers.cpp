@@ -26,12 +26,12 @@
 #include "examples/simulated_ur5/rtde_session.hpp"
 #include "examples/simulated_ur5/urscript/code.hpp"
 #include "examples/skinctl_record/csv.hpp"
-#include "skinctl/io/mcap_reader.hpp"
 #include "skinctl/io/skin_cloud_reader.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/skin_xml.hpp"
 #include "skinctl/io/ur_calibration.hpp"
 #include "skinctl/io/urdf.hpp"
+#include "skinctl/recording/mcap_reader.hpp"
 
 namespace fuzz {
 namespace {

@@ -11,7 +11,7 @@
 #include "examples/support/output_file.hpp"
 #include "skinctl/calibration/response_motion.hpp"
 #include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
 
 namespace {

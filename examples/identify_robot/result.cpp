@@ -4,7 +4,7 @@
 
 #include "examples/support/text.hpp"
 #include "skinctl/calibration/robot_response.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 namespace identify_robot {
 using examples::text;

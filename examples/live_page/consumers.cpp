@@ -18,9 +18,9 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
-#include "skinctl/io/mcap_recorder.hpp"
-#include "skinctl/model/ur5_links.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/recording/mcap_recorder.hpp"
+#include "skinctl/robots/ur5_links.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #ifdef SKINCTL_HAS_DDS
 #include "examples/adapters/dds/dds_view.hpp"
 #endif

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "skinctl/clearance/capsule.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/link.hpp"
 #include "skinctl/model/model.hpp"
-#include "skinctl/tactile/capsule.hpp"
 
 namespace packing {
 

@@ -11,10 +11,10 @@
 #include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/world.hpp"
+#include "skinctl/clearance/retreat.hpp"
+#include "skinctl/clearance/sightings.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/velocity_control.hpp"
-#include "skinctl/tactile/retreat.hpp"
-#include "skinctl/tactile/sightings.hpp"
 
 namespace packing {
 namespace {

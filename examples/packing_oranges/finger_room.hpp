@@ -5,8 +5,8 @@
 #include <cmath>
 #include <span>
 
+#include "skinctl/clearance/capsule.hpp"
 #include "skinctl/frames/rotation.hpp"
-#include "skinctl/tactile/capsule.hpp"
 
 namespace packing {
 

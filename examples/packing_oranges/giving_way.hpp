@@ -5,7 +5,7 @@
 #include <span>
 
 #include "examples/packing_oranges/tomm.hpp"
-#include "skinctl/tactile/retreat.hpp"
+#include "skinctl/clearance/retreat.hpp"
 
 namespace packing {
 

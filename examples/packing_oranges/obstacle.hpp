@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "examples/packing_oranges/layout.hpp"
+#include "skinctl/clearance/capsule.hpp"
 #include "skinctl/frames/transform.hpp"
-#include "skinctl/tactile/capsule.hpp"
 #include "skinctl/tactile/cell_place.hpp"
 #include "skinctl/tactile/cover.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "examples/packing_oranges/layout.hpp"
-#include "skinctl/tactile/capsule.hpp"
+#include "skinctl/clearance/capsule.hpp"
 
 namespace packing {
 

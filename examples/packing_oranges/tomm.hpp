@@ -17,13 +17,13 @@
 #include "skinctl/fusion/describe.hpp"
 #include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/governor.hpp"
-#include "skinctl/model/universal_robots.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/universal_robots.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/semantics/skill_map.hpp"
 #include "skinctl/skills/library.hpp"
 #include "skinctl/tactile/cover.hpp"
 #include "skinctl/tactile/skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 
 namespace packing {
 

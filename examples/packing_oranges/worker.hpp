@@ -10,8 +10,8 @@
 #include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
+#include "skinctl/clearance/sightings.hpp"
 #include "skinctl/semantics/resources.hpp"
-#include "skinctl/tactile/sightings.hpp"
 #include "skinctl/tactile/squeeze.hpp"
 
 namespace packing {

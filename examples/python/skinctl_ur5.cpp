@@ -17,9 +17,9 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/hardware/loop.hpp"
-#include "skinctl/io/cycle_hand_over.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/recording/cycle_hand_over.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 namespace py = pybind11;
 

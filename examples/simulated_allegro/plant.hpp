@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "skinctl/model/allegro.hpp"
+#include "skinctl/robots/allegro.hpp"
 
 namespace simulated_allegro {
 

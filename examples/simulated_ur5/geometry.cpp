@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 namespace simulated_ur5 {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "examples/simulated_ur5/scenario.hpp"
 #include "skinctl/io/skin_placement.hpp"
-#include "skinctl/model/ur5_links.hpp"
+#include "skinctl/robots/ur5_links.hpp"
 
 namespace simulated_ur5 {
 

@@ -8,7 +8,7 @@
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/core/xml_text.hpp"
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/cover.hpp"
 
 namespace skin_file {

@@ -8,7 +8,7 @@
 #include "skinctl/core/contract.hpp"
 #include "skinctl/io/cdr.hpp"
 #include "skinctl/io/formatted.hpp"
-#include "skinctl/io/mcap_reader.hpp"
+#include "skinctl/recording/mcap_reader.hpp"
 
 namespace skinctl_record {
 namespace {

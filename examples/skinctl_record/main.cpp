@@ -7,7 +7,7 @@
 
 #include "examples/skinctl_record/csv.hpp"
 #include "examples/support/output_file.hpp"
-#include "skinctl/io/mcap_file.hpp"
+#include "skinctl/recording/mcap_file.hpp"
 
 namespace {
 

@@ -10,8 +10,8 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/describe.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tracking/settings.hpp"
 
 namespace examples {

@@ -1,4 +1,5 @@
-// All of skinctl but what needs a third-party parser or serves above or beside the loop: io/, calibration/, semantics/, testing/.
+// All of skinctl but what needs a third-party parser or files, or serves above or beside the loop:
+// io/, recording/, calibration/, skin_network/, semantics/, testing/.
 // In the order of the house, so that an error names the header and not a chain of them.
 #pragma once
 // clang-format off
@@ -8,13 +9,11 @@
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/eigen.hpp"
 #include "skinctl/core/eigen_expression.hpp"
-#include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/gripper.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/core/known.hpp"
 #include "skinctl/core/lane.hpp"
-#include "skinctl/core/law.hpp"
 #include "skinctl/core/measurement.hpp"
 #include "skinctl/core/needs.hpp"
 #include "skinctl/core/real.hpp"
@@ -25,6 +24,9 @@
 #include "skinctl/core/triple.hpp"
 #include "skinctl/core/version.hpp"
 #include "skinctl/core/xml_text.hpp"
+
+#include "skinctl/law/evaluate.hpp"
+#include "skinctl/law/law.hpp"
 
 #include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
@@ -44,7 +46,6 @@
 #include "skinctl/frames/twist.hpp"
 #include "skinctl/frames/wrench.hpp"
 
-#include "skinctl/model/allegro.hpp"
 #include "skinctl/model/attached.hpp"
 #include "skinctl/model/batch.hpp"
 #include "skinctl/model/dh.hpp"
@@ -55,10 +56,6 @@
 #include "skinctl/model/named_links.hpp"
 #include "skinctl/model/placement.hpp"
 #include "skinctl/model/topology.hpp"
-#include "skinctl/model/universal_robots.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/model/ur5_allegro.hpp"
-#include "skinctl/model/ur5_links.hpp"
 #include "skinctl/model/weightless.hpp"
 
 #include "skinctl/kinematics/centre_of_mass.hpp"
@@ -111,11 +108,9 @@
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 
-#include "skinctl/tactile/capsule.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/cell_mass.hpp"
 #include "skinctl/tactile/cell_place.hpp"
-#include "skinctl/tactile/clearances.hpp"
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/contact_skin.hpp"
 #include "skinctl/tactile/cover.hpp"
@@ -127,28 +122,37 @@
 #include "skinctl/tactile/momentum_observer.hpp"
 #include "skinctl/tactile/motor_touch.hpp"
 #include "skinctl/tactile/named_patch.hpp"
-#include "skinctl/tactile/own_view.hpp"
-#include "skinctl/tactile/own_view_skin.hpp"
 #include "skinctl/tactile/patch.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/region.hpp"
-#include "skinctl/tactile/retreat.hpp"
-#include "skinctl/tactile/sightings.hpp"
 #include "skinctl/tactile/skin.hpp"
-#include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/tactile/skin_contact.hpp"
+#include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "skinctl/tactile/squeeze.hpp"
-#include "skinctl/tactile/surroundings.hpp"
 #include "skinctl/tactile/touch_motion.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
 #include "skinctl/tactile/trust_settings.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/tactile/weighted_skin.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
+
+#include "skinctl/robots/allegro.hpp"
+#include "skinctl/robots/universal_robots.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_allegro.hpp"
+#include "skinctl/robots/ur5_links.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
+
+#include "skinctl/clearance/capsule.hpp"
+#include "skinctl/clearance/clearances.hpp"
+#include "skinctl/clearance/own_view.hpp"
+#include "skinctl/clearance/own_view_skin.hpp"
+#include "skinctl/clearance/retreat.hpp"
+#include "skinctl/clearance/sightings.hpp"
+#include "skinctl/clearance/surroundings.hpp"
 
 #include "skinctl/trajectory/gain_schedule.hpp"
 #include "skinctl/trajectory/plan_clock.hpp"
@@ -223,11 +227,11 @@
 #include "skinctl/passivity/stiffest_contact.hpp"
 
 #include "skinctl/resolver/following_monitor.hpp"
-#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/resolver/interval.hpp"
 #include "skinctl/resolver/memory.hpp"
 #include "skinctl/resolver/resolver.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/resolver/servo.hpp"
 
 #include "skinctl/guard/budget.hpp"
@@ -238,13 +242,10 @@
 
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/cycle.hpp"
-#include "skinctl/cycle/cycle_bytes.hpp"
-#include "skinctl/cycle/each_number.hpp"
 #include "skinctl/cycle/groups.hpp"
 #include "skinctl/cycle/input.hpp"
-#include "skinctl/cycle/output.hpp"
 #include "skinctl/cycle/no_skin.hpp"
-#include "skinctl/cycle/recording.hpp"
+#include "skinctl/cycle/output.hpp"
 #include "skinctl/cycle/scene_parts.hpp"
 #include "skinctl/cycle/stage.hpp"
 

@@ -15,7 +15,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/robot/preset.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 using namespace skinctl;
 using Chosen = preset::Tiny;

@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/calibration/dynamics_excitation.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 

@@ -5,7 +5,7 @@
 
 #include "skinctl/calibration/excitation.hpp"
 #include "skinctl/calibration/nees.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/moved_skin.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "tests/support/kdl_oracle.hpp"

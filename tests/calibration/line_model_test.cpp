@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "tests/support/kdl_oracle.hpp"

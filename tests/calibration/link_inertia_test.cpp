@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/dynamics/regressor.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/other_bodies.hpp"
 
 using namespace skinctl;

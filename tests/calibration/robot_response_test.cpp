@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "skinctl/calibration/response_motion.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

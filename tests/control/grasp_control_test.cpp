@@ -4,10 +4,10 @@
 
 #include <limits>
 
-#include "skinctl/core/law.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
-#include "skinctl/model/allegro.hpp"
-#include "skinctl/model/ur5_allegro.hpp"
+#include "skinctl/law/law.hpp"
+#include "skinctl/robots/allegro.hpp"
+#include "skinctl/robots/ur5_allegro.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;

@@ -6,7 +6,7 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

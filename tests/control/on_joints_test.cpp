@@ -4,7 +4,7 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/spline_operational.hpp"
-#include "skinctl/core/law.hpp"
+#include "skinctl/law/law.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <type_traits>
 
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

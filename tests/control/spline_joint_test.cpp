@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "skinctl/control/gravity_control.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/robot/robot_description.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/plant.hpp"
 

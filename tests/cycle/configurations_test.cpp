@@ -11,9 +11,9 @@
 #include <type_traits>
 
 #include "skinctl/control/spline_operational.hpp"
-#include "skinctl/cycle/recording.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/model/loaded.hpp"
+#include "skinctl/recording/recording.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/robot_table.hpp"

@@ -8,7 +8,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 

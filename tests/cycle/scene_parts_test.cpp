@@ -13,7 +13,7 @@
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/tool_speed.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

@@ -11,7 +11,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/motor_touch.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"

@@ -6,11 +6,11 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/recording.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
+#include "skinctl/recording/recording.hpp"
 #include "skinctl/tactile/motor_touch.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"

@@ -9,7 +9,7 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/ur5_clearance.hpp"
 #include "tests/support/grouped_scene.hpp"
 

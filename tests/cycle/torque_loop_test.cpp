@@ -12,7 +12,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/model/dh.hpp"
 #include "skinctl/model/loaded.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

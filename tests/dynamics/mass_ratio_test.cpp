@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "skinctl/model/loaded.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 

@@ -10,7 +10,7 @@
 #include "bench/studies/bounds/quantities.hpp"
 #include "bench/studies/bounds/sign_symmetries.hpp"
 #include "bench/studies/proofs/traced_output.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/robot_table.hpp"
 
 using namespace skinctl;

@@ -19,11 +19,11 @@
 #include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/model/loaded.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/skills/library.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/ur5_clearance.hpp"
 
 namespace skinctl::golden {

@@ -8,7 +8,7 @@
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/math/tanh.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #if defined(SKINCTL_EXACT_WHOLE)
 #include <memory>
 

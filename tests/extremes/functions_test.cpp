@@ -15,8 +15,8 @@
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"
 #include "skinctl/math/sum.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/trajectory/ramp.hpp"
 
 using namespace skinctl;

@@ -26,7 +26,7 @@
 #include "skinctl/model/dh.hpp"
 #include "skinctl/model/mounted.hpp"
 #include "skinctl/model/placement.hpp"
-#include "skinctl/model/universal_robots.hpp"
+#include "skinctl/robots/universal_robots.hpp"
 #include "tests/extremes/rows.hpp"
 
 using namespace skinctl;

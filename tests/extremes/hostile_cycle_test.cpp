@@ -6,14 +6,14 @@
 #include <memory>
 #include <random>
 
-#include "skinctl/cycle/cycle_bytes.hpp"
-#include "skinctl/cycle/each_number.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
+#include "skinctl/recording/cycle_bytes.hpp"
+#include "skinctl/recording/each_number.hpp"
 #include "skinctl/testing/scene.hpp"
 
 using namespace skinctl;

@@ -22,7 +22,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/fusion/null_space.hpp"
 #include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tracking/friction_learning.hpp"
 #include "tests/extremes/rows.hpp"
 

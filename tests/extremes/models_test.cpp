@@ -11,7 +11,7 @@
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/frames/rotation.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 namespace {

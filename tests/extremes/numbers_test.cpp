@@ -8,9 +8,9 @@
 #include "skinctl/frames/rotation.hpp"
 #include "skinctl/guard/guard.hpp"
 #include "skinctl/kinematics/zyz.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/robot/robot_description.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/trajectory/pursuit.hpp"
 
 using namespace skinctl;

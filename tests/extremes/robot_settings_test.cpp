@@ -1,6 +1,7 @@
 // Every number of a robot's description, of its limits and of what it feels: refused where it is no number, see rows.hpp.
 #include <doctest/doctest.h>
 
+#include "skinctl/clearance/sightings.hpp"
 #include "skinctl/control/grasp_control.hpp"
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_limits.hpp"
@@ -9,15 +10,14 @@
 #include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/model/attached.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/model/ur5_allegro.hpp"
 #include "skinctl/passivity/contact_stability.hpp"
 #include "skinctl/resolver/following_monitor.hpp"
 #include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/tool_shape.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_allegro.hpp"
 #include "skinctl/tactile/motor_touch.hpp"
-#include "skinctl/tactile/sightings.hpp"
 #include "skinctl/tactile/weighted_skin.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
 #include "skinctl/tracking/adaptation.hpp"

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "skinctl/clearance/capsule.hpp"
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/momentum_rate.hpp"
@@ -18,8 +19,7 @@
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/limits/body_region.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/capsule.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/trajectory/quintic.hpp"
 #include "skinctl/trajectory/spline.hpp"
 

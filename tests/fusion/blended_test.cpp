@@ -11,7 +11,7 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/plant.hpp"
 

@@ -9,7 +9,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/random.hpp"
 

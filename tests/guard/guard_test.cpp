@@ -8,7 +8,7 @@
 #include <string>
 
 #include "skinctl/limits/jerk_limits.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 
 using namespace skinctl;

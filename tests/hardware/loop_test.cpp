@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "skinctl/cycle/recording.hpp"
+#include "skinctl/recording/recording.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/scene.hpp"
 

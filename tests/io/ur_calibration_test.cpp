@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/universal_robots.hpp"
+#include "skinctl/robots/universal_robots.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "support/wrong_text.hpp"
 #include "tests/support/digits.hpp"

@@ -7,10 +7,10 @@
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/io/urdf.hpp"
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/allegro.hpp"
-#include "skinctl/model/universal_robots.hpp"
-#include "skinctl/model/ur5_allegro.hpp"
-#include "skinctl/model/ur5_links.hpp"
+#include "skinctl/robots/allegro.hpp"
+#include "skinctl/robots/universal_robots.hpp"
+#include "skinctl/robots/ur5_allegro.hpp"
+#include "skinctl/robots/ur5_links.hpp"
 #include "skinctl/testing/comma_locale.hpp"
 
 using namespace skinctl;

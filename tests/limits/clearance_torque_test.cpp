@@ -10,8 +10,8 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

@@ -5,7 +5,7 @@
 #include <deque>
 
 #include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "skinctl/dynamics/operational_inertia.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 
 using namespace skinctl;

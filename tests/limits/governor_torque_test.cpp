@@ -8,7 +8,7 @@
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/limits/tool_speed.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
 #include "tests/support/digits.hpp"
 

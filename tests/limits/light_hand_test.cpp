@@ -9,9 +9,9 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/allegro.hpp"
-#include "skinctl/model/universal_robots.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/allegro.hpp"
+#include "skinctl/robots/universal_robots.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 
 using namespace skinctl;

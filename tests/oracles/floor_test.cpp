@@ -4,7 +4,7 @@
 #include "bench/floor/ur5_floor.hpp"
 #include "bench/floor/ur5_planar_floor.hpp"
 #include "skinctl/dynamics/regressor.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "tests/oracles/agreement.hpp"
 
 using namespace oracle;

@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 #include <random>
 
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/detail/velocity_step.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/digits50.hpp"
 
 using namespace skinctl;

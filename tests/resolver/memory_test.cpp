@@ -7,8 +7,8 @@
 #include <span>
 
 #include "skinctl/control/gravity_control.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 

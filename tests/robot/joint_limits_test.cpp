@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/sanitized.hpp"

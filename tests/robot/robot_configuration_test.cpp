@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/detail/virtual_joints.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 

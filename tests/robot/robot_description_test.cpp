@@ -10,9 +10,9 @@
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/robot/joint_groups.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/detail/velocity_step.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;

@@ -14,8 +14,8 @@
 #include "skinctl/control/skin_cartesian_control.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/fusion/null_space.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;

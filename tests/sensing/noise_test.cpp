@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/cell_noise.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

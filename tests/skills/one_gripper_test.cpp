@@ -11,7 +11,7 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
-#include "skinctl/cycle/recording.hpp"
+#include "skinctl/recording/recording.hpp"
 #include "skinctl/skills/library.hpp"
 #include "tests/support/skilled_arm.hpp"
 

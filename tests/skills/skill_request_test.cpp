@@ -8,7 +8,7 @@
 
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
-#include "skinctl/cycle/recording.hpp"
+#include "skinctl/recording/recording.hpp"
 
 using namespace skinctl;
 using Asked = SkillRequest<JointGoal<6>, JointReference<6>>;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "skinctl/cycle/recording.hpp"
+#include "skinctl/recording/recording.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 
 using namespace skinctl;

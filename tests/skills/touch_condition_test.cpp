@@ -7,9 +7,9 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/skills/library.hpp"
 #include "skinctl/tactile/contact_skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/pressing.hpp"
 #include "tests/support/skilled_arm.hpp"
 

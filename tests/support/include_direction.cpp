@@ -11,7 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::set<std::string> left_to_the_user = {"io", "calibration", "semantics", "testing"};
+const std::set<std::string> left_to_the_user = {"io",           "recording", "calibration",
+                                                "skin_network", "semantics", "testing"};
 
 std::set<std::string> reachable(const std::map<std::string, std::vector<std::string>>& table,
                                 const std::string& folder) {
@@ -50,29 +51,34 @@ std::string folder_of(const std::string& header) {
 const std::vector<Folder>& folders() {
   static const std::vector<Folder> table = {
       {"core", {}},
+      {"law", {"core"}},
       {"math", {"core"}},
       {"frames", {"math"}},
       {"model", {"frames"}},
       {"kinematics", {"model"}},
-      {"dynamics", {"kinematics"}},
+      {"dynamics", {"kinematics", "law"}},
       {"robot", {"dynamics"}},
       {"sensing", {"math"}},
       {"tactile", {"dynamics", "sensing"}},
-      {"trajectory", {"frames"}},
+      {"robots", {"tactile"}},
+      {"clearance", {"tactile"}},
+      {"trajectory", {"frames", "law"}},
       {"tracking", {"robot", "trajectory"}},
       {"control", {"tracking", "tactile"}},
       {"fusion", {"dynamics", "trajectory"}},
-      {"limits", {"robot", "tactile"}},
+      {"limits", {"robot", "clearance"}},
       {"passivity", {"robot", "tactile"}},
       {"resolver", {"limits", "passivity"}},
       {"guard", {"resolver"}},
       {"cycle", {"guard", "trajectory"}},
       {"skills", {"fusion"}},
       {"hardware", {"cycle"}},
-      {"calibration", {"tactile", "trajectory"}},
+      {"skin_network", {"core"}},
+      {"calibration", {"tactile", "trajectory", "skin_network"}},
       {"semantics", {"skills", "cycle"}},
-      {"testing", {"control", "fusion", "skills", "hardware", "calibration", "semantics"}},
-      {"io", {"cycle"}},
+      {"testing", {"control", "fusion", "skills", "hardware", "calibration", "semantics", "robots"}},
+      {"io", {"robot", "robots", "clearance"}},
+      {"recording", {"cycle", "io"}},
   };
   return table;
 }

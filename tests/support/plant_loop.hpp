@@ -13,9 +13,9 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/passivity/contact_stability.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "tests/support/mujoco_plant.hpp"
 
 namespace skinctl::testing {

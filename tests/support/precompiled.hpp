@@ -25,13 +25,14 @@
 #include "skinctl/testing/sanitized.hpp"
 
 // Under the sanitizers a case that runs in float, double and 50 digits runs in double: the same templates walk the same paths.
-// core/, math/ and tactile/ keep float, which has lanes and kernels of its own there. All scalars run in the other build.
+// core/, math/, tactile/ and clearance/ keep float, which has lanes and kernels of its own there.
+// All scalars run in the other build.
 #if SKINCTL_SANITIZED
 namespace skinctl::testing {
 
 constexpr bool keeps_float(std::string_view file) {
   return file.find("/core/") != file.npos || file.find("/math/") != file.npos ||
-         file.find("/tactile/") != file.npos;
+         file.find("/tactile/") != file.npos || file.find("/clearance/") != file.npos;
 }
 
 template <class Kept, bool Float, bool Double, class... T>

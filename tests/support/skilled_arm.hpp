@@ -12,7 +12,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/control/spline_operational.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/skills/library.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/random.hpp"

@@ -7,7 +7,7 @@
 
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/testing/simulated_joints.hpp"
 

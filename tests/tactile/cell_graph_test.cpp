@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;

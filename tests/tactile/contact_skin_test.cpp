@@ -9,8 +9,8 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/limits/contact_limits.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/contact.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/pressing.hpp"
 
 using namespace skinctl;

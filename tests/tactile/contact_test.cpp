@@ -6,7 +6,7 @@
 #include <random>
 
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/robot/robot_description.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/random_skin.hpp"
 
 using namespace skinctl;

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/robots.hpp"
 #include "tests/support/mujoco_plant.hpp"

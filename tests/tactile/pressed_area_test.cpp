@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random_skin.hpp"
 #include "tests/support/touched_arm.hpp"

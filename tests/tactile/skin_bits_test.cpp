@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/testing/random_skin.hpp"
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <set>
 
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/contact_skin.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/pressing.hpp"
 #include "skinctl/testing/random.hpp"

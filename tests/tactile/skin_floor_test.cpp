@@ -7,9 +7,9 @@
 
 #include "bench/floor/event_floor.hpp"
 #include "bench/tactile/kdl_skin.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
 #include "skinctl/testing/random_skin.hpp"
 
 using namespace skinctl;

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "tests/support/shaken_cell.hpp"
 

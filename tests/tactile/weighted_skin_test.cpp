@@ -7,8 +7,8 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/recording.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/recording/recording.hpp"
 #include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;

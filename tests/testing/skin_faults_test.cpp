@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/skin_signals.hpp"
 
 using namespace skinctl;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Stochastic;

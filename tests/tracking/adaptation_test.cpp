@@ -6,7 +6,7 @@
 
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

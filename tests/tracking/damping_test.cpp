@@ -7,7 +7,7 @@
 
 #include "skinctl/core/eigen.hpp"
 #include "skinctl/dynamics/quantities.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;

@@ -7,8 +7,8 @@
 
 #include "skinctl/control/reactive_control.hpp"
 #include "skinctl/math/ldlt.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

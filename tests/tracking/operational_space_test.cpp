@@ -8,7 +8,7 @@
 #include "skinctl/control/operational_control.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/core/real_time.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"

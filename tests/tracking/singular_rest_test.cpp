@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "skinctl/control/spline_operational.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

@@ -9,7 +9,7 @@
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/core/real_time.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/plant.hpp"

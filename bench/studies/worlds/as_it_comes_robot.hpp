@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/scene.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"

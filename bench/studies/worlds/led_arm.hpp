@@ -7,7 +7,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/universal_robots.hpp"
+#include "skinctl/robots/universal_robots.hpp"
 #include "skinctl/semantics/demonstration.hpp"
 #include "skinctl/testing/random.hpp"
 #include "tests/support/touched_arm.hpp"

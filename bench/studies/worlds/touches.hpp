@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "skinctl/core/evaluate.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/law/evaluate.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/tracking/joint_space.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "skinctl/model/allegro.hpp"
+#include "skinctl/robots/allegro.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 
 namespace adapters::allegro {

@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "examples/adapters/can/frame.hpp"
-#include "skinctl/model/allegro.hpp"
+#include "skinctl/robots/allegro.hpp"
 
 namespace adapters::allegro {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "examples/adapters/dds/skin.hpp"
-#include "skinctl/io/cycle_messages.hpp"
-#include "skinctl/io/cycle_thread.hpp"
+#include "skinctl/recording/cycle_messages.hpp"
+#include "skinctl/recording/cycle_thread.hpp"
 
 namespace adapters::dds {
 

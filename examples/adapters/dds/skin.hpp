@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "examples/adapters/dds/raw.hpp"
-#include "skinctl/io/cycle_ring.hpp"
 #include "skinctl/io/skin_cloud_reader.hpp"
+#include "skinctl/recording/cycle_ring.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
 
 namespace adapters::dds {

@@ -10,9 +10,9 @@
 
 #include "examples/adapters/live/foxglove_server.hpp"
 #include "skinctl/fusion/detail/blend_goal.hpp"
-#include "skinctl/io/cycle_messages.hpp"
-#include "skinctl/io/cycle_thread.hpp"
-#include "skinctl/io/detail/pace.hpp"
+#include "skinctl/recording/cycle_messages.hpp"
+#include "skinctl/recording/cycle_thread.hpp"
+#include "skinctl/recording/detail/pace.hpp"
 
 namespace adapters::live {
 

@@ -10,8 +10,8 @@
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/reactive_control.hpp"
 #include "skinctl/dynamics/quantities.hpp"
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/tracking/friction_learning.hpp"
 
 namespace under_torque {

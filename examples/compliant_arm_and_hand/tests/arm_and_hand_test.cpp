@@ -55,7 +55,7 @@ TEST_CASE("What the arm's controller is told of the hand holds the hand, whateve
       CHECK(told.centre[2] < 0.18);
       LinkInertia load{told.mass, {}, 0, 0, 0};
       for (std::size_t i = 0; i < 3; ++i) load.c[i] = told.centre[i] + ur5::Description::flange[i];
-      // KDL and MuJoCo agree with the whole of it (tests/model/ur5_allegro_test.cpp).
+      // KDL and MuJoCo agree with the whole of it (tests/robots/ur5_allegro_test.cpp).
       const auto holds = gravity_torque(ur5_allegro::arm_with_hand(side), whole);
       const auto held = gravity_torque(Loaded<ur5::Model, 5>(ur5::Model{}, load), arm);
       for (std::size_t i = 0; i < 6; ++i) CHECK(held[i] == doctest::Approx(holds[i]).epsilon(1e-11).scale(1));

@@ -16,7 +16,7 @@
 #include "examples/compliant_ur5/run.hpp"
 #include "examples/compliant_ur5/skin.hpp"
 #include "examples/simulated_ur5/scenario.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 namespace compliant_ur5 {
 

@@ -17,7 +17,7 @@
 #include "examples/compliant_ur5/tests/beside.hpp"
 #include "examples/simulated_ur5/scenario.hpp"
 #include "skinctl/io/skin_file.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/sanitized.hpp"
 
 using namespace compliant_ur5;

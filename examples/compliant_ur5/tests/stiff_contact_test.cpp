@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "examples/compliant_ur5/scene.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "tests/support/touched_arm.hpp"
 
 using namespace compliant_ur5;

@@ -8,7 +8,7 @@
 
 #include "examples/identify_robot/result.hpp"
 #include "examples/support/own_input.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/ur5.hpp"
 
 using namespace identify_robot;
 

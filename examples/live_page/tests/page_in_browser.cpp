@@ -13,7 +13,7 @@
 #include "examples/live_page/tests/simulated_run.hpp"
 #include "examples/support/devtools.hpp"
 #include "examples/support/run_program.hpp"
-#include "skinctl/io/mcap_recorder.hpp"
+#include "skinctl/recording/mcap_recorder.hpp"
 
 using namespace skinctl;
 using namespace live_page;

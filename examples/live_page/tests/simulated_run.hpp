@@ -15,7 +15,7 @@
 #include "skinctl/io/skin_export.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/urdf_writer.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/pressing.hpp"
 
 namespace live_page {

@@ -13,8 +13,8 @@
 #include "examples/skinctl_record/csv.hpp"
 #include "examples/support/own_input.hpp"
 #include "skinctl/io/contact_cloud.hpp"
-#include "skinctl/io/mcap_file.hpp"
 #include "skinctl/io/skin_cloud.hpp"
+#include "skinctl/recording/mcap_file.hpp"
 #include "skinctl/testing/comma_locale.hpp"
 
 using namespace skinctl;

@@ -11,7 +11,7 @@
 #include "skinctl/calibration/detail/symmetric.hpp"
 #include "skinctl/calibration/estimate.hpp"
 #include "skinctl/calibration/fit_end.hpp"
-#include "skinctl/calibration/patch_graph.hpp"
+#include "skinctl/skin_network/patch_graph.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

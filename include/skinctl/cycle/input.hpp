@@ -3,12 +3,12 @@
 
 #include <optional>
 
+#include "skinctl/clearance/surroundings.hpp"
 #include "skinctl/core/gripper.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/sample_span.hpp"
-#include "skinctl/tactile/surroundings.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

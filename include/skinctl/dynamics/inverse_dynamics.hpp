@@ -1,8 +1,8 @@
 // Joint torques from motion: inverse dynamics, the bias C dq + G, and the regressor product Y_r Theta.
 #pragma once
 
-#include "skinctl/core/law.hpp"
 #include "skinctl/dynamics/detail/recursion.hpp"
+#include "skinctl/law/law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

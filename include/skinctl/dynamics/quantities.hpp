@@ -2,12 +2,12 @@
 // computed once and only if needed.
 #pragma once
 
-#include "skinctl/core/law.hpp"
 #include "skinctl/dynamics/detail/bias_beside.hpp"
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/operational_inertia.hpp"
 #include "skinctl/kinematics/centre_of_mass.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
+#include "skinctl/law/law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "skinctl/core/contract.hpp"
-#include "skinctl/core/detail/check_law.hpp"
 #include "skinctl/core/time.hpp"
+#include "skinctl/law/detail/check_law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -3,10 +3,10 @@
 
 #include <tuple>
 
-#include "skinctl/core/evaluate.hpp"
 #include "skinctl/fusion/detail/law_parts.hpp"
 #include "skinctl/fusion/detail/memories.hpp"
 #include "skinctl/fusion/opposition.hpp"
+#include "skinctl/law/evaluate.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -5,8 +5,8 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/joint.hpp"
-#include "skinctl/core/law.hpp"
 #include "skinctl/core/time.hpp"
+#include "skinctl/law/law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

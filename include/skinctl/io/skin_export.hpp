@@ -5,8 +5,8 @@
 
 #include "skinctl/io/skin_contents.hpp"
 #include "skinctl/model/named_links.hpp"
-#include "skinctl/model/ur5_links.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5_links.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {

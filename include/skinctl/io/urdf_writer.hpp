@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "skinctl/clearance/capsule.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/xml_text.hpp"
 #include "skinctl/frames/rotation.hpp"
 #include "skinctl/io/formatted.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/model/named_links.hpp"
-#include "skinctl/tactile/capsule.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -3,12 +3,12 @@
 
 #include <limits>
 
+#include "skinctl/clearance/clearances.hpp"
 #include "skinctl/core/command.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/limits/detail/clearance_ways.hpp"
 #include "skinctl/limits/detail/towards.hpp"
 #include "skinctl/robot/joint_limits.hpp"
-#include "skinctl/tactile/clearances.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -5,8 +5,8 @@
 #include <random>
 #include <span>
 
-#include "skinctl/model/ur5.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/simulated_joints.hpp"
 
 namespace skinctl::testing {

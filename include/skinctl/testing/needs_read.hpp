@@ -5,8 +5,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "skinctl/core/evaluate.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/law/evaluate.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/testing/random.hpp"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "skinctl/core/joint.hpp"
-#include "skinctl/model/allegro.hpp"
 #include "skinctl/model/placement.hpp"
-#include "skinctl/model/ur5.hpp"
+#include "skinctl/robots/allegro.hpp"
+#include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/robot_table.hpp"
 

@@ -10,8 +10,8 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/ur5.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/sanitized.hpp"
 
 namespace skinctl::testing {

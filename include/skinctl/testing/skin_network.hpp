@@ -6,9 +6,9 @@
 #include <queue>
 #include <vector>
 
-#include "skinctl/calibration/cell_link.hpp"
-#include "skinctl/calibration/cell_network.hpp"
-#include "skinctl/calibration/network_root.hpp"
+#include "skinctl/skin_network/cell_link.hpp"
+#include "skinctl/skin_network/cell_network.hpp"
+#include "skinctl/skin_network/network_root.hpp"
 #include "skinctl/testing/random.hpp"
 
 namespace skinctl::testing {

@@ -1,8 +1,8 @@
 // A UR5 that keeps clear of its table, itself and what moves around.
 #pragma once
 
-#include "skinctl/tactile/clearances.hpp"
-#include "skinctl/tactile/ur5_skin.hpp"
+#include "skinctl/clearance/clearances.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 namespace skinctl::testing {
 

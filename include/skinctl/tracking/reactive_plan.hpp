@@ -1,7 +1,7 @@
 // A target from a sensor, at any rate and with any jumps, sections 4.2.1 and 4.2.5: "reactive trajectories".
 #pragma once
 
-#include "skinctl/core/evaluate.hpp"
+#include "skinctl/law/evaluate.hpp"
 #include "skinctl/tracking/settings.hpp"
 #include "skinctl/trajectory/plan_clock.hpp"
 #include "skinctl/trajectory/ramp.hpp"

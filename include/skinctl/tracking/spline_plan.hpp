@@ -1,7 +1,7 @@
 // A static goal, reached along a spline, sections 4.2.4 and 4.2.5.
 #pragma once
 
-#include "skinctl/core/evaluate.hpp"
+#include "skinctl/law/evaluate.hpp"
 #include "skinctl/tracking/settings.hpp"
 #include "skinctl/trajectory/plan_clock.hpp"
 

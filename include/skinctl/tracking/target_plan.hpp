@@ -1,7 +1,7 @@
 // A target from outside: positions and velocities, sections 4.2.1 and 4.2.2.
 #pragma once
 
-#include "skinctl/core/evaluate.hpp"
+#include "skinctl/law/evaluate.hpp"
 #include "skinctl/tracking/settings.hpp"
 #include "skinctl/trajectory/plan_clock.hpp"
 

@@ -1,8 +1,8 @@
 // Checks that a law and a skin are for the robot of a scene; one line of error where the scene is built.
 #pragma once
 
-#include "skinctl/core/detail/check_law.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/law/detail/check_law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {

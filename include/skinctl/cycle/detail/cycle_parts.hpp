@@ -3,13 +3,13 @@
 
 #include <type_traits>
 
-#include "skinctl/core/evaluate.hpp"
 #include "skinctl/cycle/detail/check_arithmetic.hpp"
 #include "skinctl/cycle/detail/check_scene.hpp"
 #include "skinctl/cycle/detail/scene_traits.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/output.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/law/evaluate.hpp"
 #include "skinctl/tactile/coverage.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

@@ -3,8 +3,8 @@
 
 #include <limits>
 
+#include "skinctl/clearance/clearances.hpp"
 #include "skinctl/robot/joint_limits.hpp"
-#include "skinctl/tactile/clearances.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {

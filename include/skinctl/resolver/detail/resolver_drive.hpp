@@ -1,7 +1,7 @@
 // A sub-step of the virtual robot: law, limits of torque, integrator, tank.
 #pragma once
 
-#include "skinctl/core/evaluate.hpp"
+#include "skinctl/law/evaluate.hpp"
 #include "skinctl/math/lu.hpp"
 #include "skinctl/resolver/detail/resolver_energy.hpp"
 #include "skinctl/resolver/detail/velocity_step.hpp"

@@ -4,8 +4,8 @@
 #include <array>
 
 #include "skinctl/core/detail/row.hpp"
-#include "skinctl/core/evaluate.hpp"
 #include "skinctl/core/joint_subset.hpp"
+#include "skinctl/law/evaluate.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {

@@ -1,7 +1,7 @@
 // A bound on the rate of a torque; the difference from the laws' torque is carried until it is made up.
 #pragma once
 
-#include "skinctl/core/law.hpp"
+#include "skinctl/law/law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {

@@ -1,8 +1,8 @@
 // The part of Tracking that runs in every cycle.
 #pragma once
 
-#include "skinctl/core/evaluate.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/law/evaluate.hpp"
 #include "skinctl/tracking/damping.hpp"
 #include "skinctl/tracking/joint_space.hpp"
 

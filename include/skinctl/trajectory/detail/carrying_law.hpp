@@ -3,7 +3,7 @@
 
 #include <tuple>
 
-#include "skinctl/core/evaluate.hpp"
+#include "skinctl/law/evaluate.hpp"
 #include "skinctl/trajectory/ramp.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

@@ -1,0 +1,64 @@
+// What is near a robot now and may move: other robots, people, things that its skin sees.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "skinctl/clearance/capsule.hpp"
+#include "skinctl/core/time.hpp"
+#include "skinctl/frames/transform.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A capsule along the axes of the frame `F`, from its origin, that something fills or may fill.
+template <Frame F, Real T = double>
+struct Obstacle {
+  Capsule<T> shape;
+  /// How fast the nearest of its points may come closer to anything [m/s], >= 0. 0: it stays within `shape`.
+  T approach = T(0);
+
+  /// The same obstacle along the axes of `A`.
+  template <Frame A>
+  [[nodiscard]] friend Obstacle<A, T> operator*(const Transform<A, F, T>& X_AF, const Obstacle& o) noexcept {
+    return {{X_AF.origin() + X_AF.axes() * o.shape.from, X_AF.origin() + X_AF.axes() * o.shape.to,
+             o.shape.radius},
+            o.approach};
+  }
+  // clang-format off
+  template <Frame A, Frame B>
+    requires(!std::is_same_v<B, F>)
+  friend void operator*(const Transform<A, B, T>&, const Obstacle&) = delete;  // the obstacle is in another frame: X_AB * obstacle of B
+  // clang-format on
+};
+
+/// Capsules of a robot that stay clear of obstacles, and that it tells others, at most.
+inline constexpr std::size_t most_exposed_capsules = 12;
+
+/// At most `Most` obstacles at an instant: the part `around` of a cycle's input, if its scene has a
+/// `ClearanceAround`, and what a robot tells others (`Cycle::occupied`), in the `World` that they share.
+template <std::size_t Most, Frame F = Base, Real T = double>
+struct Surroundings {
+  static constexpr std::size_t most = Most;
+  Nanoseconds time{};       ///< for which they hold
+  std::uint32_t count = 0;  ///< of them; more than `Most`: some are unknown, and nothing may come nearer
+  std::array<Obstacle<F, T>, Most> obstacles{};
+
+  /// One more; without room it is counted only.
+  void add(const Obstacle<F, T>& o) noexcept {
+    if (count < Most) obstacles[count] = o;
+    ++count;
+  }
+  /// All of `others`, which are in the frame `G`.
+  template <std::size_t Others, Frame G>
+  void add(const Transform<F, G, T>& X_FG, const Surroundings<Others, G, T>& others) noexcept {
+    for (std::size_t i = 0; i < others.count && i < Others; ++i) add(X_FG * others.obstacles[i]);
+    if (others.count > Others) count += static_cast<std::uint32_t>(Most) + 1;
+  }
+};
+
+/// In place of `Surroundings` in the input of a scene that does not look at them.
+struct NoSurroundings {
+  static constexpr std::size_t most = 0;
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,154 @@
+// Errors for laws that violate the protocol: one line, at the point where a sum or a scene is built. A faulty
+// law is then replaced by one that does nothing, so that no further errors follow.
+#pragma once
+
+#include "skinctl/law/law.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// The possible faults of a law.
+enum class LawFault {
+  none,
+  no_memory,
+  heavy_memory,
+  no_needs,
+  no_role,
+  no_start,
+  no_torque,
+  no_advance,
+  no_receive,
+  no_goal,
+  other_joints,
+  other_scalar,
+  missing_link,
+  start_arguments,
+  start_result,
+  advance_arguments,
+  advance_result,
+  advance_throws,
+  no_parts,
+  no_gravity,
+  torque_arguments,
+  torque_result,
+  torque_throws,
+  receive_arguments,
+  receive_result
+};
+/// A law and its fault.
+template <LawFault F, class L>
+struct Found {
+  static constexpr LawFault fault = F;
+  using Law = L;
+};
+/// Raises the error for a fault. Used in a `static_assert` of the function that a user calls, so that the
+/// error appears once, with few lines of context. (Reading any member of a class with an error is one more
+/// error in Clang.)
+template <LawFault F, class L>
+struct Say {
+  using enum LawFault;
+  static_assert(F != no_memory,
+                "this law lacks its Memory: `struct Memory {...};`, or derive from StatelessLaw");
+  static_assert(F != heavy_memory,
+                "the Memory of this law is not trivially copyable: a cycle copies and records it");
+  static_assert(F != no_needs, "this law lacks its needs: `static constexpr Needs needs = {...};`");
+  static_assert(F != no_role,
+                "this law lacks its role: `static constexpr LawRole role = LawRole::reactive;`");
+  static_assert(F != no_start, "this law lacks start(known), which returns a Memory");
+  static_assert(F != no_torque, "this law lacks torque(memory, known), which returns a JointTorque");
+  static_assert(F != no_advance, "this law lacks advance(memory, known, dt, opposition)");
+  static_assert(F != no_receive, "this law has a Goal, but lacks receive(memory, known, goal)");
+  static_assert(F != no_goal, "this law receives goals, but does not name their type: `using Goal = ...;`");
+  static_assert(F != other_joints, "this law is for a robot with another number of joints");
+  static_assert(F != other_scalar, "this law is for a robot in another scalar");
+  static_assert(F != missing_link,
+                "this law asks for a link that the robot does not have: links count from 0");
+  static_assert(F != start_arguments,
+                "start(known) of this law is not const, or does not take what is known");
+  static_assert(F != start_result, "start(known) of this law does not return its Memory");
+  static_assert(F != advance_arguments,
+                "advance(memory, known, dt, opposition) of this law is not const, or does not take these");
+  static_assert(F != advance_result,
+                "advance(memory, known, dt, opposition) of this law does not return its Memory");
+  static_assert(F != advance_throws, "advance(...) of this law may throw in the loop: mark it noexcept");
+  static_assert(F != no_parts, "a tracking law in a sum gives its parts(memory, known), a TorqueParts");
+  static_assert(F != no_gravity,
+                "a tracking law without a gravity law beside it holds G(q): set needs.gravity");
+  static_assert(
+      F != torque_arguments,
+      "torque(memory, known) of this law is not const, or does not take its Memory and what is known");
+  static_assert(F != torque_result,
+                "the torque of this law is not a JointTorque (its parts: TorqueParts) of the robot's joints "
+                "and scalar");
+  static_assert(F != torque_throws, "the torque of this law may throw in the loop: mark it noexcept");
+  static_assert(F != receive_arguments, "receive(memory, known, goal) of this law does not take its Goal");
+  static_assert(F != receive_result,
+                "receive(memory, known, goal) of this law does not return a Received<Memory>");
+};
+
+template <class L>
+concept HasRole = requires {
+  { L::role } -> std::convertible_to<LawRole>;
+};
+/// Number of the robot's joints as the law declares it; 0 if it declares none.
+template <class L>
+constexpr std::size_t joints_of_law() noexcept {
+  if constexpr (requires { L::joints; }) {
+    return L::joints;
+  } else {
+    return 0;
+  }
+}
+/// The `Goal` of a law that has one.
+template <class L>
+struct GoalOfLaw {};
+template <class L>
+  requires requires { typename L::Goal; }
+struct GoalOfLaw<L> {
+  using Goal = typename L::Goal;
+};
+/// Replaces a faulty law after its error: does nothing, and accepts any constructor arguments.
+template <class L>
+struct HeldByLaw {};
+template <class L>
+  requires requires { L::gravity_laws; }
+struct HeldByLaw<L> {
+  static constexpr std::size_t gravity_laws = L::gravity_laws;
+  static constexpr bool compensates_friction = requires { requires L::compensates_friction; };
+};
+template <class L>
+struct WrongLaw : Composable, GoalOfLaw<L>, HeldByLaw<L> {
+  struct Memory {};
+  static constexpr Needs needs = {};
+  static constexpr LawRole role = [] {
+    if constexpr (HasRole<L>) {
+      return LawRole(L::role);
+    } else {
+      return LawRole::reactive;
+    }
+  }();
+  static constexpr std::size_t joints = joints_of_law<L>();
+  template <class... X>
+  constexpr WrongLaw(const X&...) noexcept {}
+  template <class K>
+  [[nodiscard]] Memory start(const K&) const noexcept {
+    return {};
+  }
+  template <GravityTerm = GravityTerm::included, class K>
+  [[nodiscard]] JointTorque<K::joints, typename K::scalar> torque(
+      const Memory&, const K&, const LawShare<typename K::scalar>& = {}) const noexcept {
+    return {};
+  }
+  template <class K>
+  [[nodiscard]] Memory advance(const Memory&, const K&, const typename K::scalar&,
+                               Opposition) const noexcept {
+    return {};
+  }
+  template <class K, class G>
+  [[nodiscard]] Received<Memory> receive(const Memory& memory, const K&, const G&) const noexcept {
+    return {memory, {}};
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,144 @@
+// A cycle's input and command as bytes: what recordings hold, and what the loop hands to other threads.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/recording/detail/byte_stream.hpp"
+#include "skinctl/recording/each_number.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The bytes of the cycles of `C`; in this order, without padding, as they lie in memory: now, measured state, request,
+/// observed status, goal, configuration (if `C` has several), cell samples, wrenches and motor torques (if its skin
+/// takes them), gripper (if its law moves one), what is around (if it stays clear of it), weights of patches (of a `WeightedSkin`),
+/// command.
+template <class C>
+class CycleBytes {
+ public:
+  using State = skinctl::State<C::joints, typename C::scalar>;
+  using Input = typename C::Input;
+  using Command = JointCommand<C::joints, typename C::scalar>;
+  using Position = JointPosition<C::joints, typename C::scalar>;
+
+  static constexpr bool configured = requires(const Input& input) { input.configuration; };
+  static constexpr bool has_wrenches = requires(const Input& input) { input.sensed.wrenches; };
+  static constexpr bool has_motors = requires(const Input& input) { input.sensed.motor_torque; };
+  static constexpr bool has_gripper = requires { requires C::has_gripper; };
+  static constexpr bool has_surroundings = requires { requires C::has_surroundings; };
+  static constexpr bool has_weights = requires(const Input& input) { input.sensed.patch_weights; };
+  static constexpr std::size_t sample_size = 8 + 4 + 8 * 4, wrench_size = 8 + 6 * 8;
+
+  /// The samples of an input that was read.
+  struct Samples {
+    std::vector<CellSample> cells;
+    std::vector<WrenchSample> wrenches;
+  };
+  /// Where a scene starts: at a measured state, perhaps told to be elsewhere.
+  struct Beginning {
+    State measured;
+    bool has_told = false;
+    Position told;
+  };
+
+  /// A bound on the bytes of a cycle with this input.
+  [[nodiscard]] static std::size_t most(const Input& input) noexcept {
+    std::size_t size = fixed_size + input.samples.size() * sample_size;
+    if constexpr (has_wrenches) size += input.sensed.wrenches.size() * wrench_size;
+    return size;
+  }
+  /// And of a beginning.
+  static constexpr std::size_t fixed_size = sizeof(Input) + sizeof(Command) + 64;
+
+  /// Writes a cycle into `out`, which has room for `most(input)` bytes.
+  template <class Out>
+  static void write(Out& out, const Input& input, const Command& command) noexcept {
+    out.put(input.now.count());
+    numbers(out, input.measured);
+    out.put(static_cast<std::uint8_t>(input.request));
+    out.put(input.observed.bits());
+    out.put(input.goal.has_value());
+    numbers(out, input.goal ? *input.goal : typename C::Goal{});
+    if constexpr (configured) out.put(input.configuration);
+    out.put(static_cast<std::uint32_t>(input.samples.size()));
+    for (const CellSample& s : input.samples) out.put(&s, sample_size);
+    if constexpr (has_wrenches) {
+      out.put(static_cast<std::uint32_t>(input.sensed.wrenches.size()));
+      for (const WrenchSample& s : input.sensed.wrenches) numbers(out, s);
+    }
+    if constexpr (has_motors) numbers(out, input.sensed.motor_torque);
+    if constexpr (has_gripper) numbers(out, input.gripper);
+    if constexpr (has_surroundings) numbers(out, input.around);
+    if constexpr (has_weights) numbers(out, input.sensed.patch_weights);
+    numbers(out, command);
+  }
+  template <class Out>
+  static void write(Out& out, const State& measured, const Position* told) noexcept {
+    numbers(out, measured);
+    out.put(told != nullptr);
+    if (told != nullptr) numbers(out, *told);
+  }
+  static void read(detail::ByteReader& in, Input& input, Samples& samples, Command& command) {
+    read_numbers(in, input.now);
+    read_numbers(in, input.measured);
+    const auto request = in.get<std::uint8_t>();
+    input.request = request <= 2 ? static_cast<CycleRequest>(request) : CycleRequest::none;
+    input.observed = Status::from_bits(in.get<std::uint64_t>());
+    const bool has_goal = in.get<bool>();
+    typename C::Goal goal{};
+    read_numbers(in, goal);
+    input.goal.reset();
+    if (has_goal) input.goal = goal;
+    if constexpr (configured) input.configuration = in.get<std::uint32_t>();
+    read_samples(in, sample_size, samples.cells);
+    input.samples = samples.cells;
+    if constexpr (has_wrenches) {
+      read_samples(in, wrench_size, samples.wrenches);
+      input.sensed.wrenches = samples.wrenches;
+    }
+    if constexpr (has_motors) read_numbers(in, input.sensed.motor_torque);
+    if constexpr (has_gripper) read_numbers(in, input.gripper);
+    if constexpr (has_surroundings) read_numbers(in, input.around);
+    if constexpr (has_weights) read_numbers(in, input.sensed.patch_weights);
+    read_numbers(in, command);
+  }
+  [[nodiscard]] static Beginning read_beginning(detail::ByteReader& in) {
+    Beginning begin;
+    read_numbers(in, begin.measured);
+    begin.has_told = in.get<bool>();
+    if (begin.has_told) read_numbers(in, begin.told);
+    return begin;
+  }
+  /// Which kind of scene writes such bytes: its first number tells byte orders apart, the others kinds of input,
+  /// joints, scalars and goals.
+  [[nodiscard]] static std::array<std::uint32_t, 5> kind() noexcept {
+    return {0x01020304,
+            (has_surroundings ? 32u : 0u) + (has_weights ? 16u : 0u) + (has_gripper ? 8u : 0u) +
+                (configured ? 4u : 0u) + (has_motors ? 2u : 0u) + (has_wrenches ? 1u : 0u),
+            static_cast<std::uint32_t>(C::joints), static_cast<std::uint32_t>(sizeof(typename C::scalar)),
+            static_cast<std::uint32_t>(sizeof(typename C::Goal))};
+  }
+
+ private:
+  // A sample lies in memory as it is written.
+  static_assert(std::is_standard_layout_v<CellSample> && offsetof(CellSample, cell) == 8 &&
+                offsetof(CellSample, force) == 12 && offsetof(CellSample, temperature) == sample_size - 4);
+
+  template <class Out, class V>
+  static void numbers(Out& out, V value) noexcept {
+    each_number(value, [&](const auto& x) { out.put(x); });
+  }
+  template <class V>
+  static void read_numbers(detail::ByteReader& in, V& value) {
+    each_number(value, [&](auto& x) { x = in.get<std::remove_cvref_t<decltype(x)>>(); });
+  }
+  template <class Sample>
+  static void read_samples(detail::ByteReader& in, std::size_t size, std::vector<Sample>& samples) {
+    const std::size_t count = in.get<std::uint32_t>();
+    samples.resize(count <= in.left() / size ? count : 0);
+    for (Sample& s : samples) read_numbers(in, s);
+  }
+};
+
+SKINCTL_END_NAMESPACE

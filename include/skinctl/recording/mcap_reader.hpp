@@ -1,0 +1,202 @@
+// Reads MCAP files, also cut or damaged ones.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "skinctl/core/time.hpp"
+#include "skinctl/recording/detail/mcap_records.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A message of a file; it lies there.
+struct McapMessage {
+  const detail::mcap::Channel& channel;
+  Nanoseconds time{};
+  std::uint32_t sequence = 0;
+  std::span<const unsigned char> bytes;
+};
+
+/// What a reader found in a file.
+struct McapContents {
+  bool ours = false;   ///< it begins as an MCAP file does
+  bool whole = false;  ///< it ends as one: a summary can be trusted
+  std::string profile, library;
+  detail::mcap::Summary summary;  ///< of what was read, not what the file says of itself
+  std::map<std::string, detail::mcap::Texts> metadata;
+  std::uint64_t data_end = 0;  ///< behind the last record of the data that is whole
+  /// Behind the last whole chunk or metadata record; message indexes from here to `data_end` belong to the last chunk.
+  std::uint64_t last_unit_end = 0;
+  std::uint64_t damaged = 0;  ///< chunks whose CRC is wrong, or whose records are none; compressed ones too
+
+  [[nodiscard]] const detail::mcap::Schema* schema(std::uint16_t id) const noexcept {
+    for (const auto& s : summary.schemas)
+      if (s.id == id) return &s;
+    return nullptr;
+  }
+};
+
+namespace detail::mcap {
+
+/// Walks over bytes; whatever is missing makes it `broken()`.
+class Cursor {
+ public:
+  explicit Cursor(View bytes) noexcept : bytes_(bytes) {}
+  template <class V>
+  V get() noexcept {
+    V value{};
+    const View v = take(sizeof value);
+    if (!v.empty()) std::memcpy(&value, v.data(), sizeof value);
+    return value;
+  }
+  View take(std::uint64_t n) noexcept {
+    if (n > left()) {
+      broken_ = true;
+      at_ = bytes_.size();
+      return {};
+    }
+    const View out = bytes_.subspan(at_, static_cast<std::size_t>(n));
+    at_ += static_cast<std::size_t>(n);
+    return out;
+  }
+  std::string text() {
+    const View v = take(get<std::uint32_t>());
+    return {v.begin(), v.end()};
+  }
+  Texts texts() {
+    Cursor list(take(get<std::uint32_t>()));
+    Texts out;
+    while (list.left() > 0 && !list.broken()) {
+      std::string key = list.text();
+      out[std::move(key)] = list.text();
+    }
+    broken_ = broken_ || list.broken();
+    return out;
+  }
+  [[nodiscard]] std::size_t left() const noexcept { return bytes_.size() - at_; }
+  [[nodiscard]] std::size_t at() const noexcept { return at_; }
+  [[nodiscard]] bool broken() const noexcept { return broken_; }
+
+ private:
+  View bytes_;
+  std::size_t at_ = 0;
+  bool broken_ = false;
+};
+
+struct Record {
+  Op op{};
+  View content;
+};
+/// The next record; none at the end and where its length is beyond the end.
+inline std::optional<Record> next(Cursor& cursor) noexcept {
+  if (cursor.left() < record_head) return std::nullopt;
+  const auto op = static_cast<Op>(cursor.get<unsigned char>());
+  const auto length = cursor.get<std::uint64_t>();
+  if (length > cursor.left()) return std::nullopt;
+  return Record{op, cursor.take(length)};
+}
+
+}  // namespace detail::mcap
+
+/// Reads a file from memory, front to back, without its summary: calls `each(message)` for the messages of every whole
+/// chunk whose CRC is right, and says what is there. Any bytes are safe: lengths are checked, and nothing is believed.
+template <class Each>
+McapContents read_mcap(std::span<const unsigned char> file, Each&& each) {
+  using namespace detail::mcap;
+  McapContents out;
+  Cursor cursor(file);
+  const View begin = cursor.take(magic.size());
+  out.ours = !cursor.broken() && std::equal(begin.begin(), begin.end(), magic.begin());
+  if (!out.ours) return out;
+  out.data_end = out.last_unit_end = cursor.at();
+  std::map<std::uint16_t, Channel> channels;
+  std::vector<bool> schemas(65536);  // which ids there are
+  // Messages are numbered by their channel: one that is not announced before is damage.
+  const auto records_of = [&](View records, std::uint64_t first, std::uint64_t last,
+                              MessageIndexes& indexes) {
+    Cursor inner(records);
+    while (inner.left() > 0) {
+      const std::uint64_t place = inner.at();
+      const auto r = next(inner);
+      if (!r) return false;
+      Cursor c(r->content);
+      if (r->op == Op::schema) {
+        Schema s;
+        s.id = c.get<std::uint16_t>(), s.name = c.text(), s.encoding = c.text(), s.text = c.text();
+        if (c.broken() || s.id == 0) return false;
+        if (!schemas[s.id]) schemas[s.id] = true, out.summary.schemas.push_back(std::move(s));
+      } else if (r->op == Op::channel) {
+        Channel ch;
+        ch.id = c.get<std::uint16_t>(), ch.schema = c.get<std::uint16_t>(), ch.topic = c.text(),
+        ch.encoding = c.text(), ch.metadata = c.texts();
+        if (c.broken() || (ch.schema != 0 && !schemas[ch.schema])) return false;
+        if (channels.emplace(ch.id, ch).second) out.summary.channels.push_back(std::move(ch));
+      } else if (r->op == Op::message) {
+        const auto found = channels.find(c.get<std::uint16_t>());
+        const auto sequence = c.get<std::uint32_t>();
+        const auto time = c.get<std::uint64_t>();
+        static_cast<void>(c.get<std::uint64_t>());
+        if (c.broken() || found == channels.end() || time < first || time > last) return false;
+        constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+        each(McapMessage{found->second, Nanoseconds(static_cast<std::int64_t>(std::min(time, most))),
+                         sequence, r->content.subspan(c.at())});
+        indexes[found->first].emplace_back(time, place);
+      }
+    }
+    return true;
+  };
+  for (bool data = true;;) {
+    const std::uint64_t start = cursor.at();
+    const auto r = next(cursor);
+    if (!r) break;
+    Cursor c(r->content);
+    if (r->op == Op::header) {
+      out.profile = c.text(), out.library = c.text();
+      out.last_unit_end = cursor.at();
+    } else if (r->op == Op::chunk && data) {
+      ChunkIndex index;
+      index.first = c.get<std::uint64_t>(), index.last = c.get<std::uint64_t>(),
+      index.size = c.get<std::uint64_t>();
+      const auto crc = c.get<std::uint32_t>();
+      const std::string compression = c.text();
+      const View records = c.take(c.get<std::uint64_t>());
+      index.start = start, index.length = cursor.at() - start;
+      MessageIndexes messages;
+      if (c.broken() || !compression.empty() || records.size() != index.size ||
+          detail::crc32(records) != crc || !records_of(records, index.first, index.last, messages))
+        ++out.damaged;
+      for (const auto& [id, entries] : messages)
+        out.summary.counts[id] += entries.size(), index.index_offsets[id] = 0;
+      out.summary.chunks.push_back(std::move(index));
+      out.last_unit_end = cursor.at();
+    } else if (r->op == Op::message_index && data) {
+      const auto id = c.get<std::uint16_t>();
+      if (!out.summary.chunks.empty()) {
+        ChunkIndex& chunk = out.summary.chunks.back();
+        if (const auto known = chunk.index_offsets.find(id); known != chunk.index_offsets.end())
+          known->second = start;
+        chunk.index_length = cursor.at() - (chunk.start + chunk.length);
+      }
+    } else if (r->op == Op::metadata && data) {
+      const std::string name = c.text();
+      Texts facts = c.texts();
+      if (!c.broken()) {
+        out.metadata[name] = std::move(facts);
+        out.summary.metadata.push_back({start, cursor.at() - start});
+        out.summary.metadata_names.push_back(name);
+      }
+      out.last_unit_end = cursor.at();
+    } else if (r->op == Op::data_end) {
+      data = false;
+    } else if (r->op == Op::footer && !data) {
+      const View end = cursor.take(magic.size());
+      out.whole = !cursor.broken() && cursor.left() == 0 && std::equal(end.begin(), end.end(), magic.begin());
+      break;
+    }
+    if (data) out.data_end = cursor.at();
+  }
+  return out;
+}
+
+SKINCTL_END_NAMESPACE

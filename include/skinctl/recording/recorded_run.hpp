@@ -1,0 +1,104 @@
+// A recording to an MCAP file and back.
+#pragma once
+
+#include <memory>
+
+#include "skinctl/recording/mcap_file.hpp"
+#include "skinctl/recording/recording.hpp"
+#include "skinctl/recording/run_identity.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The topics of a run that replays, and the encodings of their messages: the bytes of `CycleBytes`.
+struct CycleTopic {
+  static constexpr const char* start = "/skinctl/start";
+  static constexpr const char* cycle = "/skinctl/cycle";
+  static constexpr const char* start_encoding = "x-skinctl-start";
+  static constexpr const char* cycle_encoding = "x-skinctl-cycle";
+};
+
+/// What `load_run` found.
+template <class C>
+struct LoadedRun {
+  Recording<C> recording;
+  bool whole = true;          ///< false: the file was cut; what is there replays
+  std::uint64_t missing = 0;  ///< cycles that the file skips: a recorder that had no room
+};
+
+/// Reads the run of a file. Cycles after one that is missing cannot be replayed, so they are left out and counted.
+/// Throws `ConfigurationError` for a file that cannot be read, is no MCAP, has no run or a damaged one, or is of
+/// another scene, build or kind than `identity`.
+template <class C>
+[[nodiscard]] LoadedRun<C> load_run(const std::string& path, const RunIdentity& identity) {
+  const MappedFile file(path);
+  std::size_t size = 0;
+  const auto contents = read_mcap(file.bytes(), [&](const McapMessage& m) {
+    if (m.channel.topic == CycleTopic::start || m.channel.topic == CycleTopic::cycle) size += m.bytes.size();
+  });
+  if (!contents.ours) refuse("skinctl: " + path + ": no MCAP file");
+  const auto facts = contents.metadata.find(RunIdentity::name);
+  if (facts == contents.metadata.end()) refuse("skinctl: " + path + ": no run that replays");
+  identity.check<C>(path, facts->second);
+  if (contents.damaged > 0)
+    refuse("skinctl: " + path + ": " + std::to_string(contents.damaged) + " chunks are damaged");
+  LoadedRun<C> out{Recording<C>(size + 4096)};
+  out.whole = contents.whole;
+  bool began = false, fits = true;
+  std::uint32_t expected = 0;
+  static_cast<void>(read_mcap(file.bytes(), [&](const McapMessage& m) {
+    if (m.channel.encoding == CycleTopic::start_encoding && !began) {
+      began = true;
+      fits = fits && out.recording.start(m.bytes);
+    } else if (m.channel.encoding == CycleTopic::cycle_encoding && fits) {
+      // Sequence numbers count what the loop handed over; a gap is what found no room.
+      out.missing += m.sequence - expected;
+      expected = m.sequence + 1;
+      fits = out.missing > 0 || (began && out.recording.add(m.bytes));
+    }
+  }));
+  if (!began || !fits) refuse("skinctl: " + path + ": the run is damaged, or has no start");
+  return out;
+}
+
+/// What the replay of a file found.
+struct ReplayedRun : Replayed {
+  bool whole = true;  ///< false: the file was cut; what is there was replayed
+  std::uint64_t missing =
+      0;  ///< cycles that found no room when it was recorded: replayed up to the first of them
+};
+
+/// Runs `cycle` once more on the inputs of a file, and compares every command. Throws where `load_run` does.
+template <class C>
+[[nodiscard]] ReplayedRun replay(const std::string& path, const C& cycle, const RunIdentity& identity) {
+  const auto run = load_run<C>(path, identity);
+  return {replay(cycle, run.recording), run.whole, run.missing};
+}
+
+/// Writes a recording as a file of its own. Throws `ConfigurationError` where it cannot be written.
+template <class C>
+void save_run(const Recording<C>& recording, const std::string& path, const RunIdentity& identity) {
+  FileSink sink(path);
+  McapWriter writer(sink);
+  bool fine = writer.metadata(RunIdentity::name, identity.facts<C>());
+  const auto start = writer.channel(CycleTopic::start, CycleTopic::start_encoding);
+  const auto cycle = writer.channel(CycleTopic::cycle, CycleTopic::cycle_encoding);
+  std::vector<unsigned char> bytes;
+  const auto put = [&](McapChannel channel, Nanoseconds time, std::size_t most, auto&& write) {
+    bytes.resize(most);
+    detail::BytePlace place(bytes.data());
+    write(place);
+    fine = writer.write(channel, time, std::span<const unsigned char>(bytes).first(place.size())) && fine;
+  };
+  using Format = CycleBytes<C>;
+  const auto begin = [&]<class... Told>(const typename Format::State& measured, const Told&... told) {
+    const typename Format::Position* at = nullptr;
+    ((at = &told), ...);
+    put(start, measured.time, Format::fixed_size, [&](auto& place) { Format::write(place, measured, at); });
+  };
+  recording.visit(begin, [&](const auto& input, const auto& command) {
+    put(cycle, input.now, Format::most(input), [&](auto& place) { Format::write(place, input, command); });
+  });
+  if (!writer.finish() || !fine) refuse("skinctl: " + path + ": cannot be written");
+}
+
+SKINCTL_END_NAMESPACE
