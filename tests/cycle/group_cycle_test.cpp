@@ -65,8 +65,7 @@ TEST_CASE("Groups: the tool's speed and the joints' jerk are limited, whoever mo
   }
 }
 
-TEST_CASE(
-    "Groups: Resolver, GroupGovernor and GroupGuard send no command of a state that is no number") {
+TEST_CASE("Groups: Resolver, GroupGovernor and GroupGuard send no command of a state that is no number") {
   Run run{Cycle(robot(), Pull{{0, 0, 0.1}, {}, {}})};
   const double wrong[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, 5e-324};
   for (int k = 0; k < 400; ++k) {

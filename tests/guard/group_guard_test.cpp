@@ -15,9 +15,9 @@ using namespace skinctl::testing;
 namespace {
 
 using Model3 = ArmWithFingerModel;
-using Robot = Resolver<
-    Model3, double,
-    JointGroups<3, JointGroup<Interface::velocity, 0b011>, JointGroup<Interface::torque, 0b100>>>;
+using Robot =
+    Resolver<Model3, double,
+             JointGroups<3, JointGroup<Interface::velocity, 0b011>, JointGroup<Interface::torque, 0b100>>>;
 
 // Pulls the arm and the finger along.
 struct Pull {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "skinctl/resolver/detail/virtual_joints.hpp"
+#include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
@@ -68,7 +68,7 @@ TEST_CASE("RobotConfiguration: refuses that cannot work, with the number and the
 }
 
 TEST_CASE("Interval: equal parts that leave out and repeat nothing") {
-  const Joints robot(configuration());
+  const ResolverBy<Interface::position, ur5::Model> robot(ur5::Model{}, configuration());
   auto m = robot.start({5s, {}, {}});
   for (const Nanoseconds dt :
        std::initializer_list<Nanoseconds>{1ns, 999us, 2ms, 2000001ns, 8ms, 12345678ns, 40ms}) {

@@ -122,7 +122,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Ke
     bool any = false;
     each([&](auto k) {
       const auto& group = m.template group<k.value>();
-      any = any || std::tuple_element_t<k.value, decltype(Base::virtual_)>::stops_or_corrects(group);
+      any = any || std::tuple_element_t<k.value, decltype(virtual_)>::stops_or_corrects(group);
     });
     return any;
   }
