@@ -103,13 +103,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Ove
     [[maybe_unused]] bool hard = false;  // before the step and after it: the last one ends with hard braking
     if constexpr (limits_jerk<Overseer>) hard = resolver_.stops_or_corrects(m.robot);
     const std::span<const Touch> felt(touches.data, parts);
-    auto resolved = [&] {
-      if constexpr (detail::watches_contacts<Resolver>) {
-        return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_, pressed);
-      } else {
-        return resolver_.step(m.robot, law_, m.law, input.measured, interval, felt, guard_);
-      }
-    }();
+    auto resolved = resolve(m, input.measured, interval, felt, pressed);
     [[maybe_unused]] const bool stops = resolver_.stops(m.robot);
     if constexpr (watches_skin<Overseer>) {
       if (pause) {
@@ -154,6 +148,18 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Ove
   friend class skinctl::Configurations;
   template <class, class>
   friend struct ChangeFrom;
+
+  /// One function for all stopwatches and for changes of the configuration: it is most of a cycle's code.
+  template <class Pressed>
+  SKINCTL_NOINLINE auto resolve(Memory& m, const State<joints, scalar>& measured, const Interval& interval,
+                                std::span<const Touch> felt,
+                                [[maybe_unused]] const Pressed& pressed) const noexcept {
+    if constexpr (detail::watches_contacts<Resolver>) {
+      return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_, pressed);
+    } else {
+      return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_);
+    }
+  }
 
   /// All but the robot.
   SKINCTL_COLD void start_rest(Memory& m, const State<joints, scalar>& measured) const noexcept {

@@ -123,40 +123,41 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Kee
                                                           const Asks& before,
                                                           const Asks& next) const noexcept {
     constexpr std::size_t n = Stiff::count;
-    using StiffVelocity = JointVelocity<n, T>;
     const T h = interval.substeps == 0 ? this->planned_step() : seconds<T>(interval.at(1) - interval.at(0));
     const State<joints, T> here = this->state(m);
-    const auto asks = [&]<class L, class Robot, class Touch>(const Asked<Robot, L, Touch>& who, auto&& use) {
-      const Knows<L, Touch> known = who.robot.template known<L>(here, h, who.touch);
-      return use(Torque(torque_of(who.law, who.memory, known)), [&](const StiffTorque& tau) {
-        Torque whole;
-        Stiff::put(tau, whole);
-        return stepped(who.robot, m, known, whole, {}, {}, false).velocity;
-      });
-    };
-    const StiffVelocity wanted = asks(before, [&](const Torque& tau, const auto& moved) {
-      const Torque own = stiff_only(tau);
-      return moved(
-          Stiff::of(limits_.within(own, stiff_only(here.dq)) == own ? own : this->limited(here, own)));
-    });
-    return asks(next, [&](const Torque& whole, const auto& moved) {
-      const StiffTorque tau = Stiff::of(whole);
-      const StiffVelocity given = moved(tau);
-      T slope[n * n], difference[n];
-      for (std::size_t j = 0; j < n; ++j) {
-        StiffTorque more = tau;
-        more[j] += T(1);
-        const StiffVelocity there = moved(more);
-        for (std::size_t i = 0; i < n; ++i) slope[i * n + j] = there[i] - given[i];
-        difference[j] = wanted[j] - given[j];
-      }
-      StiffTorque found;
-      math::Lu<n, T>(slope).solve(difference, found.data);
-      return found;
-    });
+    T slope[n * n], difference[n];
+    const auto wanted = asked(m, here, h, before, nullptr), given = asked(m, here, h, next, slope);
+    for (std::size_t j = 0; j < n; ++j) difference[j] = wanted[j] - given[j];
+    StiffTorque found;
+    math::Lu<n, T>(slope).solve(difference, found.data);
+    return found;
   }
 
  private:
+  /// The velocity of the stiff joints after `h` seconds of what `who` asks for: without `slope` within the limits of
+  /// torque; with it as it is, and how the velocity of joint i grows with the torque of joint j, in `slope[i n + j]`.
+  template <class L, class Robot, class Touch>
+  [[nodiscard]] SKINCTL_COLD JointVelocity<Stiff::count, T> asked(const Memory& m,
+                                                                  const State<joints, T>& here, const T& h,
+                                                                  const Asked<Robot, L, Touch>& who,
+                                                                  T* slope) const noexcept {
+    constexpr std::size_t n = Stiff::count;
+    const Knows<L, Touch> known = who.robot.template known<L>(here, h, who.touch);
+    Torque own = stiff_only(torque_of(who.law, who.memory, known));
+    if (slope == nullptr && !(limits_.within(own, stiff_only(here.dq)) == own))
+      own = this->limited(here, own);
+    JointVelocity<n, T> first;
+    for (std::size_t k = 0; k <= (slope == nullptr ? 0 : n); ++k) {  // as asked, then more at joint k - 1
+      StiffTorque tau = Stiff::of(own);
+      if (k > 0) tau[k - 1] += T(1);
+      Torque whole;
+      Stiff::put(tau, whole);
+      const JointVelocity<n, T> v = stepped(who.robot, m, known, whole, {}, {}, false).velocity;
+      if (k == 0) first = v;
+      for (std::size_t i = 0; i < n && k > 0; ++i) slope[i * n + k - 1] = v[i] - first[i];
+    }
+    return first;
+  }
   /// The virtual robot's velocity after a sub-step under `tau`, with the virtual dynamics of `robot`.
   template <class Robot, class K>
   [[nodiscard]] static SKINCTL_INLINE VelocityStep<Stiff::count, T> stepped(
