@@ -24,9 +24,9 @@
 #include <unistd.h>
 #endif
 
+#include "skinctl/cycle/stopwatch.hpp"
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/scheduling.hpp"
-#include "skinctl/hardware/stopwatch.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/tool_speed.hpp"

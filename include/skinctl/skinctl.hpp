@@ -240,6 +240,8 @@
 #include "skinctl/guard/guard.hpp"
 #include "skinctl/guard/packet_watch.hpp"
 
+#include "skinctl/cycle/apart.hpp"
+#include "skinctl/cycle/apart_definitions.hpp"
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/cycle/groups.hpp"
@@ -248,6 +250,7 @@
 #include "skinctl/cycle/output.hpp"
 #include "skinctl/cycle/scene_parts.hpp"
 #include "skinctl/cycle/stage.hpp"
+#include "skinctl/cycle/stopwatch.hpp"
 
 #include "skinctl/skills/behaviours.hpp"
 #include "skinctl/skills/library.hpp"
@@ -261,4 +264,3 @@
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/robot.hpp"
 #include "skinctl/hardware/scheduling.hpp"
-#include "skinctl/hardware/stopwatch.hpp"

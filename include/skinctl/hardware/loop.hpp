@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/stopwatch.hpp"
 #include "skinctl/guard/budget.hpp"
 #include "skinctl/guard/packet_watch.hpp"
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/robot.hpp"
-#include "skinctl/hardware/stopwatch.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

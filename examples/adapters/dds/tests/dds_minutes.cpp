@@ -10,8 +10,8 @@
 #include "examples/adapters/dds/skin.hpp"
 #include "examples/adapters/dds/tests/cyclone_participant.hpp"
 #include "ros.h"
+#include "skinctl/cycle/stopwatch.hpp"
 #include "skinctl/hardware/histogram.hpp"
-#include "skinctl/hardware/stopwatch.hpp"
 
 using namespace skinctl;
 using namespace adapters::dds;

@@ -1,4 +1,4 @@
-#include "skinctl/hardware/stopwatch.hpp"
+#include "skinctl/cycle/stopwatch.hpp"
 
 #include <doctest/doctest.h>
 
