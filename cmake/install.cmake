@@ -3,7 +3,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_DATADIR}/cmake/skinctl")
-install(TARGETS skinctl skinctl_exact skinctl_calibration skinctl_skin_network skinctl_semantics EXPORT skinctl FILE_SET HEADERS FILE_SET io)
+install(TARGETS skinctl skinctl_exact skinctl_quick skinctl_calibration skinctl_skin_network skinctl_semantics EXPORT skinctl FILE_SET HEADERS FILE_SET io)
 install(EXPORT skinctl NAMESPACE skinctl:: FILE skinctlTargets.cmake DESTINATION "${package_dir}")
 
 configure_package_config_file(

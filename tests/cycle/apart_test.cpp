@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "skinctl/cycle/recording.hpp"
 #include "skinctl/hardware/loop.hpp"
+#include "skinctl/recording/recording.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/scene.hpp"
 #include "tests/support/apart_scene.hpp"
