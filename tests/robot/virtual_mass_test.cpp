@@ -73,12 +73,12 @@ template <class Robot, class L>
 JointVelocity<6> after_step(const Robot& robot, const L& law, const State<6>& from) {
   const auto resolver = resolver_of(robot);
   auto memory = resolver.start(from);
-  memory.v = from.dq;
+  memory.group().v = from.dq;
   const Skin untouched;
   auto law_memory = law.start(resolver.template known<L>(from, 0.002, untouched));
   Interval interval{from.time, from.time + 2ms, 1, {}};
   static_cast<void>(resolver.step(memory, law, law_memory, from, interval, std::span(&untouched, 1)));
-  return memory.v;
+  return memory.group().v;
 }
 /// Speed of the tool's point, by differences of poses.
 double point_speed(const JointPosition<6>& q, const JointVelocity<6>& u) {
