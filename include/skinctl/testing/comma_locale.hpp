@@ -5,10 +5,7 @@
 #include <locale>
 #include <string>
 
-#include "skinctl/core/config.hpp"
-
-SKINCTL_BEGIN_NAMESPACE
-namespace testing {
+namespace skinctl::testing {
 
 /// While it lives, C++ streams write 1234.5 as 1.234,5; so does C's printf, without the mark between thousands, where one of
 /// the system's locales does.
@@ -39,5 +36,4 @@ class CommaLocale {
   std::string c_before_ = "C";
 };
 
-}  // namespace testing
-SKINCTL_END_NAMESPACE
+}  // namespace skinctl::testing
