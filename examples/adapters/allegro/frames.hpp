@@ -82,7 +82,7 @@ enum class Gears : std::uint8_t {
 /// `chosen` tells: the maker's pages and drivers contradict each other about the letter in the serial number.
 [[nodiscard]] constexpr Gears gears(Generation g, std::optional<bool> chosen) noexcept {
   if (g == Generation::v4) return Gears::plain;
-  if (chosen) return *chosen ? Gears::geared : Gears::unknown;
+  if (chosen) return *chosen ? Gears::geared : Gears::plain;
   return g == Generation::v5_sense ? Gears::geared : Gears::unknown;
 }
 struct Positions {
