@@ -104,6 +104,20 @@ T largest_change(const JointLimits<6, T>& limits, std::size_t i, const JointComm
          8 * std::numeric_limits<T>::epsilon() * limits.velocity()[i];
 }
 
+/// Starts a scene at `state`, which its first cycle shows; before that no command is valid (see `start_test`).
+template <class Scene, class T>
+JointCommand<6, T> begun(const Scene& scene, typename Scene::Memory& memory, State<6, T>& state,
+                         Nanoseconds& now) {
+  scene.start(memory, state);
+  typename Scene::Input input;
+  input.now = state.time = now += 8ms;
+  input.measured = state;
+  const auto out = scene.step(memory, input);
+  state.q = out.command.position;
+  state.dq = out.command.velocity;
+  return out.command;
+}
+
 /// Runs a scene over the cycles and asserts what no input may change.
 template <class T>
 void survives(const std::vector<std::vector<Field>>& cycles) {
@@ -114,9 +128,8 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
   const T period = T(0.008);  // a command is carried out in one, whatever time has passed
   State<6, T> state;
   state.q = home_position<T>();
-  scene.start(*memory, state);
-  JointCommand<6, T> last = memory->robot.command();
   Nanoseconds now{};
+  JointCommand<6, T> last = begun(scene, *memory, state, now);
   std::uint64_t allocated = 0;
   for (const auto& fields : cycles) {
     Tape tape(fields);
@@ -196,9 +209,8 @@ TEST_CASE_TEMPLATE(
   for (int run = 0; run < runs; ++run) {
     state = {};
     state.q = home_position<T>();
-    scene.start(*memory, state);
-    last = memory->robot.command();
     Nanoseconds now{};
+    last = begun(scene, *memory, state, now);
     for (int k = 1; k <= 100; ++k) {
       now += 8ms;
       typename Scene::Input input;
