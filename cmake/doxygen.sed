@@ -8,3 +8,5 @@ s/^(#+) (.+)$/\1 \2 {#\L\2}/
 :blank
 s/(\{#[^} ]*) /\1-/
 t blank
+# Specialisations of the standard library's variables: it does not know what they specialise.
+/^inline constexpr bool std::ranges::enable_/d

@@ -386,9 +386,11 @@ TEST_CASE_TEMPLATE("Guard: a position far from the robot does not go further", T
   GuardSettings<1, T> s;
   s.lead = JointPosition<1, T>::constant(T(0.15));
   // By default the largest lead, 2 v_max T, the dead band, a third of it, and v_max^2/(2 a).
-  for (const auto& [guard, most] : {std::pair{Guard<Interface::position, 1, T>(c, s), 0.15},
-                                    {Guard<Interface::position, 1, T>(c), 0.08 * 4 / 3 + 0.05}})
+  for (const auto& a_case : {std::pair{Guard<Interface::position, 1, T>(c, s), 0.15},
+                             {Guard<Interface::position, 1, T>(c), 0.08 * 4 / 3 + 0.05}})
     for (const double side : {-1.0, 1.0}) {
+      const auto& guard = a_case.first;
+      const double most = a_case.second;
       CAPTURE(side);
       CAPTURE(most);
       auto memory = begun(guard, command<T>(0ns, 0, side * 0.5), at<T>(0ns, 0));
