@@ -43,7 +43,8 @@ struct HandOptions {
     skinctl::require(period() >= 1 && period() <= 100, "period of positions", period(), "1 to 100 ms");
     skinctl::require(full_torque > 0 && full_torque <= 100, "torque at 1200 PWM", full_torque,
                      "> 0, <= 100 N m");
-    skinctl::require(!geared || generation != Generation::v4, "gears of a V4", *geared, "for a V5 only");
+    skinctl::require(!geared || generation != Generation::v4, "gears of a V4", geared.value_or(false),
+                     "for a V5 only");
     skinctl::require(answer.count() >= 1 && answer.count() <= 60000, "time for an answer",
                      double(answer.count()), "1 to 60 000 ms");
     skinctl::require(tries >= 1 && tries <= 100, "tries", tries, "1 to 100");
