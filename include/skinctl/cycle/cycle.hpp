@@ -16,7 +16,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// nothing else of the model is computed.
 template <class Resolver, class GivenLaw, class GivenSkin = NoSkin,
           class Watchman = detail::DefaultGuard<Resolver>, class Overseer = detail::DefaultGovernor<Resolver>>
-class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Watchman, Overseer> {
+class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>,
+              public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Watchman, Overseer> {
   using Loop = detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>;
   using Loop::governor_;
   using Loop::guard_;

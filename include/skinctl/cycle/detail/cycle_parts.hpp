@@ -15,12 +15,40 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The configuration of a `Cycle`: which parts it has, and whether they fit together.
+/// What does not fit between the parts of a scene; a class of its own, so that the scene stays complete.
+template <GuardFault Guard, bool JerkOfMotion, bool OfThisRobot, bool Feels, bool HasCells>
+struct SayParts {
+  static_assert(Guard != GuardFault::interface,
+                "this guard is for another interface than the robot's: leave it out, a cycle builds its own");
+  static_assert(Guard != GuardFault::joints,
+                "this guard is for a robot with another number of joints: leave it out");
+  static_assert(Guard != GuardFault::scalar, "this guard is for a robot in another scalar: leave it out");
+  static_assert(JerkOfMotion,
+                "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
+  static_assert(OfThisRobot, "the governor is of a robot with other joints, or of another scalar");
+  static_assert(Feels,
+                "contact limits need a skin on each link that they name: what is not felt cannot be limited");
+  static_assert(HasCells, "SkinWatch: this scene has no skin whose cells could fall silent");
+};
+
+/// Whether the parts of a scene fit together: the first base of a `Cycle`, so that an error names few layers.
+template <class Resolver, class GivenLaw, class GivenSkin, class Watchman, class Overseer>
+struct FittingParts {
+  using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
+  using Skin = typename Scene::Skin;
+  static_assert(sizeof(SaySkin<Scene::skin_fault, GivenSkin>) > 0);
+  static_assert(sizeof(Say<Scene::law_fault, typename Scene::Finding::Law>) > 0);
+  using Said =
+      SayParts<fault_in_guard<Watchman, Resolver>(), !limits_jerk<Overseer> || commands_motion<Resolver>,
+               governs<Overseer, Resolver::joints, typename Resolver::scalar>, feels<Overseer, GivenSkin>,
+               !watches_skin<Overseer> || (CountsCells<Skin> && !std::is_same_v<Skin, NoSkin>)>;
+  static_assert(sizeof(Said) > 0);
+};
+
+/// The configuration of a `Cycle`: which parts it has.
 template <class Resolver, class GivenLaw, class GivenSkin, class Watchman, class Overseer>
 class CycleParts {
   using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
-  static_assert(sizeof(SaySkin<Scene::skin_fault, GivenSkin>) > 0);
-  static_assert(sizeof(Say<Scene::law_fault, typename Scene::Finding::Law>) > 0);
 
  protected:
   using Skin = typename Scene::Skin;
@@ -28,21 +56,6 @@ class CycleParts {
 
  public:
   static constexpr bool governed = !std::is_same_v<Overseer, NoGovernor>;
-  static constexpr GuardFault guard_fault = fault_in_guard<Watchman, Resolver>();
-  static_assert(guard_fault != GuardFault::interface,
-                "this guard is for another interface than the robot's: leave it out, a cycle builds its own");
-  static_assert(guard_fault != GuardFault::joints,
-                "this guard is for a robot with another number of joints: leave it out");
-  static_assert(guard_fault != GuardFault::scalar,
-                "this guard is for a robot in another scalar: leave it out");
-  static_assert(!limits_jerk<Overseer> || commands_motion<Resolver>,
-                "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
-  static_assert(governs<Overseer, Resolver::joints, typename Resolver::scalar>,
-                "the governor is of a robot with other joints, or of another scalar");
-  static_assert(feels<Overseer, GivenSkin>,
-                "contact limits need a skin on each link that they name: what is not felt cannot be limited");
-  static_assert(!watches_skin<Overseer> || (CountsCells<Skin> && !std::is_same_v<Skin, NoSkin>),
-                "SkinWatch: this scene has no skin whose cells could fall silent");
   static constexpr std::size_t joints = Resolver::joints;
   using scalar = typename Resolver::scalar;
   using law_type = L;
@@ -103,7 +116,7 @@ class CycleParts {
     if constexpr (requires { law.waits_for_contacts(); } && !requires { typename Skin::Found; })
       require(!law.waits_for_contacts(), "skills that wait for contacts, on a skin that finds none", 1,
               "a ContactSkin");
-    if constexpr (limits_jerk<Overseer>) check_no_lead(resolver_);
+    if constexpr (limits_jerk<Overseer> && commands_motion<Resolver>) check_no_lead(resolver_);
     compare(guard_, resolver_);
   }
   /// The planned interval [s], for the laws that start or take goals between two evaluations.
