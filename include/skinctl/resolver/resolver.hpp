@@ -175,7 +175,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     }
     if (blocked) [[unlikely]]
       out.status |= Reason::blocked;
-    if (!braking && (has_driven || blocked)) [[unlikely]]
+    if (!braking && (has_driven || blocked))
       turn(m, law, law_memory, begun, blocked, newest, dt, load, torque, out);
     if constexpr (has_driven) this->give(m, load, torque, out);
     each([&](auto k) {
