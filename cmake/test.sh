@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
-# Every test: a release build with GCC, the tests of what computes as users compile it, then Clang under the address and
-# undefined-behaviour sanitizers. What fails does not keep the others from running; the last lines say what did. On a fresh Debian 12 it
-# installs what is missing. SKINCTL_JOBS sets how many compilers run at once, SKINCTL_CXX_FLAGS adds flags for GCC,
-# SKINCTL_SANITIZED (a regular expression) keeps the sanitizers to some of the tests.
+# The tests that a change has to pass: rooms, adapters and main jobs with GCC, the tests of what computes as users compile it, then
+# rooms, parsers and protocols with Clang under the address and undefined-behaviour sanitizers. `--nightly`: every test, in these builds
+# and in those for AVX-512 and with Clang's -O3, on bare metal as well, and every study and benchmark compiles; tests/README.md says what
+# runs where. What fails does not keep the others from running; the last lines say what did. On a fresh Debian 12 it installs what is
+# missing. SKINCTL_JOBS sets how many compilers run at once, SKINCTL_CXX_FLAGS adds flags for GCC, SKINCTL_SANITIZED (a regular
+# expression) keeps the sanitizers to some of the tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source cmake/install_packages.sh
@@ -10,6 +12,14 @@ jobs=${SKINCTL_JOBS:-2}
 # Large pages for what compilers allocate: Clang takes a twentieth less time. C libraries that do not know it ignore it.
 export GLIBC_TUNABLES=${GLIBC_TUNABLES:-glibc.malloc.hugetlb=1}
 
+case "${1:-}" in
+  "") nightly="" gate=ON ;;
+  --nightly) nightly=yes gate=OFF ;;
+  *)
+    echo "usage: cmake/test.sh [--nightly]"
+    exit 2
+    ;;
+esac
 failed=()
 
 build() {
@@ -18,11 +28,15 @@ build() {
   cmake --preset "$preset" "$@" && cmake --build --preset "$preset" -j "$jobs"
 }
 
+build_studies() {
+  cmake --preset bench && cmake --build build/bench -j "$jobs" --target all studies
+}
+
 # configuration PRESET NAME OPTIONS...: builds it and runs its tests.
 configuration() {
   local preset=$1 name=$2
   shift 2
-  if ! phase "build, $name" build "$preset" -DSKINCTL_ROOMS_TOGETHER=ON "$@"; then
+  if ! phase "build, $name" build "$preset" -DSKINCTL_ROOMS_TOGETHER=ON "-DSKINCTL_GATE=$gate" "$@"; then
     failed+=("build, $name" "tests, $name: not run")
     return
   fi
@@ -30,11 +44,21 @@ configuration() {
   ctest --preset "$preset" -j "$jobs" --no-label-summary || failed+=("tests, $name")
 }
 
-install_packages build library tests peers benchmark examples dds python ros urdf camera docs
+install_packages build library tests peers benchmark examples dds python ros urdf camera docs ${nightly:+proofs bare_metal}
 # GCC frees memory only above 1 GB a file: an eighth less time, at most 3 GB a compiler.
 gcc_flags="-DCMAKE_CXX_FLAGS=${SKINCTL_CXX_FLAGS:-} --param=ggc-min-heapsize=1000000"
 configuration release "GCC" "$gcc_flags"
-configuration users "GCC as users compile" "$gcc_flags"
+if [[ -z $nightly ]]; then
+  configuration users "GCC as users compile" "$gcc_flags"
+else
+  rooms="calibration|clearance|control|core|cycle|dynamics|extremes|frames|fusion|guard|hardware|kinematics|law|limits|math|model"
+  rooms+="|passivity|resolver|robot|robots|semantics|sensing|skills|tactile|tracking|trajectory"
+  every_room="-DSKINCTL_TEST_FILTER=/tests/($rooms)/"
+  configuration users "GCC as users compile" "$gcc_flags" "$every_room"
+  configuration avx512 "GCC for AVX-512" "$gcc_flags" "$every_room"
+  configuration users-clang "Clang as users compile" "$every_room"
+  phase "build, studies" build_studies || failed+=("build, studies")
+fi
 # Compiled once and run once: line numbers cost an eighth of this build. The preset without this flag has them, to look into a
 # report.
 configuration asan-clang "Clang with sanitizers" "-DSKINCTL_TEST_FILTER=${SKINCTL_SANITIZED:-}" "-DCMAKE_CXX_FLAGS_SANITIZED=-O1 -g0"

@@ -11,11 +11,13 @@ done
 printf '#!/bin/sh\necho installed\n' >"$scratch/dpkg-query"
 chmod +x "$scratch"/*
 
-# expect FAILS STATUS LINES STEPS: the command line that fails (a pattern), how test.sh ends, its last lines, and how many steps it took.
+# expect FAILS STATUS LINES STEPS OPTIONS...: the command line that fails (a pattern), how test.sh ends, its last lines, and how many
+# steps it took.
 expect() {
   local fails=$1 status=$2 lines=$3 steps=$4 ended=0
+  shift 4
   : >"$scratch/log"
-  PATH=$scratch:$PATH LOG=$scratch/log FAILS=$fails "$source/cmake/test.sh" >"$scratch/out" 2>&1 || ended=$?
+  PATH=$scratch:$PATH LOG=$scratch/log FAILS=$fails "$source/cmake/test.sh" "$@" >"$scratch/out" 2>&1 || ended=$?
   local last
   last=$(sed -n '/^== failed:/,$p' "$scratch/out")
   if [[ $ended -ne $status || $last != "$lines" || $(wc -l <"$scratch/log") -ne $steps ]]; then
@@ -32,3 +34,9 @@ expect "cmake --build --preset release*" 1 $'== failed:\nbuild, GCC\ntests, GCC:
 expect "cmake --preset users*" 1 $'== failed:\nbuild, GCC as users compile\ntests, GCC as users compile: not run' 7
 expect "cmake --build *" 1 "$(printf '%s\n' '== failed:' 'build, GCC' 'tests, GCC: not run' 'build, GCC as users compile' \
   'tests, GCC as users compile: not run' 'build, Clang with sanitizers' 'tests, Clang with sanitizers: not run')" 6
+expect none 2 "" 0 --nightli
+expect none 0 "" 17 --nightly
+expect "cmake --build build/bench*" 1 $'== failed:\nbuild, studies' 17 --nightly
+expect "cmake --preset avx512*" 1 $'== failed:\nbuild, GCC for AVX-512\ntests, GCC for AVX-512: not run' 15 --nightly
+# What the gate leaves out, the night does not.
+grep -q -- "--preset release .*-DSKINCTL_GATE=OFF" "$scratch/log"
