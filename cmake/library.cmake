@@ -1,3 +1,5 @@
+include(GNUInstallDirs)
+
 # The library: an interface target with its headers in two file sets. Those in `io` need a parser that a user may lack.
 add_library(skinctl INTERFACE)
 add_library(skinctl::skinctl ALIAS skinctl)
@@ -43,3 +45,15 @@ set_target_properties(skinctl_quick PROPERTIES EXPORT_NAME quick)
 target_link_libraries(skinctl_quick INTERFACE skinctl)
 target_compile_options(skinctl_quick INTERFACE -O1)
 target_compile_definitions(skinctl_quick INTERFACE SKINCTL_NO_FORCED_INLINE)
+
+# Parsers and files compiled once: one source of the program that links this, with the program's flags. Without it each file that includes
+# io/urdf.hpp or recording/mcap_recorder.hpp compiles their bodies. Link it to a program, PRIVATE;
+# it reads URDF files where the program has found tinyxml2.
+add_library(skinctl_io INTERFACE)
+add_library(skinctl::io ALIAS skinctl_io)
+set_target_properties(skinctl_io PROPERTIES EXPORT_NAME io)
+target_link_libraries(skinctl_io INTERFACE skinctl $<TARGET_NAME_IF_EXISTS:tinyxml2::tinyxml2>)
+target_compile_definitions(skinctl_io INTERFACE SKINCTL_COMPILED_IO
+  $<$<TARGET_EXISTS:tinyxml2::tinyxml2>:SKINCTL_HAS_TINYXML2>)
+target_sources(skinctl_io INTERFACE "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/source/io.cpp>"
+  "$<INSTALL_INTERFACE:${CMAKE_INSTALL_DATADIR}/skinctl/io.cpp>")

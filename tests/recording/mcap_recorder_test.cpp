@@ -6,6 +6,7 @@
 
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/fusion/blended.hpp"
+#include "skinctl/recording/recorded_run.hpp"
 #include "skinctl/robots/ur5_links.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/robot_table.hpp"

@@ -1,90 +1,19 @@
-// Robots from URDF files. Optional: needs tinyxml2 (Debian: libtinyxml2-dev; link tinyxml2).
+// Robots from URDF files. Optional: needs tinyxml2 (Debian: libtinyxml2-dev; link tinyxml2), in each file that includes this, or in one
+// source of the program by CMake's `skinctl::io`.
 #pragma once
 
-#include <algorithm>
-#include <fstream>
+#include <cmath>
+#include <limits>
 #include <string>
-#include <string_view>
-#include <vector>
 
-#include "skinctl/io/detail/urdf_reader.hpp"
+#include "skinctl/io/parse_urdf.hpp"
+#ifndef SKINCTL_COMPILED_IO
+#include "skinctl/io/detail/parse_urdf_body.hpp"
+#endif
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/tactile/named_patch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-namespace detail {
-
-[[noreturn]] inline void fail_urdf(const Urdf& urdf, const UrdfJoint& joint, const std::string& what) {
-  refuse("skinctl: " + urdf.source + ":" + std::to_string(joint.line) + ": <joint name=\"" + joint.name +
-         "\">: " + what);
-}
-
-}  // namespace detail
-
-/// Reads a URDF from memory. `source` is its name in error texts; `options` select a part of the robot.
-///
-/// Throws `ConfigurationError`, with source, line and element, for:
-/// - text that is no XML, is cut off, or exceeds 16 MiB; no `<robot>`;
-/// - links or joints without a name, or two of one name;
-/// - a joint whose parent or child link is unknown; a link on two joints; a loop; more than one base;
-/// - a type other than revolute, continuous, prismatic, fixed; an axis without direction;
-/// - a link that moves without mass, or turns without inertia about its axis; a negative mass;
-/// - moments of inertia that no body has by more than `makers_density` (by less, or where they do not matter:
-///   `Urdf::warnings`);
-/// - a value that is not a finite number;
-/// - options that name a link or joint that does not exist, a tip that the base does not carry, a locked
-///   position outside of its joint's limits.
-///
-/// A joint with `<mimic>` is fixed if the joint that it follows is. If that one moves, the file is refused:
-/// the joints of a model move independently.
-///
-/// Links without `<inertial>` may be fixed to others or be the base, whose own inertia does not matter. A
-/// joint without `<limit>` has none.
-[[nodiscard]] inline Urdf parse_urdf(std::string_view text, std::string source = "URDF",
-                                     const UrdfOptions& options = {}) {
-  return detail::UrdfReader(text, std::move(source), options).take();
-}
-
-/// Reads a URDF file; see `parse_urdf`. Also throws `ConfigurationError` for a file that cannot be read.
-[[nodiscard]] inline Urdf read_urdf(const std::string& path, const UrdfOptions& options = {}) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text;
-  if (file) {
-    text.resize(detail::urdf_size_limit + 1);
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  }
-  if (file.bad() || (!file.eof() && text.size() <= detail::urdf_size_limit))
-    refuse("skinctl: " + path + ": cannot be read");
-  return parse_urdf(text, path, options);
-}
-
-/// The links of a model, in the order of `urdf.joints`. Their frames are those of `urdf.frames`' carriers: z
-/// on the joint's axis, turned about it by `turn` against `UrdfJoint::placed`, as in `CanonicalLinks`. Throws
-/// `ConfigurationError` for a link that cannot exist.
-struct UrdfLinks {
-  std::vector<LinkParameters<double>> links;
-  std::vector<double> turn;
-};
-[[nodiscard]] inline UrdfLinks model_links(const Urdf& urdf) {
-  const std::size_t n = urdf.joints.size();
-  std::vector<int> parents;
-  std::vector<JointKind> kinds;
-  std::vector<PlacedLink> placed;
-  for (const UrdfJoint& j : urdf.joints)
-    parents.push_back(j.parent), kinds.push_back(j.kind), placed.push_back(j.placed);
-  UrdfLinks out{std::vector<LinkParameters<double>>(n), std::vector<double>(n)};
-  detail::canonicalise(n, parents.data(), kinds.data(), placed.data(), out.links.data(), out.turn.data());
-  for (std::size_t i = 0; i < n; ++i) {
-    try {
-      check_link(out.links[i], makers_density);
-    } catch (const ConfigurationError& e) {
-      detail::fail_urdf(urdf, urdf.joints[i], e.what());
-    }
-  }
-  return out;
-}
-
 /// The robot as a calibrated model of a topology known when the program is compiled. Its `Base` is the link
 /// `urdf.base`; the frame of its `Link<I>` is not that of the file's link (z is on the joint): poses in a
 /// link of the file are converted by `named_link_pose` or `patch_on`. Throws `ConfigurationError` naming the

@@ -1,133 +1,44 @@
-// A cycle as ROS 2 messages: joint states, torque shares, cells, contacts, status. What files, streams and DDS send alike.
+// The cycles of a scene as ROS 2 messages.
 #pragma once
 
-#include <cmath>
-#include <memory>
-#include <string>
-#include <vector>
+#include <utility>
 
-#include "skinctl/guard/faults.hpp"
-#include "skinctl/io/formatted.hpp"
-#include "skinctl/recording/contact_picture.hpp"
-#include "skinctl/recording/cycle_hand_over.hpp"
-#include "skinctl/recording/run_description.hpp"
+#include "skinctl/recording/numbers_of.hpp"
+#include "skinctl/recording/run_messages.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Encodes the topics of a cycle into bytes that stay until the next call. For the thread beside the loop.
+/// `RunMessages` for the cycles of a scene.
 template <class C>
 class CycleMessages {
  public:
-  using Bytes = std::span<const unsigned char>;
+  using Bytes = RunMessages::Bytes;
+  using Record = CycleRecord<C>;
 
-  /// Throws `ConfigurationError` for another number of names than joints, and where `SkinCloud` and `ContactPicture` do.
+  /// Throws where `RunMessages` does.
   explicit CycleMessages(RunDescription run)
-      : run_(std::move(run)), cloud_(run_.cells, {run_.base, run_.newtons, run_.max_age}) {
-    require(run_.joints.size() == C::joints, "RunDescription: joints", double(run_.joints.size()),
-            "one name for each joint");
-    if (!run_.pressed.places.empty())
-      picture_ = std::make_unique<ContactPicture>(run_.pressed, double(run_.newtons));
-    for (std::size_t k = 0; k < laws; ++k) {
-      if (k >= run_.laws.size()) run_.laws.push_back("law " + std::to_string(k + 1));
-      label_ += (k > 0 ? "," : "") + run_.laws[k];
-    }
-  }
-  [[nodiscard]] const RunDescription& run() const noexcept { return run_; }
+      : messages_(std::move(run), NumbersOf<C>::joints, NumbersOf<C>::laws) {}
+  [[nodiscard]] const RunDescription& run() const noexcept { return messages_.run(); }
+  [[nodiscard]] SkinCloud& cloud() noexcept { return messages_.cloud(); }
 
-  /// Takes the samples of a cycle; to be called for each one before its messages.
-  void take(const CycleRecord<C>& r) noexcept {
-    cloud_.set(r.input.samples);
-    if (picture_)
-      for (const CellSample& s : r.input.samples) picture_->take(s);
+  void take(const Record& r) { messages_.take(numbers_(r)); }
+  [[nodiscard]] Bytes tf(const Record& r) { return messages_.tf(numbers_(r)); }
+  [[nodiscard]] Bytes cells(const Record& r) { return messages_.cells(numbers_(r)); }
+  [[nodiscard]] Bytes contacts(const Record& r) { return messages_.contacts(numbers_(r)); }
+  const std::vector<LinkPlace>& places(const Record& r) { return messages_.places(numbers_(r)); }
+  [[nodiscard]] Bytes joint_states(const Record& r) { return messages_.joint_states(numbers_(r)); }
+  [[nodiscard]] Bytes torque_shares(const Record& r) { return messages_.torque_shares(numbers_(r)); }
+  [[nodiscard]] Bytes status(const Record& r, Status since_last, std::uint64_t dropped) {
+    return messages_.status(numbers_(r), since_last, dropped);
   }
-  /// `/tf`: every frame in the base, by the measured positions. Empty without frames.
-  [[nodiscard]] Bytes tf(const CycleRecord<C>& r) {
-    places(r);
-    std::vector<ros::StampedTransform> all;
-    for (const RunFrame& f : run_.frames) {
-      if (f.link >= places_.size()) continue;
-      const LinkPlace& l = places_[f.link];
-      all.push_back({r.input.now, run_.base, f.name, l.R * f.in_link.p + l.p, l.R * f.in_link.R});
-    }
-    return all.empty() ? Bytes() : encoded(ros::Transforms{all});
-  }
-  /// `/skin/cells` as of this cycle; lies in this object until the next call. Empty without cells.
-  [[nodiscard]] Bytes cells(const CycleRecord<C>& r) {
-    if (cloud_.cells() == 0) return {};
-    places(r);
-    for (std::size_t i = 0; i < places_.size(); ++i)
-      cloud_.place(static_cast<std::uint32_t>(i), places_[i].R, places_[i].p);
-    return cloud_.encode(r.input.now);
-  }
-  /// `/skin/contacts` as of this cycle: clusters of pressed cells. Empty where the run tells no cells for it.
-  [[nodiscard]] Bytes contacts(const CycleRecord<C>& r) {
-    if (!picture_) return {};
-    return encoded(contact_cloud(r.input.now, run_.base, picture_->find(r.input.now, places(r))));
-  }
-  /// Where the links are in this cycle, by the measured positions; empty where the run does not tell.
-  const std::vector<LinkPlace>& places(const CycleRecord<C>& r) {
-    if (!run_.places) return places_;
-    q_.assign(C::joints, 0);
-    for (std::size_t i = 0; i < C::joints; ++i) q_[i] = static_cast<double>(r.input.measured.q[i]);
-    run_.places(q_, places_);
-    return places_;
-  }
-  [[nodiscard]] SkinCloud& cloud() noexcept { return cloud_; }
-  /// `/joint_states`: measured positions and velocities, commanded torques where the command has them.
-  [[nodiscard]] Bytes joint_states(const CycleRecord<C>& r) {
-    std::vector<double> q(C::joints), dq(C::joints), tau(C::joints);
-    for (std::size_t i = 0; i < C::joints; ++i) {
-      q[i] = static_cast<double>(r.input.measured.q[i]);
-      dq[i] = static_cast<double>(r.input.measured.dq[i]);
-      tau[i] = static_cast<double>(r.command.torque[i]);
-    }
-    return encoded(ros::JointState{r.input.measured.time, "", run_.joints, q, dq, tau});
-  }
-  /// `/skinctl/torque_shares`: a row for each law [N m].
-  [[nodiscard]] Bytes torque_shares(const CycleRecord<C>& r) {
-    std::vector<double> all;
-    for (const auto& share : r.shares)
-      for (std::size_t i = 0; i < C::joints; ++i) all.push_back(static_cast<double>(share[i]));
-    return encoded(ros::Matrix{{label_, "joint"}, laws, C::joints, all});
-  }
-  /// `/skinctl/status`: JSON with the cycle's number, the names of reasons, the stages' times [us] and the cycles that
-  /// found no room.
-  [[nodiscard]] Bytes status(const CycleRecord<C>& r, Status since_last, std::uint64_t dropped) {
-    std::string text = "{\"cycle\":" + std::to_string(r.number) + ",\"reasons\":[";
-    const char* between = "";
-    since_last.for_each([&](Reason reason) {
-      text += between + ("\"" + std::string(name(reason)) + "\"");
-      between = ",";
-    });
-    text += "],\"times_us\":{";
-    for (std::size_t s = 0; s < stage_count; ++s) {
-      text += formatted("%s\"%s\":%.3f", s > 0 ? "," : "", name(static_cast<CycleStage>(s)),
-                        1e-3 * static_cast<double>(r.times[s].count()));
-    }
-    text += "},\"dropped\":" + std::to_string(dropped) + "}";
-    return encoded(ros::String{text});
-  }
-  /// Any message; it lies in this object until the next one.
   template <class M>
   [[nodiscard]] Bytes encoded(const M& message) {
-    for (;;) {
-      CdrWriter writer(bytes_);
-      ros::encode(writer, message);
-      if (writer.fits()) return writer.bytes();
-      bytes_.resize(writer.size());
-    }
+    return messages_.encoded(message);
   }
 
  private:
-  static constexpr std::size_t laws = std::tuple_size_v<decltype(C::Output::shares)>;
-
-  RunDescription run_;
-  SkinCloud cloud_;
-  std::unique_ptr<ContactPicture> picture_;
-  std::string label_;
-  std::vector<double> q_;
-  std::vector<LinkPlace> places_;
-  std::vector<unsigned char> bytes_;
+  RunMessages messages_;
+  NumbersOf<C> numbers_;
 };
 
 SKINCTL_END_NAMESPACE

@@ -5,17 +5,10 @@
 
 #include "skinctl/recording/mcap_file.hpp"
 #include "skinctl/recording/recording.hpp"
+#include "skinctl/recording/run_file.hpp"
 #include "skinctl/recording/run_identity.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// The topics of a run that replays, and the encodings of their messages: the bytes of `CycleBytes`.
-struct CycleTopic {
-  static constexpr const char* start = "/skinctl/start";
-  static constexpr const char* cycle = "/skinctl/cycle";
-  static constexpr const char* start_encoding = "x-skinctl-start";
-  static constexpr const char* cycle_encoding = "x-skinctl-cycle";
-};
 
 /// What `load_run` found.
 template <class C>

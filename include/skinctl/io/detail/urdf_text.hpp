@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cstring>
 
-#include "skinctl/io/urdf_tree.hpp"
+#include "skinctl/io/parse_urdf.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -18,13 +18,6 @@ struct UrdfPlace {
 };
 inline UrdfPlace product(const UrdfPlace& a, const UrdfPlace& b) {
   return {a.R * b.R, a.p + a.R * b.p};
-}
-
-/// A number in an error text.
-inline std::string urdf_number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", x);
-  return text;
 }
 
 class UrdfText {
