@@ -8,7 +8,7 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/groups.hpp"
+#include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/robots/ur5_allegro.hpp"

@@ -14,7 +14,7 @@ namespace {
 
 template <class T, Interface I>
 void pass(benchmark::State& state) {
-  const Guard<I, 6, T> guard({.limits = limits_of<ur5::Description, T>(), .period = 2ms});
+  const JointGuard<I, 6, T> guard({.limits = limits_of<ur5::Description, T>(), .period = 2ms});
   JointCommand<6, T> wish;
   wish.valid = true;
   State<6, T> measured;

@@ -298,15 +298,11 @@ int main(int argc, char** argv) {
   std::printf("%s%s", request_real_time().report.c_str(), pin().c_str());
   const auto plain = reaching_scene();
   study("without governor", plain, cycles, repeated);
-  const auto limits = ur5_test_limits<double>();
   LinkContact<2> contact{
       .region = {.force = 100, .blow = 200, .first = 500ms, .stiffness = 5e4, .mass = 4, .power = 80},
       .reach = 0.5,
       .reaction = 20ms};
-  const auto governor =
-      make_governor(limits, contact_limits(ur5::Model{}, contact),
-                    ToolSpeed<ur5::Model, 5>(ur5::Model{}, limits, {.speed = 1, .reach = 1.3}),
-                    JerkLimits<6>(limits, JointJerk<6>::constant(500)));
   study("with contact limits, tool speed and jerk",
-        Cycle(plain.resolver(), plain.skin(), plain.law(), plain.guard(), governor), cycles, repeated);
+        plain.with(contact, MaxToolSpeed<5>{.speed = 1, .reach = 1.3}, MaxJerk{JointJerk<6>::constant(500)}),
+        cycles, repeated);
 }

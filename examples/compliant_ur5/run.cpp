@@ -211,7 +211,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
       const auto cells_in_words = [&] {
         return in_words(scene.skin().coverage(m.skin), scene.skin(), s.control.skin_reach);
       };
-      if (!m.governor.watch.heard && t > s.control.skin_patience) {
+      if (!scene.governor().template memory<SkinWatch>(m.governor).heard && t > s.control.skin_patience) {
         ending = Ending::skin_unheard;
         detail = cells_in_words();
       } else if (last_status.has(Reason::skin_stopped)) {
@@ -357,7 +357,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
 
   if (report.ended == LoopEnd::displaced) ending = Ending::displaced;
   if (report.ended == LoopEnd::interrupted) ending = Ending::interrupted;
-  if (ending == Ending::finished && report.ended == LoopEnd::finished && !memory->governor.watch.heard) {
+  if (ending == Ending::finished && report.ended == LoopEnd::finished &&
+      !scene.governor().template memory<SkinWatch>(memory->governor).heard) {
     ending = Ending::skin_unheard;
     detail = "the arm did not move";
   }

@@ -143,7 +143,7 @@ class Mover {
     back_ = true;
     tries_ = 0;
   }
-  [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, A::base(arm_)); }
+  [[nodiscard]] auto occupied() const { return skinctl::occupied(scene_, *memory_, A::base(arm_)); }
   [[nodiscard]] bool reached() const { return reached_; }
   /// Whether it needs room that the other one has: at once where it gives way and comes near the other one, soon where
   /// the other one holds up its return.

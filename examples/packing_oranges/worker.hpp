@@ -103,7 +103,7 @@ class Worker {
   /// How often it went aside for the other arm.
   [[nodiscard]] int went_aside() const { return way_.times(); }
   /// What its links and hand may fill until it stands, if it brakes now; and what the other arm may fill.
-  [[nodiscard]] auto occupied() const { return scene_.occupied(*memory_, X_WB_); }
+  [[nodiscard]] auto occupied() const { return skinctl::occupied(scene_, *memory_, X_WB_); }
   template <class Filled>
   void keep_clear_of(skinctl::Nanoseconds now, const Filled& other) {
     input_.around.count = 0;

@@ -212,7 +212,6 @@
 #include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/governor.hpp"
-#include "skinctl/limits/group_governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/link_contact.hpp"
 #include "skinctl/limits/motion_limits.hpp"
@@ -236,7 +235,6 @@
 
 #include "skinctl/guard/budget.hpp"
 #include "skinctl/guard/faults.hpp"
-#include "skinctl/guard/group_guard.hpp"
 #include "skinctl/guard/guard.hpp"
 #include "skinctl/guard/packet_watch.hpp"
 
@@ -244,7 +242,6 @@
 #include "skinctl/cycle/apart_definitions.hpp"
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/cycle/cycle.hpp"
-#include "skinctl/cycle/groups.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/output.hpp"

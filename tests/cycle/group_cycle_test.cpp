@@ -22,7 +22,7 @@ TEST_CASE("Groups: a finger by torque keeps its own limits, and has its whole to
   CHECK(run.seen.has(Reason::position_limited));
   CHECK(run.allocated == 0);
   // Without a governor it is too fast: so the test can fail.
-  Run bare{Cycle(robot(), pull, NoGovernor{})};
+  Run bare{Cycle(robot(), pull).without<MotionByTorque>()};
   for (int k = 0; k < 100; ++k) bare.cycle();
   CHECK(bare.fastest[2] > 2 * 3);
   // Held fast by a hand.
@@ -65,7 +65,7 @@ TEST_CASE("Groups: the tool's speed and the joints' jerk are limited, whoever mo
   }
 }
 
-TEST_CASE("Groups: Resolver, GroupGovernor and GroupGuard send no command of a state that is no number") {
+TEST_CASE("Groups: Resolver, Governor and Guard send no command of a state that is no number") {
   Run run{Cycle(robot(), Pull{{0, 0, 0.1}, {}, {}})};
   const double wrong[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, 5e-324};
   for (int k = 0; k < 400; ++k) {

@@ -41,23 +41,21 @@ template <class Scene>
 std::vector<double> numbers(const Scene& scene) {
   const auto& settings = scene.guard().settings();
   std::vector<double> out{settings.torque_rate, double(settings.consent.bits())};
-  if constexpr (!std::is_same_v<std::remove_cvref_t<decltype(scene.governor())>, NoGovernor>) {
-    const auto& g = scene.governor();
-    using G = std::remove_cvref_t<decltype(g)>;
-    if constexpr (G::has_jerk) out.push_back(g.jerk().jerk()[0]);
-    if constexpr (G::has_jerk) out.push_back(double(std::remove_cvref_t<decltype(scene.guard())>::smooth));
-    if constexpr (G::has_tool) out.push_back(g.tool().limit());
-    if constexpr (G::has_watch) out.push_back(g.watch().settings().slow);
-    if constexpr (G::has_clearance) out.push_back(double(G::has_surroundings));
-    if constexpr (G::has_contact)
-      std::apply([&](const auto&... c) { (out.push_back(c.reach), ...); }, g.contact().settings());
-  }
+  const auto& g = scene.governor();
+  using G = std::remove_cvref_t<decltype(g)>;
+  if constexpr (G::smooth) out.push_back(g.mover().jerk()[0]);
+  if constexpr (G::smooth) out.push_back(double(std::remove_cvref_t<decltype(scene.guard())>::smooth));
+  if constexpr (G::template has<ToolSpeedLimit>) out.push_back(g.template get<ToolSpeedLimit>().limit());
+  if constexpr (G::template has<SkinWatch>) out.push_back(g.template get<SkinWatch>().settings().slow);
+  if constexpr (G::template has<Clearance>) out.push_back(double(g.template get<Clearance>().around));
+  if constexpr (G::template has<LinkContacts>) out.push_back(double(G::links));
   return out;
 }
 
 template <class A, class B>
 void same(const A& a, const B& b) {
-  CHECK(std::is_same_v<A, B>);
+  CHECK(std::is_same_v<typename A::Input, typename B::Input>);
+  CHECK(sizeof(typename A::Memory) == sizeof(typename B::Memory));
   CHECK(numbers(a) == numbers(b));
 }
 

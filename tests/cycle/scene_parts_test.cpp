@@ -31,42 +31,20 @@ std::string refusal(F&& build) {
   }
   return "";
 }
-using PositionGuard = Guard<Interface::position, 6>;
 }  // namespace
 
 TEST_CASE("Cycle: what it derives from a description is what the description says") {
   const auto arm = by_position(ur5::Model{}, stated);
   const Cycle scene(arm, SkinJointControl{} + GravityControl{});
-  CHECK(scene.guard().period() == 8ms);
-  CHECK(scene.guard().longest_interval() == 40ms);
-  CHECK(scene.guard().limits().velocity() == stated.limits.velocity());
+  CHECK(scene.guard().only().period() == 8ms);
+  CHECK(scene.guard().only().longest_interval() == 40ms);
+  CHECK(scene.guard().only().limits().velocity() == stated.limits.velocity());
   CHECK(scene.resolver().total_delay() == doctest::Approx(0.016));
   static_assert(!decltype(scene)::governed);
   const Cycle direct(
       by_torque(ur5::Model{}, {.limits = stated.limits, .period = 2ms}, FrictionUncompensated{}),
       GravityControl{});
   static_assert(decltype(direct)::governed, "by torque: limits of position and speed");
-}
-
-TEST_CASE("Cycle: a guard that disagrees with the description is refused with both numbers") {
-  const auto arm = by_position(ur5::Model{}, stated);
-  const auto with = [&](auto change) {
-    auto c = stated;
-    change(c);
-    return refusal([&] { Cycle(arm, GravityControl{}, PositionGuard(c)); });
-  };
-  CHECK(with([](auto&) {}).empty());
-  CHECK(with([](auto& c) { c.period = 4ms; }) ==
-        "skinctl: period: 4 ms in the guard, 8 ms in the robot's description");
-  CHECK(with([](auto& c) { c.longest_interval = 80ms; }) ==
-        "skinctl: longest interval: 80 ms in the guard, 40 ms in the robot's description");
-  CHECK(with([](auto& c) { c.limits = limits_of<ur5::Description>(10.0); }) ==
-        "skinctl: acceleration limit: 10 rad/s^2 in the guard, 15 rad/s^2 in the robot's description");
-  CHECK(with([](auto& c) {
-          auto v = c.limits.values();
-          v.upper[3] = 1;
-          c.limits = JointLimits<6>(v);
-        }).find("upper position limit: 1 rad in the guard, 6.28") != std::string::npos);
 }
 
 TEST_CASE("Cycle: a law that disagrees with the description is refused with both numbers, in a sum as well") {
@@ -106,11 +84,11 @@ TEST_CASE("Cycle::with: limits by name, the guard brakes within the same jerk, s
   const Cycle plain(arm, ur5_skin<260>({.force = 20}), SkinJointControl{} + GravityControl{});
   const auto scene =
       plain.with(MaxJerk{JointJerk<6>::constant(300)}, GuardSettings<6>{.consent = Reason::state_stale});
-  CHECK(scene.governor().jerk().jerk()[0] == 300);
+  CHECK(scene.governor().get<JerkLimit>().jerk()[0] == 300);
   CHECK(scene.guard().settings().consent == Status(Reason::state_stale));
   static_assert(std::remove_cvref_t<decltype(scene.guard())>::smooth);
   const auto later = scene.with(MaxToolSpeed<5>{.speed = 0.1, .reach = 1.3});
-  CHECK(later.governor().tool().limit() == 0.1);
+  CHECK(later.governor().get<MaxToolSpeed<5>>().limit() == 0.1);
   CHECK(later.guard().settings().consent == Status(Reason::state_stale));
   CHECK(refusal([&] {
           static_cast<void>(plain.with(MaxJerk{JointJerk<6>::constant(-1)}));
@@ -122,7 +100,21 @@ TEST_CASE("Cycle::with: limits by name, the guard brakes within the same jerk, s
       LinkContact<3>{.region = {.force = 80, .blow = 120, .first = 100ms, .stiffness = 2e4, .mass = 4},
                      .reach = 0.4,
                      .reaction = 20ms});
-  CHECK(std::remove_cvref_t<decltype(both.governor().contact())>::count == 2);
+  CHECK(std::remove_cvref_t<decltype(both.governor().get<LinkContacts>())>::count == 2);
+}
+
+TEST_CASE("Cycle::without: takes a part out by its settings or its kind, and then another one fits") {
+  const auto arm = by_position(ur5::Model{}, stated);
+  const Cycle plain(arm, ur5_skin<260>({.force = 20}), SkinJointControl{} + GravityControl{});
+  const auto both =
+      plain.with(MaxJerk{JointJerk<6>::constant(300)}, MaxToolSpeed<5>{.speed = 0.1, .reach = 1.3});
+  const auto one = both.without<ToolSpeedLimit>();
+  CHECK(std::is_same_v<decltype(one), decltype(plain.with(MaxJerk{JointJerk<6>::constant(300)}))>);
+  CHECK(std::is_same_v<decltype(both.without<MaxToolSpeed<5>>()), std::remove_const_t<decltype(one)>>);
+  const auto other = one.with(MaxToolSpeed<4>{.speed = 0.2, .reach = 1.3});
+  CHECK(other.governor().get<ToolSpeedLimit>().limit() == 0.2);
+  CHECK(other.governor().get<JerkLimit>().jerk()[0] == 300);
+  CHECK(std::is_same_v<decltype(one.without<JerkLimit>()), std::remove_const_t<decltype(plain)>>);
 }
 
 TEST_CASE("A robot that holds gravity: its torques leave G out, and it stays where it is, stopped too") {

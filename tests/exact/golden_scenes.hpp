@@ -9,7 +9,7 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/configurations.hpp"
-#include "skinctl/cycle/groups.hpp"
+#include "skinctl/cycle/cycle.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/fusion/expression.hpp"

@@ -133,12 +133,10 @@ TEST_CASE(
   JointControlSettings<6> settings;
   settings.dt = 2500us, settings.lambda = 25, settings.K_c = 5, settings.tb = 4s;
   settings.virtual_dynamics = shape<double>({});
-  const Cycle scene(
-      test_robot<Interface::position, double>({}), ur5_skin<260>({.force = 40}, SkinSettings{.max_age = 10s}),
-      SplineJoint<6>(settings) + SkinJointControl{} + GravityControl{},
-      make_governor(limits, contact_limits(ur5::Model{}, contact),
-                    ToolSpeed<ur5::Model, 5>(ur5::Model{}, limits, {.speed = 0.5, .reach = 1.3}),
-                    JerkLimits<6>(limits, JointJerk<6>::constant(400)),
-                    CoverageLimits<6>(limits, SkinWatch{})));
-  attack(scene, limits, sanitized ? 200 : 3000, 2);
+  const Cycle scene(test_robot<Interface::position, double>({}),
+                    ur5_skin<260>({.force = 40}, SkinSettings{.max_age = 10s}),
+                    SplineJoint<6>(settings) + SkinJointControl{} + GravityControl{});
+  attack(scene.with(contact, MaxToolSpeed<5>{.speed = 0.5, .reach = 1.3},
+                    MaxJerk{JointJerk<6>::constant(400)}, SkinWatch{}),
+         limits, sanitized ? 200 : 3000, 2);
 }

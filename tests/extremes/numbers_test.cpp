@@ -160,8 +160,8 @@ TEST_CASE("extremes: defaults fit every allowed period, delay and lag") {
                                 .virtual_damping = 4};
         CHECK_NOTHROW(check(c));
         CHECK_NOTHROW(static_cast<void>(by_position(ur5::Model{}, c)));
-        CHECK_NOTHROW((Guard<Interface::position, 6>(c)));
-        CHECK_NOTHROW((Guard<Interface::velocity, 6>(c)));
+        CHECK_NOTHROW((JointGuard<Interface::position, 6>(c)));
+        CHECK_NOTHROW((JointGuard<Interface::velocity, 6>(c)));
       }
   for (const Nanoseconds wrong : {0us, 99us, 1'000'001us}) {
     RobotConfiguration<6> c{

@@ -1,11 +1,10 @@
-#include "skinctl/guard/group_guard.hpp"
-
 #include <doctest/doctest.h>
 
 #include <limits>
 
 #include "skinctl/control/gravity_control.hpp"
-#include "skinctl/cycle/groups.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/guard/guard.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "tests/support/arm_with_finger.hpp"
 
@@ -52,7 +51,7 @@ auto scene(const Pull& law) {
   arm.viscous_friction = {10, 10};
   const Robot robot =
       resolver_of(by_velocity_and_torque<0b100>(Model3{}, {.stiff = arm, .limits = limits<1>(0.7)}));
-  return Cycle(robot, law, GroupGuard(robot));
+  return Cycle(robot, law).template without<MotionByTorque>();
 }
 using Scene = decltype(scene(Pull{}));
 static_assert(std::is_trivially_copyable_v<Scene::Memory>);
@@ -84,7 +83,7 @@ struct Run {
 
 }  // namespace
 
-TEST_CASE("GroupGuard: a good command passes, with both parts; nothing is allocated") {
+TEST_CASE("Guard of groups: a good command passes, with both parts; nothing is allocated") {
   Run run{scene({{4, 2, 0.05}})};
   const AllocationGuard guard;
   Scene::Output out;
@@ -102,7 +101,7 @@ TEST_CASE("GroupGuard: a good command passes, with both parts; nothing is alloca
         doctest::Approx(0.05 + gravity_torque(Model3{}, run.scene.resolver().state(run.memory.robot).q)[2]));
 }
 
-TEST_CASE("GroupGuard: a torque turns at its rate and ends at its limit, the arm is not disturbed") {
+TEST_CASE("Guard of groups: a torque turns at its rate and ends at its limit, the arm is not disturbed") {
   Run run{scene({{4, 2, 5}})};  // 0.7 N m at most, 35 N m/s
   Run free{scene({{4, 2, 0}})};
   double last = run.memory.robot.command().torque[2];
@@ -116,7 +115,7 @@ TEST_CASE("GroupGuard: a torque turns at its rate and ends at its limit, the arm
   CHECK(last == 0.7);
 }
 
-TEST_CASE("GroupGuard: bad news of a part, and a stop, hold both without a step") {
+TEST_CASE("Guard of groups: bad news of a part, and a stop, hold both without a step") {
   Run run{scene({{10, 5, 0.05}})};
   for (int k = 0; k < 100; ++k) run.cycle();
   CHECK(run.sent[0] > 0.5);
@@ -147,7 +146,7 @@ TEST_CASE("GroupGuard: bad news of a part, and a stop, hold both without a step"
   CHECK(last.torque[2] == doctest::Approx(gravity_torque(Model3{}, run.measured.q)[2]).epsilon(0.01));
 }
 
-TEST_CASE("GroupGuard: a state that is not finite starts nothing") {
+TEST_CASE("Guard of groups: a state that is not finite starts nothing") {
   Run run{scene({})};
   run.measured.q[0] = std::numeric_limits<double>::infinity();
   run.memory = run.scene.start(run.measured);

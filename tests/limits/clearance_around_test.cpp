@@ -13,6 +13,7 @@
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/governor_alone.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -82,7 +83,7 @@ void hunt(JointVelocity<6>& want, std::size_t a, const std::array<JointCommand<6
 TEST_CASE("ClearanceAround: two arms that see what the other one may fill never meet, and get apart again") {
   const auto limits = limits_of<ur5::Description>(15.0);
   const ClearanceLimits<Arm, double, 16> clear(Arm{}, limits, clearance());
-  const auto governor = make_governor(limits, clear);
+  const auto governor = governor_alone<Interface::position, Arm>(limits, clear);
   double least = 1e9, blind = 1e9, step = 0, apart = 1e9, volumes = 1e9;
   int limited = 0, scenes = 0, met = 0;
   auto rng = seeded(11);
@@ -369,22 +370,22 @@ TEST_CASE("Cycle: what is around comes with its input, is recorded, and holds an
       by_position(Arm{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .virtual_damping = 4});
   const auto scene = Cycle(arm, GravityControl{}).with(clearance());
   using Scene = std::remove_cv_t<decltype(scene)>;
-  static_assert(Scene::has_surroundings && !decltype(Cycle(arm, GravityControl{}))::has_surroundings);
+  static_assert(Scene::governed && !decltype(Cycle(arm, GravityControl{}))::governed);
   State<6> at{.time = 1s, .q = {0.0, -1.2, 1.4, -0.2, 0.3, 0.0}, .dq = {}};
   auto memory = std::make_unique<Scene::Memory>();
   scene.start(*memory, at);
   Scene::Input input;
   input.now = at.time = 1s + 8ms;
   input.measured = at;
-  CHECK(memory->governor.around.blind);
+  CHECK(scene.governor().memory<Clearance>(memory->governor).blind);
   static_cast<void>(scene.step(*memory, input));
-  CHECK(memory->governor.around.blind);
+  CHECK(scene.governor().memory<Clearance>(memory->governor).blind);
   input.now = input.measured.time = input.around.time = 1s + 16ms;
   input.around.add({{{2.0, 0.0, 0.0}, {2.0, 0.0, 1.0}, 0.1}, 0.3});
   static_cast<void>(scene.step(*memory, input));
-  CHECK_FALSE(memory->governor.around.blind);
+  CHECK_FALSE(scene.governor().memory<Clearance>(memory->governor).blind);
   // Where it stands: each tube, and no more than it is.
-  const auto filled = scene.occupied(*memory, base(1));
+  const auto filled = occupied(scene, *memory, base(1));
   REQUIRE(filled.count == 5);
   CHECK(filled.obstacles[1].shape.radius == doctest::Approx(ur5::tubes[2].radius));
   const auto elbow = base(1) * link_poses(Arm{}, at.q).get<2>();

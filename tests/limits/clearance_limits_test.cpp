@@ -18,6 +18,7 @@
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "skinctl/testing/scene.hpp"
+#include "tests/support/governor_alone.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -76,9 +77,10 @@ TEST_CASE(
   const auto limits = limits_of<ur5::Description>(15.0);
   const Clearance given = clearance();
   const ClearanceLimits<Arm> clear(Arm{}, limits, given);
-  const auto alone = make_governor(limits, clear);
-  const auto smooth = make_governor(limits, clear, JerkLimits<6>(limits, JointJerk<6>::constant(600.0)),
-                                    ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 0.8, .reach = 1.3}));
+  const auto alone = governor_alone<Interface::position, Arm>(limits, clear);
+  const auto smooth = governor_alone<Interface::position, Arm>(
+      limits, clear, JerkLimits<6>(limits, JointJerk<6>::constant(600.0)),
+      ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 0.8, .reach = 1.3}));
   auto rng = seeded(6);
   double least = 1e9, step = 0, held = 0, left = 1e9;
   int scenes = 0, limited = 0;

@@ -15,6 +15,7 @@
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/scene.hpp"
+#include "tests/support/governor_alone.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -36,23 +37,18 @@ LinkContact<forearm> contact(double force, double blow) {
 struct Limited {
   double jerk = 400, speed = 0.15, force = 100, blow = 150;
 };
-auto governor(const Limited& l = {}) {
-  const auto limits = ur5_test_limits<double>();
-  return make_governor(limits, contact_limits(Arm{}, contact(l.force, l.blow)),
-                       ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = l.speed, .reach = 1.3}),
-                       JerkLimits<6>(limits, JointJerk<6>::constant(l.jerk)));
-}
 auto governed(const Limited& l = {}) {
   const SceneSettings s;
   const auto c = configuration_of<Interface::position, double>(s);
   SkinSettings skin;
   skin.max_age = 10s;
   return Cycle(by_position(ur5::Model{}, c), ur5_skin<260>({.force = s.force_gain}, skin),
-               SkinJointControl{} + GravityControl{}, governor(l));
+               SkinJointControl{} + GravityControl{})
+      .with(contact(l.force, l.blow), MaxToolSpeed<5>{.speed = l.speed, .reach = 1.3},
+            MaxJerk{JointJerk<6>::constant(l.jerk)});
 }
 
 static_assert(std::is_trivially_copyable_v<decltype(governed())::Memory>);
-static_assert(std::is_empty_v<NoGovernor::Memory>);
 
 /// Runs a scene on a robot that follows at once; the forearm is pushed with readings `push(t)`.
 template <class Scene, class Push, class Each>
@@ -98,8 +94,9 @@ const auto nothing = [](double, auto&, auto&) {};
 TEST_CASE(
     "governor: what keeps its limits passes to the bit, what does not is slowed within the joints' limits") {
   const auto limits = ur5_test_limits<double>();
-  const auto g = make_governor(limits, contact_limits(Arm{}, contact(1e6, 1e6)),
-                               ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 1, .reach = 1.3}));
+  const auto g =
+      governor_alone<Interface::position, Arm>(limits, contact_limits(Arm{}, contact(1e6, 1e6)),
+                                               ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 1, .reach = 1.3}));
   decltype(g)::Memory memory;
   const LinkWrenches<Arm, link_bit<forearm>> untouched;
   State<6> measured;
@@ -207,9 +204,10 @@ TEST_CASE("governor: the tool's speed is kept next to the ends of the joints") {
         }
       };
       if (smooth) {
-        drive(make_governor(limits, tool, JerkLimits<6>(limits, JointJerk<6>::constant(400))));
+        drive(governor_alone<Interface::position, Arm>(limits, tool,
+                                                       JerkLimits<6>(limits, JointJerk<6>::constant(400))));
       } else {
-        drive(make_governor(limits, tool));
+        drive(governor_alone<Interface::position, Arm>(limits, tool));
       }
     }
     CHECK(fastest <= 0.25 * (1 + 1e-6));
@@ -375,7 +373,8 @@ TEST_CASE_TEMPLATE("governor: a slow motion arrives, and none goes past an end, 
   static constexpr T h = T(0.002);
   const auto drive = [](const JointLimits<6, T>& limits, JointCommand<6, T>& last, const T& target,
                         int cycles, auto&& each) {
-    const auto g = make_governor(limits, JerkLimits<6, T>(limits, JointJerk<6, T>::constant(T(400))));
+    const auto g = governor_alone<Interface::position, Arm>(
+        limits, JerkLimits<6, T>(limits, JointJerk<6, T>::constant(T(400))));
     typename std::remove_cvref_t<decltype(g)>::Memory memory{};
     for (int k = 0; k < cycles; ++k) {
       JointCommand<6, T> wish = last;

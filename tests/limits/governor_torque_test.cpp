@@ -11,6 +11,7 @@
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
 #include "tests/support/digits.hpp"
+#include "tests/support/governor_alone.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -28,8 +29,8 @@ const LinkContact<2> region{
     .reach = 0.5,
     .reaction = 20ms};
 auto governing(const LinkContact<2>& contact) {
-  return make_governor(limits, contact_limits(Arm{}, contact),
-                       ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 0.3, .reach = 1.3}));
+  return governor_alone<Interface::torque, Arm>(
+      limits, contact_limits(Arm{}, contact), ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 0.3, .reach = 1.3}));
 }
 const auto governor = governing(region);
 const auto tool_only =

@@ -75,7 +75,7 @@ TEST_CASE("MotionLimits: a scene by torque keeps position and speed, whatever it
       CHECK(kept.speed <= 1.05);
       CHECK(kept.beyond <= 1e-3);
       CHECK((kept.status.has(Reason::position_limited) || kept.status.has(Reason::velocity_limited)));
-      const auto free = run(Cycle(arm, Drive(tau) + GravityControl{}, NoGovernor{}), period, 1);
+      const auto free = run(Cycle(arm, Drive(tau) + GravityControl{}).without<MotionByTorque>(), period, 1);
       CHECK((free.speed > 1.5 || free.beyond > 0.1));
     }
   }
@@ -84,7 +84,7 @@ TEST_CASE("MotionLimits: a scene by torque keeps position and speed, whatever it
 TEST_CASE("MotionLimits: leaves a robot that keeps them alone, to the bit") {
   const auto arm = by_torque(ur5::Model{}, {.limits = limits(), .period = 2ms}, FrictionUncompensated{});
   const Cycle kept(arm, Drive(JointTorque<6>{0.5, 0, 0, 0, 0, 0}) + GravityControl{});
-  const Cycle free(arm, Drive(JointTorque<6>{0.5, 0, 0, 0, 0, 0}) + GravityControl{}, NoGovernor{});
+  const auto free = kept.without<MotionByTorque>();
   const auto a = run(kept, 2ms, 0.5), b = run(free, 2ms, 0.5);
   CHECK(a.last == b.last);
   CHECK(a.last[0] != 0);

@@ -1,7 +1,7 @@
 // Energy of a robot whose arm takes positions and whose wrist takes torques.
 #include <doctest/doctest.h>
 
-#include "skinctl/limits/group_governor.hpp"
+#include "skinctl/limits/governor.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
 #include "tests/support/contact_scene.hpp"
 #include "tests/support/digits.hpp"

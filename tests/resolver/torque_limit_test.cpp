@@ -7,7 +7,6 @@
 
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
-#include "skinctl/cycle/groups.hpp"
 #include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/testing/closed_loop.hpp"

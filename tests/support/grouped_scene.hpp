@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "skinctl/cycle/groups.hpp"
+#include "skinctl/cycle/cycle.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/tool_speed.hpp"

@@ -90,7 +90,6 @@ template <Interface I>
 auto faulty_scene() {
   SceneSettings s;
   s.decay = skilled_decay;
-  const auto limits = ur5_test_limits<double>();
   auto c = configuration_of<I, double>(s);
   c.dead_band =
       JointPosition<6>::constant(0.03);  // v_max times a period: the joints jump from sample to sample
@@ -105,8 +104,12 @@ auto faulty_scene() {
       .reach = 0.5,
       .reaction = 20ms};
   contact.newton = 10;
-  return Cycle(robot, cells, law, Guard<I, 6>(c),
-               make_governor(limits, contact_limits(ur5::Model{}, contact)));
+  const Cycle scene(robot, cells, law);
+  if constexpr (I == Interface::torque) {
+    return scene.template without<MotionByTorque>().with(contact);
+  } else {
+    return scene.with(contact);
+  }
 }
 
 /// The result of one run.

@@ -13,6 +13,7 @@ struct CapsulePair {
 
 /// Capsules, and which of them stay clear of each other: a part of `Cycle::with` (see `ClearanceLimits`).
 struct Clearance {
+  using Kind = Clearance;
   std::vector<LinkCapsule> capsules;
   std::vector<CapsulePair> pairs;
   double margin = 0.02;  ///< of the surfaces [m]
@@ -26,6 +27,7 @@ struct Clearance {
 /// with one that is no number it brakes and stands.
 template <std::size_t Most>
 struct ClearanceAround {
+  using Kind = Clearance;
   Clearance own;  ///< among the robot's links and what is fixed
   std::vector<std::size_t>
       exposed;  ///< the capsules of `own`, by their numbers, that obstacles must not meet

@@ -56,9 +56,15 @@ struct Surroundings {
   }
 };
 
-/// In place of `Surroundings` in the input of a scene that does not look at them.
+/// In place of `Surroundings` for a robot that does not look at them.
 struct NoSurroundings {
   static constexpr std::size_t most = 0;
+};
+
+/// What a `ClearanceAround` adds to the input of a cycle.
+template <class Near>
+struct AroundRobot {
+  Near around{};  ///< what is near the robot
 };
 
 SKINCTL_END_NAMESPACE

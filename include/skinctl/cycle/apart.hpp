@@ -48,7 +48,6 @@ class Apart {
   using Input = typename Scene::Input;
   using Output = typename Scene::Output;
   static constexpr bool has_gripper = requires { requires Scene::has_gripper; };
-  static constexpr bool has_surroundings = requires { requires Scene::has_surroundings; };
 
   explicit Apart(Scene scene);
 

@@ -11,8 +11,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The input of a scene with several configurations.
-template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors>
-struct ConfiguredInput : CycleInput<N, T, Goal, Sensed> {
+template <class SceneInput>
+struct ConfiguredInput : SceneInput {
   /// Index of the configuration from this cycle on.
   std::uint32_t configuration = 0;
 };
@@ -24,12 +24,12 @@ template <class C>
 struct CarryingScene {
   static_assert(!std::is_same_v<C, C>, "Configurations: of Cycles");
 };
-template <class R, class L, class S, class G, class O>
-struct CarryingScene<Cycle<R, L, S, G, O>> {
-  static_assert(!Cycle<R, L, S, G, O>::has_gripper,
+template <class R, class L, class S, class Parts>
+struct CarryingScene<Cycle<R, L, S, Parts>> {
+  static_assert(!Cycle<R, L, S, Parts>::has_gripper,
                 "Configurations: a set of skills with a gripper has one configuration");
-  using Law = CarryingLaw<R::joints, typename Cycle<R, L, S, G, O>::law_type, typename R::scalar>;
-  using type = Cycle<R, Law, S, G, O>;
+  using Law = CarryingLaw<R::joints, typename Cycle<R, L, S, Parts>::law_type, typename R::scalar>;
+  using type = Cycle<R, Law, S, Parts>;
 };
 /// A change from the configuration `before`.
 template <class Scene, class LawMemory>
@@ -111,7 +111,7 @@ class Configurations {
   using law_type = Law;
   using Goal = typename C::Goal;
   using Sensed = typename C::Sensed;
-  using Input = ConfiguredInput<joints, scalar, Goal, Sensed>;
+  using Input = ConfiguredInput<typename Scene::Input>;
   using Output = typename Scene::Output;  ///< the last share is the difference that is ramped out
   struct Memory : Scene::Memory {
     std::uint32_t configuration;  ///< index of the active one
@@ -186,7 +186,7 @@ class Configurations {
   }
 
   [[nodiscard]] static Scene carrying(const Ramp<scalar>& transfer, const C& c) {
-    return Scene(c.resolver(), c.skin(), Law(c.law(), transfer), c.guard(), c.governor());
+    return Scene(c.resolver(), c.skin(), Law(c.law(), transfer), c.parts());
   }
   SKINCTL_COLD static void check(const C& first, const C& other) {
     const auto same = [](const char* what, auto here, auto there, const char* unit) {
@@ -223,7 +223,7 @@ class Configurations {
   // The active configuration may be another than the payload: by torque each law's gains are checked for the lightest.
   SKINCTL_COLD static void check_masses(const std::array<const C*, Count>& all) {
     using Robot = std::remove_cvref_t<decltype(all[0]->resolver())>;
-    if constexpr (detail::has_one_interface<Robot>) {
+    if constexpr (Robot::is_one_group) {
       if constexpr (Robot::interface == Interface::torque) {
         for (const C* told : all) {
           const auto& shape = told->resolver().shape();

@@ -7,21 +7,22 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// A scene: a robot, its skin, its law. `Cycle(arm, skin, law)` derives resolver and guard from the
-/// description `arm`; `.with(...)` adds limits of jerk, tool speed and contact, and settings of the guard. A
-/// guard or a governor built by hand follows the law in the argument list. All of it is immutable
-/// configuration; the state is a `Memory`. A cycle is a function of memory and input alone, so it can be
+/// description `arm`; `.with(...)` adds parts: limits of jerk, tool speed and contact, settings of the guard. All of it
+/// is immutable configuration; the state is a `Memory`. A cycle is a function of memory and input alone, so it can be
 /// recorded, replayed bit for bit, started at any state and run as fast as the machine can.
 ///
 /// The resolver builds `Quantities` from the union of the needs of law and integrator, at compile time;
 /// nothing else of the model is computed.
+///
+/// @tparam Parts  the list of its parts, a tuple of settings.
 template <class Resolver, class GivenLaw, class GivenSkin = NoSkin,
-          class Watchman = detail::DefaultGuard<Resolver>, class Overseer = detail::DefaultGovernor<Resolver>>
-class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>,
-              public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Watchman, Overseer> {
-  using Loop = detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>;
-  using Loop::governor_;
+          class Parts = detail::DefaultParts<Resolver>>
+class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin>,
+              public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
+  using Loop = detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts>;
   using Loop::guard_;
   using Loop::law_;
+  using Loop::parts_;
   using Loop::resolver_;
   using Loop::skin_;
   using L = typename Loop::L;
@@ -29,57 +30,56 @@ class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin, Watchman, Over
   using Whole = typename Loop::Whole;
 
  public:
-  using Loop::has_surroundings;
   using Loop::joints;
   using scalar = typename Loop::scalar;
   using Input = typename Loop::Input;
   using Output = typename Loop::Output;
   using Memory = typename Loop::Memory;
 
-  /// @param robot  a description (`by_position(...)`), or a resolver built by hand.
-  /// Throws `ConfigurationError` where settings of law or guard differ from the robot's description.
+  /// @param robot  a description (`by_position(...)`), or a resolver.
+  /// Throws `ConfigurationError` where settings of the law differ from the robot's description.
   template <class Robot>
   Cycle(const Robot& robot, Skin skin, const L& law)
-      : Loop(Whole{}, robot, std::move(skin), law, detail::default_guard<Resolver>,
-             detail::default_governor<Resolver>) {}
+      : Loop(Whole{}, robot, std::move(skin), law, detail::default_parts<Parts>()) {}
+  /// With its list of parts.
   template <class Robot>
-  Cycle(const Robot& robot, Skin skin, const L& law, const Watchman& guard)
-      : Loop(Whole{}, robot, std::move(skin), law, Loop::given(guard), detail::default_governor<Resolver>) {}
-  template <class Robot>
-  Cycle(const Robot& robot, Skin skin, const L& law, const Overseer& governor)
-      : Loop(Whole{}, robot, std::move(skin), law, detail::default_guard<Resolver>, Loop::given(governor)) {}
-  template <class Robot>
-  Cycle(const Robot& robot, Skin skin, const L& law, const Watchman& guard, const Overseer& governor)
-      : Loop(Whole{}, robot, std::move(skin), law, Loop::given(guard), Loop::given(governor)) {}
+  Cycle(const Robot& robot, Skin skin, const L& law, const Parts& parts)
+      : Loop(Whole{}, robot, std::move(skin), law, parts) {}
   /// Without skin.
   template <class Robot>
     requires std::is_same_v<Skin, NoSkin>
   Cycle(const Robot& robot, const L& law)
-      : Loop(Whole{}, robot, NoSkin{}, law, detail::default_guard<Resolver>,
-             detail::default_governor<Resolver>) {}
-  template <class Robot, class... ByHand>
-    requires(std::is_same_v<Skin, NoSkin> && sizeof...(ByHand) > 0)
-  Cycle(const Robot& robot, const L& law, const ByHand&... guard_and_governor)
-      : Cycle(robot, NoSkin{}, law, guard_and_governor...) {}
+      : Loop(Whole{}, robot, NoSkin{}, law, detail::default_parts<Parts>()) {}
 
   /// The same scene with more limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`,
   /// `Clearance`, `ClearanceAround`, `SkinWatch`) or with settings of its guard (`GuardSettings`). The order and the
   /// number of calls make no difference: `.with(a).with(b)` is `.with(a, b)`. A scene has one part of each kind, of
   /// `LinkContact` one for each link. Throws `ConfigurationError` for a number out of its range.
-  template <class... Parts>
-  [[nodiscard]] auto with(const Parts&... parts) const {
-    const auto all = std::tuple_cat(detail::parts_in(guard_), detail::parts_in(governor_),
-                                    detail::single(detail::made_for(resolver_, parts))...);
-    constexpr bool once = detail::each_kind_once<std::remove_cv_t<decltype(all)>>;
-    static_assert(once, "with: the scene has a part of this kind already, and takes one of each kind");
-    if constexpr (once) {
-      const auto governor = detail::governor_of(resolver_, all);
-      const auto guard = detail::guard_of(resolver_, all, governor);
-      return Cycle<Resolver, L, Skin, std::remove_cv_t<decltype(guard)>,
-                   std::remove_cv_t<decltype(governor)>>(resolver_, skin_, law_, guard, governor);
+  template <class... Given>
+  [[nodiscard]] auto with(const Given&... given) const {
+    using All = decltype(std::tuple_cat(parts_, std::tuple(given...)));
+    constexpr auto alone = detail::fault_in_parts<Resolver, Given...>();
+    static_assert(sizeof(detail::SayParts<alone>) > 0);
+    if constexpr (alone == detail::PartsFault::none) {
+      constexpr auto together = detail::fault_between_parts<Resolver, Skin, All>();
+      static_assert(sizeof(detail::SayParts<together>) > 0);
+      if constexpr (together == detail::PartsFault::none) {
+        return Cycle<Resolver, L, Skin, All>(resolver_, skin_, law_,
+                                             std::tuple_cat(parts_, std::tuple(given...)));
+      } else {
+        return *this;
+      }
     } else {
       return *this;
     }
+  }
+  /// The same scene without its part of a kind, named by its settings (`without<SkinWatch>()`) or by the kind.
+  template <class Kind>
+  [[nodiscard]] auto without() const {
+    const auto left = detail::without_kind<Kind>(parts_);
+    static_assert(!std::is_same_v<std::remove_const_t<decltype(left)>, Parts>,
+                  "without: the scene has no part of this kind");
+    return Cycle<Resolver, L, Skin, std::remove_const_t<decltype(left)>>(resolver_, skin_, law_, left);
   }
 
   /// The memory with which the scene takes over a robot that reports `measured`: the robot stays there. It is not
@@ -104,27 +104,6 @@ class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin, Watchman, Over
     Memory m{};
     start(m, measured, told);
     return m;
-  }
-
-  /// What the robot's exposed capsules may fill from now on until it stands, if it brakes now: for others that keep
-  /// clear of it. It is at `X_WB` in the world.
-  [[nodiscard]] Surroundings<most_exposed_capsules, World, scalar> occupied(
-      const Memory& m, const Transform<World, Base, scalar>& X_WB) const noexcept
-    requires has_surroundings
-  {
-    Surroundings<most_exposed_capsules, World, scalar> out;
-    auto is = m.robot.measured();
-    is.q += resolver_.gap(m.robot);  // where it really is
-    const auto filled = [&] {
-      if constexpr (detail::has_one_interface<Resolver>) {
-        return governor_.clearance().occupied(m.guard.command, is);
-      } else {
-        return governor_.clearance().occupied(guard_.last(m.guard), is);
-      }
-    }();
-    out.time = filled.time;
-    out.add(X_WB, filled);
-    return out;
   }
 
   /// One cycle: `(memory, input) -> (output, memory')`, the interval being the time since the last one.
@@ -154,8 +133,8 @@ class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin, Watchman, Over
 };
 
 /// For a skin that was given behind the law: the error names its place.
-template <class L, class Skin, class Guard, class Governor>
-class Cycle<detail::SkinBehindLaw, L, Skin, Guard, Governor> {
+template <class L, class Skin, class Parts>
+class Cycle<detail::SkinBehindLaw, L, Skin, Parts> {
   static_assert(!std::is_same_v<L, L>, "order: robot, skin, law; the skin stands before the law");
 
  public:
@@ -163,28 +142,11 @@ class Cycle<detail::SkinBehindLaw, L, Skin, Guard, Governor> {
 };
 template <class R, class L, detail::SkinLike S>
   requires(!detail::SkinLike<L>)
-Cycle(const R&, const L&, const S&) -> Cycle<detail::SkinBehindLaw, L, S, NoGovernor, NoGovernor>;
+Cycle(const R&, const L&, const S&) -> Cycle<detail::SkinBehindLaw, L, S, std::tuple<>>;
 template <class R, detail::SkinLike S, class L>
 Cycle(const R&, const S&, const L&) -> Cycle<detail::ResolverFor<R>, L, S>;
-template <class R, detail::SkinLike S, class L, detail::GuardLike G>
-Cycle(const R&, const S&, const L&, const G&) -> Cycle<detail::ResolverFor<R>, L, S, G>;
-template <class R, detail::SkinLike S, class L, detail::GovernorLike O>
-Cycle(const R&, const S&, const L&, const O&)
-    -> Cycle<detail::ResolverFor<R>, L, S, detail::DefaultGuard<detail::ResolverFor<R>>, O>;
-template <class R, detail::SkinLike S, class L, class G, class O>
-Cycle(const R&, const S&, const L&, const G&, const O&) -> Cycle<detail::ResolverFor<R>, L, S, G, O>;
 template <class R, class L>
   requires(!detail::SkinLike<L>)
 Cycle(const R&, const L&) -> Cycle<detail::ResolverFor<R>, L>;
-template <class R, class L, detail::GuardLike G>
-  requires(!detail::SkinLike<L>)
-Cycle(const R&, const L&, const G&) -> Cycle<detail::ResolverFor<R>, L, NoSkin, G>;
-template <class R, class L, detail::GovernorLike O>
-  requires(!detail::SkinLike<L>)
-Cycle(const R&, const L&, const O&)
-    -> Cycle<detail::ResolverFor<R>, L, NoSkin, detail::DefaultGuard<detail::ResolverFor<R>>, O>;
-template <class R, class L, class G, detail::GovernorLike O>
-  requires(!detail::SkinLike<L>)
-Cycle(const R&, const L&, const G&, const O&) -> Cycle<detail::ResolverFor<R>, L, NoSkin, G, O>;
 
 SKINCTL_END_NAMESPACE

@@ -3,7 +3,6 @@
 
 #include <optional>
 
-#include "skinctl/clearance/surroundings.hpp"
 #include "skinctl/core/gripper.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
@@ -28,9 +27,9 @@ struct NoSensors {};
 /// The input of one cycle. Any bit pattern is allowed in it: unusable values are refused with a reason.
 /// @tparam Sensed  what the sensors of the scene read besides cells, such as `WristInput`.
 /// @tparam Gripper  `GripperState` where the law has a gripper, see `OneGripper`.
-/// @tparam Around   `Surroundings` where the scene stays clear of what moves, see `ClearanceAround`.
+/// Limits of the scene may add to it, such as `around` of `ClearanceAround`.
 template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors,
-          class Gripper = NoGripper, class Around = NoSurroundings>
+          class Gripper = NoGripper>
 struct CycleInput {
   Nanoseconds now{};               ///< the robot's clock: the end of the interval that is integrated
   State<N, T> measured;            ///< the newest state, with its own stamp
@@ -40,7 +39,6 @@ struct CycleInput {
   std::optional<Goal> goal;  ///< for this cycle: a goal, or the next sample of a moving target
   [[no_unique_address]] Sensed sensed{};
   [[no_unique_address]] Gripper gripper{};  ///< what the gripper reported last
-  [[no_unique_address]] Around around{};    ///< what is near the robot
 };
 
 SKINCTL_END_NAMESPACE

@@ -1,8 +1,6 @@
-// Guard and governor of a scene, derived from the description of its robot, and comparison of parts given by
-// hand with that description.
+// Guard and governor of a scene, built from its list of parts.
 #pragma once
 
-#include <array>
 #include <tuple>
 
 #include "skinctl/guard/guard.hpp"
@@ -18,228 +16,139 @@ namespace detail {
 template <class R>
 concept Described = requires { typename ResolverOf<R>::type; };
 
-/// Whether a robot is one group of joints, which have one interface.
-template <class Resolver>
-inline constexpr bool has_one_interface = requires { Resolver::interface; };
+template <class Part>
+concept GivenGuardSettings = std::is_same_v<typename KindOf<Part>::type, GuardPart>;
+/// Settings of a limit, whose `part_for` lies beside them.
+template <class Part, class Robot>
+concept MakesLimit = requires(const Robot& r, const Part& part) { part_for(r.model(), r.limits(), part); };
 
-/// Guard and governor of a robot whose joints are all of one kind. Those of a robot in groups: `cycle/groups.hpp`.
-template <class Resolver>
-struct SceneParts {
-  static constexpr std::size_t joints = Resolver::joints;
-  using T = typename Resolver::scalar;
-  /// With `Smooth`, a guard that brakes within limits of jerk.
-  template <class Smooth = NoPart>
-  using Guard = skinctl::Guard<Resolver::interface, joints, T, Smooth>;
-
-  /// @param more  settings of the guard, then limits of jerk.
-  template <class Smooth = NoPart, class... More>
-  [[nodiscard]] static Guard<Smooth> guard(const Resolver& r, const More&... more) {
-    if constexpr (Resolver::has_virtual) {
-      return Guard<Smooth>(r.parameters().for_guard(), more...);
-    } else {
-      return Guard<Smooth>(r.for_guard(r.limits()), more...);
-    }
-  }
-  /// By torque the limits of the motion are added.
-  template <class... Limits>
-  [[nodiscard]] static auto governor(const Resolver& r, const Limits&... limits) {
-    if constexpr (Resolver::interface == Interface::torque) {
-      using M = std::remove_cvref_t<decltype(r.model())>;
-      return make_governor(r.limits(), limits..., MotionLimits<M, T>(r.model()));
-    } else if constexpr (sizeof...(Limits) > 0) {
-      return make_governor(r.limits(), limits...);
-    } else {
-      return NoGovernor{};
-    }
-  }
-};
-
-/// A guard whose settings nobody has given yet: `Cycle::with` still takes some.
-template <class Guard>
-struct WithDefaults : Guard {
-  explicit WithDefaults(const Guard& guard) : Guard(guard) {}
-};
-template <class Resolver>
-using DefaultGuard = WithDefaults<typename SceneParts<Resolver>::template Guard<>>;
-template <class Resolver>
-[[nodiscard]] auto default_guard(const Resolver& r) {
-  return WithDefaults(SceneParts<Resolver>::guard(r));
-}
-template <class Resolver>
-[[nodiscard]] auto default_governor(const Resolver& r) {
-  return SceneParts<Resolver>::governor(r);
-}
-template <class Resolver>
-using DefaultGovernor = decltype(default_governor(std::declval<const Resolver&>()));
-
-// A part of `with`, built for this robot by its `part_for`, which lies beside it. A part that is built already passes.
-template <class Resolver, class Part>
-[[nodiscard]] auto made_for(const Resolver& r, const Part& part) {
-  if constexpr (requires { part_for(r.model(), r.limits(), part); }) {
-    return part_for(r.model(), r.limits(), part);
+/// The limit of a robot that settings make together; a limit that is built already passes.
+template <class Robot, class Part, class... Others>
+[[nodiscard]] auto limit_of(const Robot& r, const Part& part, const Others&... others) {
+  if constexpr (sizeof...(Others) > 0 || MakesLimit<Part, Robot>) {
+    return part_for(r.model(), r.limits(), part, others...);
   } else {
     return part;
   }
 }
+/// Settings of one family make one limit: the contacts of all links.
 template <class Part>
-inline constexpr bool is_guard_settings = false;
-template <std::size_t N, Real T>
-inline constexpr bool is_guard_settings<GuardSettings<N, T>> = true;
-
-/// A part as a list of single parts: contact limits are one for each link; none for `NoPart`.
+struct FamilyOf {
+  using type = typename KindOf<Part>::type;
+};
 template <class Part>
-[[nodiscard]] auto single(const Part& part) {
-  if constexpr (std::is_same_v<Part, NoPart>) {
-    return std::tuple<>();
-  } else if constexpr (ContactPart<Part>) {
-    return part.settings();
-  } else {
-    return std::tuple(part);
-  }
-}
-/// The parts that a guard or a governor has been given. Limits of a motion by torque belong to the robot.
-template <class Stage>
-[[nodiscard]] auto parts_in(const Stage& stage) {
-  if constexpr (requires { stage.clearance(); }) {
-    return std::tuple_cat(single(stage.jerk()), single(stage.tool()), single(stage.contact()),
-                          single(stage.watch()), single(stage.clearance()));
-  } else if constexpr (requires { stage.settings(); }) {
-    return std::tuple(stage.settings());
-  } else {
-    return std::tuple<>();
-  }
-}
-template <class Guard>
-[[nodiscard]] std::tuple<> parts_in(const WithDefaults<Guard>&) {
-  return {};
-}
-
-/// Whether both are of one kind, of which a scene has at most one.
-template <class A, class B>
-inline constexpr bool same_kind = [] {
-  if constexpr (is_link_contact<A> && is_link_contact<B>) {
-    return A::link == B::link;
-  } else {
-    return (JerkPart<A> && JerkPart<B>) || (ToolPart<A> && ToolPart<B>) || (WatchPart<A> && WatchPart<B>) ||
-           (ClearancePart<A> && ClearancePart<B>) || (is_guard_settings<A> && is_guard_settings<B>);
-  }
-}();
-template <class Part, class... All>
-inline constexpr int count_of_kind = (0 + ... + int(same_kind<Part, All>));
-template <class Parts>
-inline constexpr bool each_kind_once = false;
-template <class... Parts>
-inline constexpr bool each_kind_once<std::tuple<Parts...>> = ((count_of_kind<Parts, Parts...> <= 1) && ...);
+  requires requires { typename Part::Family; }
+struct FamilyOf<Part> {
+  using type = typename Part::Family;
+};
+template <class Part, class Family>
+inline constexpr bool is_of = std::is_same_v<typename FamilyOf<Part>::type, Family>;
 
 /// A list of the part, if `Take` says so; else an empty one.
 template <bool Take, class Part>
 [[nodiscard]] auto if_taken([[maybe_unused]] const Part& part) {
   if constexpr (Take) {
-    return std::tuple(part);
+    return std::tuple<const Part&>(part);
   } else {
     return std::tuple<>();
   }
 }
-/// Contact limits of the links, in their order; no part without links.
-template <class Resolver, class... Contacts>
-[[nodiscard]] auto joined(const Resolver& r, const std::tuple<Contacts...>& contacts) {
-  if constexpr (sizeof...(Contacts) == 0) {
-    return contacts;
+/// The limits of a robot that `parts` make, from the place `K` on; each family where its first part stands.
+template <std::size_t K = 0, class Robot, class... Parts>
+[[nodiscard]] auto limits_of_parts(const Robot& r, const std::tuple<Parts...>& parts) {
+  if constexpr (K == sizeof...(Parts)) {
+    return std::tuple<>();
   } else {
-    constexpr auto order = [] {
-      constexpr std::array<std::size_t, sizeof...(Contacts)> links{Contacts::link...};
-      std::array<std::size_t, sizeof...(Contacts)> out{};
-      for (std::size_t i = 0; i < links.size(); ++i) {
-        std::size_t before = 0;
-        for (const std::size_t link : links)
-          if (link < links[i]) ++before;
-        out[before] = i;
-      }
-      return out;
-    }();
-    return [&]<std::size_t... K>(std::index_sequence<K...>) {
-      return std::tuple(
-          contact_limits<typename Resolver::scalar>(r.model(), std::get<order[K]>(contacts)...));
-    }(std::index_sequence_for<Contacts...>{});
-  }
-}
-/// A governor of the parts that are limits, the contacts of all links joined into one.
-template <class Resolver, class... Parts>
-[[nodiscard]] auto governor_of(const Resolver& r, const std::tuple<Parts...>& parts) {
-  return std::apply(
-      [&](const auto&... p) {
-        const auto contacts = std::tuple_cat(if_taken<is_link_contact<Parts>>(p)...);
-        const auto others =
-            std::tuple_cat(if_taken < !is_link_contact<Parts> && !is_guard_settings < Parts >> (p)...);
-        return std::apply([&](const auto&... limit) { return SceneParts<Resolver>::governor(r, limit...); },
-                          std::tuple_cat(others, joined(r, contacts)));
-      },
-      parts);
-}
-/// A guard with the settings among the parts; it brakes within the limits of jerk of `governor`, if there are some.
-template <class Resolver, class... Parts, class Governor>
-[[nodiscard]] auto guard_of(const Resolver& r, const std::tuple<Parts...>& parts, const Governor& governor) {
-  using Settings = typename SceneParts<Resolver>::template Guard<>::Settings;
-  static_assert(((!is_guard_settings<Parts> || std::is_same_v<Parts, Settings>) && ...),
-                "GuardSettings: of another robot or scalar");
-  const auto with = [&](const Settings& settings) {
-    if constexpr (requires { requires Governor::has_jerk; }) {
-      using Smooth = std::remove_cvref_t<decltype(governor.jerk())>;
-      return SceneParts<Resolver>::template guard<Smooth>(r, settings, governor.jerk());
+    using Part = std::tuple_element_t<K, std::tuple<Parts...>>;
+    using Family = typename FamilyOf<Part>::type;
+    constexpr std::size_t first = place_of<sizeof...(Parts)>({is_of<Parts, Family>...});
+    if constexpr (GivenGuardSettings<Part> || first < K) {
+      return limits_of_parts<K + 1>(r, parts);
     } else {
-      return SceneParts<Resolver>::guard(r, settings);
+      const auto together = std::apply(
+          [](const auto&... p) { return std::tuple_cat(if_taken<is_of<Parts, Family>>(p)...); }, parts);
+      return std::tuple_cat(
+          std::tuple(std::apply([&](const auto&... p) { return limit_of(r, p...); }, together)),
+          limits_of_parts<K + 1>(r, parts));
     }
-  };
-  if constexpr ((std::is_same_v<Parts, Settings> || ...)) {
-    return with(std::get<Settings>(parts));
-  } else {
-    return WithDefaults(with(Settings{}));
   }
+}
+/// The governor of a scene.
+template <class Robot, class... Parts>
+[[nodiscard]] auto governor_of(const Robot& r, const std::tuple<Parts...>& parts) {
+  return std::apply(
+      [&](const auto&... limit) {
+        return make_governor<typename Robot::JointSets>(r.model(), r.limits(), limit...);
+      },
+      limits_of_parts(r, parts));
+}
+template <class Robot, class Parts>
+using GovernorOf = decltype(governor_of(std::declval<const Robot&>(), std::declval<const Parts&>()));
+
+/// What decides how the joints of a scene move: a guard brakes by it.
+template <class Governor>
+[[nodiscard]] auto mover_of(const Governor& governor) {
+  if constexpr (Governor::smooth) {
+    return governor.mover();
+  } else {
+    return Abrupt{};
+  }
+}
+/// The guard of a scene, with the settings among its parts.
+template <class Robot, class... Parts, class Governor>
+[[nodiscard]] auto guard_of(const Robot& r, const std::tuple<Parts...>& parts, const Governor& governor) {
+  using Settings = GuardSettings<Robot::joints, typename Robot::scalar>;
+  static_assert(((!GivenGuardSettings<Parts> || std::is_same_v<Parts, Settings>) && ...),
+                "GuardSettings: of another robot or scalar");
+  const auto mover = mover_of(governor);
+  using Made = Guard<Robot, std::remove_const_t<decltype(mover)>>;
+  if constexpr ((std::is_same_v<Parts, Settings> || ...)) {
+    return Made(r, std::get<Settings>(parts), mover);
+  } else {
+    return Made(r, Settings{}, mover);
+  }
+}
+template <class Robot, class Parts>
+using GuardOf = decltype(guard_of(std::declval<const Robot&>(), std::declval<const Parts&>(),
+                                  std::declval<const GovernorOf<Robot, Parts>&>()));
+
+/// The parts that a scene of a robot has before any is given.
+template <class Robot>
+using DefaultParts = std::conditional_t<Robot::has_driven,
+                                        std::tuple<WithinJointLimits<typename Robot::Driven>>, std::tuple<>>;
+
+/// The default value of such a list.
+template <class Parts>
+[[nodiscard]] Parts default_parts() {
+  return {};
 }
 
-/// Faults of a guard that is given by hand.
-enum class GuardFault { none, interface, joints, scalar };
-template <class Guard, class Resolver>
-consteval GuardFault fault_in_guard() {
-  if constexpr (requires {
-                  { Guard::interface } -> std::convertible_to<Interface>;
-                  { Resolver::interface } -> std::convertible_to<Interface>;
-                }) {
-    if (Guard::interface != Resolver::interface) return GuardFault::interface;
-    if (Guard::joints != Resolver::joints) return GuardFault::joints;
-    if (!std::is_same_v<typename Guard::scalar, typename Resolver::scalar>) return GuardFault::scalar;
-  }
-  return GuardFault::none;
+template <class Part, class... All>
+inline constexpr int count_of_kind = (0 + ... + int(of_kind<Part, All>));
+/// Whether there is at most one part of each kind.
+template <class Parts>
+inline constexpr bool each_kind_once = false;
+template <class... Parts>
+inline constexpr bool each_kind_once<std::tuple<Parts...>> = ((count_of_kind<Parts, Parts...> <= 1) && ...);
+/// `parts` without those of the kind.
+template <class Kind, class... Parts>
+[[nodiscard]] auto without_kind(const std::tuple<Parts...>& parts) {
+  return std::apply(
+      [](const auto&... p) {
+        const auto left = std::tuple_cat(if_taken<!of_kind<Parts, Kind>>(p)...);
+        return std::apply([](const auto&... l) { return std::tuple(l...); }, left);
+      },
+      parts);
 }
 
 /// Throws `ConfigurationError` with both values where two parts of a scene state a fact differently.
 SKINCTL_COLD inline void require_same(const char* what, double here, double there, const char* unit,
-                                      const char* where = "in the guard",
-                                      const char* elsewhere = "in the robot's description") {
+                                      const char* where, const char* elsewhere) {
   if (here == there) return;
   char text[192];
   std::snprintf(text, sizeof text, "skinctl: %s: %.9g %s %s, %.9g %s %s", what, here, unit, where, there,
                 unit, elsewhere);
   refuse(text);
-}
-template <class Guard, class Resolver>
-SKINCTL_COLD void compare(const Guard& guard, const Resolver& resolver) {
-  if constexpr (requires { guard.limits(); } && fault_in_guard<Guard, Resolver>() == GuardFault::none) {
-    const auto& ours = guard.limits();
-    const auto& theirs = resolver.limits();
-    const auto number = [](const auto& x) { return static_cast<double>(x); };
-    for (std::size_t i = 0; i < Resolver::joints; ++i) {
-      require_same("lower position limit", number(ours.lower()[i]), number(theirs.lower()[i]), "rad");
-      require_same("upper position limit", number(ours.upper()[i]), number(theirs.upper()[i]), "rad");
-      require_same("velocity limit", number(ours.velocity()[i]), number(theirs.velocity()[i]), "rad/s");
-      require_same("acceleration limit", number(ours.acceleration()[i]), number(theirs.acceleration()[i]),
-                   "rad/s^2");
-      require_same("torque limit", number(ours.torque()[i]), number(theirs.torque()[i]), "N m");
-    }
-    require_same("period", milliseconds(guard.period()), milliseconds(resolver.period()), "ms");
-    require_same("longest interval", milliseconds(guard.longest_interval()),
-                 milliseconds(resolver.longest_interval()), "ms");
-  }
 }
 
 }  // namespace detail

@@ -1,387 +1,186 @@
 // The guard: the last stage before a command leaves.
 #pragma once
 
-#include <optional>
+#include <tuple>
 
-#include "skinctl/core/command.hpp"
-#include "skinctl/core/contract.hpp"
-#include "skinctl/core/measurement.hpp"
-#include "skinctl/core/state.hpp"
-#include "skinctl/guard/faults.hpp"
-#include "skinctl/limits/detail/parts.hpp"
-#include "skinctl/resolver/interval.hpp"
-#include "skinctl/robot/robot_configuration.hpp"
+#include "skinctl/core/detail/plain_tuple.hpp"
+#include "skinctl/guard/joint_guard.hpp"
+#include "skinctl/robot/joint_groups.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Settings of a guard beyond the robot's description; each has a usable default.
-template <std::size_t N, Real T = double>
-struct GuardSettings {
-  /// Age of the robot's newest state at which the command begins to brake; default: 25 periods.
-  std::optional<Nanoseconds> stale_after = {};
-  /// Largest distance [rad] of a start from the first measured position, and by position of every command from the
-  /// measured one. Default: the largest lead and the dead band, e_max + r_tol; for commands, which have to be able to
-  /// stop within it, the way of a stop from top speed more.
-  std::optional<JointPosition<N, T>> lead = {};
-  /// Torque interface: fastest change of a torque, in units of the torque limit per second; also the rate of
-  /// the change to the fallback.
-  T torque_rate = T(50);
-  /// Largest distance beyond a position limit at which a measured position is accepted [rad], [m].
-  T beyond = T(1);
-  /// Largest measured velocity that is accepted, in units of the velocity limit.
-  T overspeed = T(10);
-  /// Reasons of other stages on which the command brakes, in addition to those of the table: for example
-  /// `sample_stale`, for a robot that must not move unless all of its skin reports.
-  Status brakes_on = {};
-  /// Reasons after which the motion goes on only on request, in addition to those of the table: for example
-  /// `state_stale`.
-  Status consent = {};
-};
-
-/// The memory of a guard: the last command that it passed. Trivially copyable.
-template <std::size_t N, Real T = double>
-struct GuardMemory {
-  Nanoseconds time{};
-  Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
-  JointCommand<N, T> command;         ///< the last one; not valid after a start that is refused
-  Status latched;                     ///< faults that wait for the user's consent
-  bool begun = false;                 ///< a measured state has shown the robot where it was started
-};
-
-/// The command that the guard passes; `altered` means that it differs from the one given (the resolver must
-/// learn of it, see `Resolver::sent`).
-template <std::size_t N, Real T = double>
-struct Guarded {
-  JointCommand<N, T> command;
-  Status status;
-  bool altered = false;
-};
-
-/// Passes a command unchanged if it is finite, if the robot's state is fresh, if no stage found a fault, and
-/// if a motion from the last command to it exists within the limits of acceleration and velocity, after which
-/// the joint can still stop before its end. Otherwise it reacts in the same cycle, as the table `faults`
-/// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback.
+/// The guard of a robot: a `JointGuard` for each group of joints by position or velocity of its `Resolver`, and one for
+/// the joints by torque. Each reacts to faults of its own joints and to those that other stages found; a fault of one
+/// that waits for consent stops all, by the resolver, until `acknowledge`. Limits and periods are the resolver's; the
+/// settings are those of the whole robot.
 ///
-/// With `JerkLimits` as `Smooth` the guard brakes within them: a motion that can be stopped within its jerk
-/// keeps it (a governor with the same limits sends no other); for others the limits give way as that class
-/// documents (`jerk_exceeded`). Whether a command keeps its jerk is left to the governor: the guard checks
-/// acceleration, velocity and position.
-///
-/// Most reactions end by themselves, once the given command can be reached within the limits; the resolver
-/// goes on from the command that was sent. After a `stop` the guard waits for `acknowledge`
-/// (`consent_awaited`). It never steps and never gives a number that is not finite, whatever the input.
-///
-/// A start is not believed: no command is valid before the first good and fresh state of the robot, which decides. The
-/// start is refused (`start_refused`), and no command is valid until a guard is started again, if a joint
-///
-/// - is further than e_max + r_tol (`GuardSettings::lead`) from where it was started, or than r_tol if that is beyond a
-///   position limit;
-/// - has another speed than that of the start, by more than its acceleration changes in T and what counts as rest
-///   (`RobotConfiguration::resting_speed`).
-template <Interface I, std::size_t N, Real T = double, class Smooth = detail::NoPart>
+/// @tparam Mover  `Abrupt`, or a limit that decides how joints move: then they brake as it says.
+template <class Robot, class Mover = Abrupt>
 class Guard {
  public:
-  static constexpr bool smooth = detail::JerkPart<Smooth>;
-  static_assert(smooth || std::is_same_v<Smooth, detail::NoPart>,
-                "a guard brakes within JerkLimits or without");
-  static_assert(!smooth || I != Interface::torque,
-                "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
-  static constexpr Interface interface = I;
-  static constexpr std::size_t joints = N;
-  using scalar = T;
-  using Settings = GuardSettings<N, T>;
-  using Memory = GuardMemory<N, T>;
+  static constexpr std::size_t joints = Robot::joints;
+  using scalar = typename Robot::scalar;
+  static constexpr bool smooth = !std::is_same_v<Mover, Abrupt> && Robot::has_virtual;
+  using Driven = typename Robot::Driven;
+  using T = scalar;
+  using Settings = GuardSettings<joints, T>;
+  using Command = JointCommand<joints, T>;
 
-  /// Throws `ConfigurationError` for a number out of its range.
-  ///
-  /// @param robot    limits, period and longest interval are read.
-  /// @param braking  the same limits of the joints with limits of jerk, if the guard has them.
-  explicit Guard(const RobotConfiguration<N, T>& robot, const Settings& c = {},
-                 const Smooth& braking = Smooth())
-      : limits_(robot.limits),
-        period_(robot.period),
-        longest_(robot.longest()),
-        stale_after_(c.stale_after.value_or(robot.period < 400ms ? 25 * robot.period : Nanoseconds(10s))),
-        settings_(c),
-        start_distance_(c.lead.value_or(robot.largest_distance())),
-        lead_(c.lead ? start_distance_
-                     : start_distance_ + Distance(limits_.stopping_distance(limits_.velocity()))),
-        dead_band_(robot.tolerance_of_lag()),
-        speed_change_(
-            integrate(robot.resting_speed(), robot.limits.acceleration(), seconds<T>(robot.total_delay()))),
-        torque_rate_(c.torque_rate),
-        beyond_(c.beyond),
-        overspeed_(c.overspeed),
-        acts_on_(c.brakes_on | detail::guard_brakes_on),
-        consent_(c.consent | detail::guard_waits_after),
-        braking_(braking) {
-    const auto number = [](const auto& x) { return static_cast<double>(x); };
-    require(period_ >= 100us && period_ <= 1s, "period", milliseconds(period_), "0.1 to 1000 ms");
-    require(longest_ >= period_ && longest_ <= 10s, "longest interval", milliseconds(longest_),
-            ">= period, <= 10 000 ms");
-    require(stale_after_ >= period_ && stale_after_ <= 10s, "stale after", milliseconds(stale_after_),
-            ">= period, <= 10 000 ms");
-    require(torque_rate_ > T(0) && torque_rate_ <= T(1e6), "torque rate", number(torque_rate_),
-            "> 0, <= 1e6 1/s");
-    require(beyond_ >= T(0), "beyond", number(beyond_), ">= 0 rad");
-    require(overspeed_ >= T(1), "overspeed", number(overspeed_), ">= 1");
-    for (std::size_t i = 0; i < N; ++i) require(lead_[i] > T(0), "lead", number(lead_[i]), "> 0 rad");
+ private:
+  template <std::size_t K>
+  using Set = typename Robot::template Part<K>;
+  template <std::size_t K>
+  using Braking = decltype(std::declval<const Mover&>().template set<Set<K>>());
+  template <std::size_t K>
+  using Stiff = JointGuard<Robot::template Group<K>::interface, Set<K>::count, T, Braking<K>>;
+  template <class Indices>
+  struct Each;
+  template <std::size_t... K>
+  struct Each<std::index_sequence<K...>> {
+    using Guards = std::tuple<Stiff<K>...>;
+    using Memory = detail::PlainTuple<GuardMemory<Set<K>::count, T>...>;
+    static Guards make(const Robot& r, const Settings& s, const Mover& mover) {
+      return Guards(Stiff<K>(r.template parameters<K>().for_guard(), s.template part<Set<K>>(),
+                             mover.template set<Set<K>>())...);
+    }
+  };
+  using All = Each<std::make_index_sequence<Robot::stiff_groups>>;
+  struct Nothing {};
+  /// Whether one guard is that of the whole robot.
+  static constexpr bool is_one = Robot::is_one_group;
+
+ public:
+  /// Trivially copyable.
+  struct Memory {
+    [[no_unique_address]] typename All::Memory stiff;
+    [[no_unique_address]] std::conditional_t<Robot::has_driven, GuardMemory<Driven::count, T>, Nothing>
+        driven;
+  };
+
+  /// Throws `ConfigurationError` as `JointGuard`.
+  explicit Guard(const Robot& robot, const Settings& settings = {}, const Mover& mover = {})
+      : settings_(settings), stiff_(All::make(robot, settings, mover)), driven_(driven_of(robot, settings)) {}
+
+  [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
+  /// The guard of a robot that is one group.
+  [[nodiscard]] SKINCTL_INLINE const auto& only() const noexcept
+    requires(is_one)
+  {
+    if constexpr (Robot::has_driven) {
+      return driven_;
+    } else {
+      return std::get<0>(stiff_);
+    }
   }
 
-  [[nodiscard]] const JointLimits<N, T>& limits() const noexcept { return limits_; }
-  [[nodiscard]] Nanoseconds period() const noexcept { return period_; }
-  [[nodiscard]] Nanoseconds longest_interval() const noexcept { return longest_; }
-  [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
-
-  /// Takes over a robot with the command `command` in the state `measured`. For a command that is not valid
-  /// or not plausible, or a state that this robot cannot have, nothing passes until a guard is started with good ones.
-  [[nodiscard]] SKINCTL_COLD Memory start(const JointCommand<N, T>& command,
-                                          const State<N, T>& measured) const noexcept {
+  /// As `JointGuard::start`, for all groups.
+  [[nodiscard]] SKINCTL_COLD Memory start(const Command& command,
+                                          const State<joints, T>& measured) const noexcept {
     Memory m;
-    m.command = command;
-    m.time = command.time;
-    m.command.valid = command.valid && detail::is_plausible(command) && detail::is_plausible(measured) &&
-                      believes(measured) && detail::is_plausible(command.time) &&
-                      detail::is_plausible(measured.time);
+    each(m, [&]<class S>(S, const auto& guard, auto& memory) {
+      memory = guard.start(part_of<S>(command), part_of<S>(measured));
+    });
     return m;
   }
 
-  /// The command that may leave at `now`.
-  ///
-  /// @param measured  the last good state of the robot, as its resolver keeps it, or `take_measurement`.
-  /// @param fallback  torque interface: the torque without a valid one, such as gravity compensation with
-  ///                  damping. Not finite: zero.
-  /// @param found     reasons of other stages in this cycle, and of the loop before it.
-  SKINCTL_INLINE Guarded<N, T> step(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
-                                    Nanoseconds now, const JointTorque<N, T>& fallback = {},
-                                    Status found = {}) const noexcept {
-    m.latched |= found & consent_;
-    if (!m.begun) [[unlikely]]
-      if (const auto refused = begin(m, measured, now, found); !m.begun) return refused;
-    SKINCTL_EXPECTS(detail::is_plausible(measured), "the last good state: see take_measurement");
-    Status status;
-    if (now == m.time) [[unlikely]] {
-      if (m.latched.any()) status |= Reason::consent_awaited;
-      return {m.command, status | Reason::interval_empty, !(wish.time == now)};
-    }
-    const Interval interval = detail::interval_since(true, m.time, m.odd, now, longest_);
-    m.odd = detail::odd_time_of(interval);
-    status |= interval.status;
-    Nanoseconds elapsed = period_;
-    if (!status.has(Reason::time_backwards)) [[likely]] {
-      // A clock that was just set vouches for no more than a period.
-      elapsed = interval.clock_set ? period_ : interval.to - interval.from;
-      m.time = now;
-      if (now - measured.time > stale_after_) status |= Reason::state_stale;
-    }
-    const bool good = !status.has(Reason::time_backwards) && !status.has(Reason::state_stale) &&
-                      !(found & acts_on_).any() && !((status & consent_) | m.latched).any();
-    const bool finite = wish.valid && detail::is_plausible(wish);
-    if (!finite) status |= Reason::command_not_finite;
-    const T dt = seconds<T>(elapsed);
-    if constexpr (I == Interface::torque) {
-      return let_out(m, turn_torque(m, wish, measured, good && finite, fallback, dt, status));
+  /// The command that may leave at `now`, as `JointGuard::step`.
+  SKINCTL_INLINE Guarded<joints, T> step(Memory& m, const Command& wish, const State<joints, T>& measured,
+                                         Nanoseconds now, const JointTorque<joints, T>& fallback = {},
+                                         Status found = {}) const noexcept {
+    if constexpr (is_one) {
+      return only().step(only(m), wish, measured, now, fallback, found);
     } else {
-      if (good && finite && wish.time == now && can_send(m, wish, measured, dt, status)) [[likely]] {
-        m.command.assign(wish);
-        return {wish.copy(), status, false};
-      }
-      return let_out(m, brake(m, measured, dt, status));
+      Guarded<joints, T> out{wish, {}, false};
+      out.command.valid = true;
+      each(m, [&]<class S>(S, const auto& guard, auto& memory) {
+        const auto one =
+            guard.step(memory, part_of<S>(wish), part_of<S>(measured), now, S::of(fallback), found);
+        out.status |= one.status;
+        out.altered = out.altered || one.altered;
+        out.command.time = one.command.time;
+        out.command.valid = out.command.valid && one.command.valid;
+        put_part<S>(one.command, out.command);
+      });
+      return out;
     }
   }
 
-  /// The user's consent: latched faults end, unless they are still present.
-  void acknowledge(Memory& m) const noexcept { m.latched = {}; }
-  /// Whether the command waits for consent.
-  [[nodiscard]] static bool waits(const Memory& m) noexcept { return m.latched.any(); }
+  /// The last command that left.
+  [[nodiscard]] SKINCTL_INLINE decltype(auto) last(const Memory& m) const noexcept {
+    if constexpr (is_one) {
+      return (only(m).command);
+    } else {
+      Command out;
+      out.valid = true;
+      each(m, [&]<class S>(S, const auto&, const auto& memory) {
+        out.time = memory.command.time;
+        out.valid = out.valid && memory.command.valid;
+        put_part<S>(memory.command, out);
+      });
+      return out;
+    }
+  }
+  /// The user's consent, to all: latched faults end, unless they are still present.
+  void acknowledge(Memory& m) const noexcept {
+    each(m, [](auto, const auto& guard, auto& memory) { guard.acknowledge(memory); });
+  }
+  /// Whether a command waits for consent.
+  [[nodiscard]] SKINCTL_INLINE bool waits(const Memory& m) const noexcept {
+    bool any = false;
+    each(m, [&](auto, const auto& guard, const auto& memory) { any = any || guard.waits(memory); });
+    return any;
+  }
   /// Whether nothing passes until a guard is started anew.
-  [[nodiscard]] static bool refuses_start(const Memory& m) noexcept { return !m.command.valid; }
-
-  /// Whether this robot can be in the state `s`: within `beyond` of its ends, below `overspeed`. NaN:
-  /// false.
-  [[nodiscard]] SKINCTL_INLINE bool believes(const State<N, T>& s) const noexcept {
-    using R = detail::Row<N, T>;
-    const R q = s.q, dq = s.dq, fast = overspeed_ * R(limits_.velocity());
-    const auto can = (q >= R(limits_.lower()) - beyond_) & (q <= R(limits_.upper()) + beyond_) &
-                     (dq >= -fast) & (dq <= fast);
-    return !any(!can);
+  [[nodiscard]] SKINCTL_INLINE bool refuses_start(const Memory& m) const noexcept {
+    bool any = false;
+    each(m, [&](auto, const auto& guard, const auto& memory) { any = any || guard.refuses_start(memory); });
+    return any;
+  }
+  /// Whether this robot can be in the state `s`.
+  [[nodiscard]] SKINCTL_INLINE bool believes(const State<joints, T>& s) const noexcept {
+    if constexpr (is_one) {
+      return only().believes(s);
+    } else {
+      bool all = true;
+      Robot::each([&](auto k) { all = all && std::get<k.value>(stiff_).believes(part_of<Set<k.value>>(s)); });
+      if constexpr (Robot::has_driven) all = all && driven_.believes(part_of<Driven>(s));
+      return all;
+    }
   }
 
  private:
-  using Size = std::size_t;
-  using Distance = JointPosition<N, T>;
-  // The first good state of the robot decides whether it stands where it was started.
-  SKINCTL_COLD Guarded<N, T> begin(Memory& m, const State<N, T>& measured, Nanoseconds now,
-                                   Status found) const noexcept {
-    Guarded<N, T> out{m.command, {}, true};
-    out.command.valid = false;
-    if (!detail::is_plausible(now)) {
-      out.status = Reason::time_backwards;
-    } else if (now - measured.time > stale_after_) {
-      out.status = Reason::state_stale;
-    }
-    if (!((found | out.status) & detail::no_new_state).any())
-      m.command.valid = m.begun = m.command.valid && stands_at(m.command, measured);
-    if (!m.command.valid) out.status |= Reason::start_refused;
-    m.latched |= out.status & consent_;
-    if (m.latched.any()) out.status |= Reason::consent_awaited;
-    return out;
-  }
-  SKINCTL_COLD bool stands_at(const JointCommand<N, T>& start, const State<N, T>& measured) const noexcept {
-    using R = detail::Row<N, T>;
-    const R at = start.position, u = start.velocity, q = measured.q, dq = measured.dq, far = start_distance_;
-    const R next = at + R(seconds<T>(period_)) * u;  // the first command is between
-    const auto outside = (at > R(limits_.upper())) | (at < R(limits_.lower()));
-    const R most = select(outside, smaller(far, R(dead_band_)), far);
-    return all((magnitude(at - q) <= most) & (magnitude(next - q) <= most) &
-               (magnitude(u - dq) <= R(speed_change_)));
-  }
-  /// Factor for rounding at a limit.
-  static SKINCTL_INLINE T slack() noexcept { return T(1) + T(1024) * std::numeric_limits<T>::epsilon(); }
+  using DrivenGuard =
+      std::conditional_t<Robot::has_driven, JointGuard<Interface::torque, Driven::count, T>, Nothing>;
 
-  /// Room of a command: of a position to the limits and to its largest distance from the measured one; of a
-  /// velocity from the robot's position, its present motion included.
-  SKINCTL_INLINE JointRoom<N, T> room(const State<N, T>& measured,
-                                      const JointPosition<N, T>& command) const noexcept {
-    using R = detail::Row<N, T>;
-    const R q = measured.q;
-    auto room = limits_.room(I == Interface::position ? command : measured.q);
-    if constexpr (I == Interface::position) {
-      const R ahead = R(command) - q, lead = lead_;
-      smaller(room.above, lead - ahead).store(room.above);
-      smaller(room.below, lead + ahead).store(room.below);
+  [[nodiscard]] static DrivenGuard driven_of([[maybe_unused]] const Robot& robot,
+                                             [[maybe_unused]] const Settings& settings) {
+    if constexpr (Robot::has_driven) {
+      return DrivenGuard(robot.for_guard(robot.limits().template part<Driven>()),
+                         settings.template part<Driven>());
     } else {
-      const R on = R(measured.dq) * R(seconds<T>(longest_)), zero = T(0);
-      (R(room.above) - select(on < zero, on, zero)).store(room.above);
-      (R(room.below) + select(on > zero, on, zero)).store(room.below);
-    }
-    return room;
-  }
-
-  /// Whether the command may be sent. A position is held until the next one comes, so that the robot carries
-  /// it out in a period, whatever time has passed: it is at most that far from the last one.
-  SKINCTL_INLINE bool can_send(const Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
-                               const T& dt, Status& status) const noexcept {
-    const T cycle = seconds<T>(period_);
-    T span = dt;
-    if (I == Interface::position && dt > cycle && !within_period(m, wish, cycle)) [[unlikely]]
-      span = cycle;
-    for (;; span = cycle) {  // all of the time, or a period of it
-      Status found;
-      if (can_reach(m, wish, measured, span, found)) [[likely]]
-        return true;
-      if (I != Interface::position || !(span > cycle)) return status |= found, false;
+      return {};
     }
   }
-  /// Whether the command is no farther from the last one than the joints get in a period.
-  SKINCTL_COLD bool within_period(const Memory& m, const JointCommand<N, T>& wish,
-                                  const T& cycle) const noexcept {
-    using R = detail::Row<N, T>;
-    const R from = m.command.position, moved = R(wish.position) - from,
-            eps = std::numeric_limits<T>::epsilon();
-    const R most = T(cycle * slack()) * R(limits_.velocity()) + T(16) * eps * magnitude(from);
-    return all(magnitude(moved) <= most);
-  }
-
-  /// Whether a motion within the limits leads from the last command to `wish` in `dt`, and leaves room to
-  /// stop or brakes with the full acceleration limit.
-  SKINCTL_INLINE bool can_reach(const Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
-                                const T& dt, Status& status) const noexcept {
-    using R = detail::Row<N, T>;
-    const auto& last = m.command;
-    const auto left = room(measured, wish.position);
-    const R eps = std::numeric_limits<T>::epsilon(), wide = slack(), zero = T(0);
-    const R limit = limits_.velocity(), a = limits_.acceleration(), above = left.above, below = left.below;
-    const R u0 = last.velocity, u = wish.velocity, du = u - u0, from = last.position, to = wish.position;
-    const R q = magnitude(to) + magnitude(from), rounding = T(16) * eps * q;
-    const R most = a * R(T(dt * slack())) + T(4) * eps * limit;
-    auto steps = (magnitude(u) > limit * wide) & (magnitude(u) > magnitude(u0));
-    steps = steps | (magnitude(du) > most);
-    const R stop = T(T(1) / slack()) * limits_.stopping_distance(u) - T(16) * eps * (R(T(1)) + q);
-    const auto rushes = !(magnitude(u) <= magnitude(u0) - (T(2) * a * R(dt) - most));
-    auto outside = rushes & (((u > zero) & (stop > above)) | ((u < zero) & (stop > below)));
-    if constexpr (I == Interface::position) {
-      // Within its acceleration limit, a joint reaches this far to both sides of the position of the mean
-      // speed.
-      const R moved = to - from, straight = R(T(T(0.5) * dt)) * (u0 + u);
-      const R aside = T(0.25) * (a * R(T(dt * dt * slack()))) - T(0.5) * limits_.stopping_distance(du);
-      steps = steps | (magnitude(moved - straight) > select(aside > zero, aside, zero) + rounding);
-      outside =
-          outside | ((above < -rounding) & (moved > rounding)) | ((below < -rounding) & (-moved > rounding));
+  template <class M>
+  [[nodiscard]] static SKINCTL_INLINE auto& only(M& m) noexcept {
+    if constexpr (Robot::has_driven) {
+      return m.driven;
+    } else {
+      return detail::element<0>(m.stiff);
     }
-    const bool too_far = any(steps), beyond = any(outside);
-    if (too_far) status |= Reason::step_limited;
-    if (beyond) status |= Reason::outside_limits;
-    return !too_far && !beyond;
+  }
+  /// Calls `f(set, guard, memory)` for each group.
+  template <class M, class F>
+  SKINCTL_INLINE void each(M& m, F&& f) const noexcept {
+    Robot::each([&](auto k) SKINCTL_INLINE_LAMBDA {
+      f(Set<k.value>{}, std::get<k.value>(stiff_), detail::element<k.value>(m.stiff));
+    });
+    if constexpr (Robot::has_driven) f(Driven{}, driven_, m.driven);
   }
 
-  SKINCTL_INLINE Guarded<N, T> let_out(Memory& m, Guarded<N, T> out) const noexcept {
-    m.latched |= out.status & consent_;
-    if (m.latched.any()) [[unlikely]]
-      out.status |= Reason::consent_awaited;
-    out.command.time = m.time;
-    out.command.valid = true;
-    m.command.assign(out.command);
-    return out;
-  }
-
-  SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const State<N, T>& measured, const T& elapsed,
-                                   Status status) const noexcept {
-    const T cycle = seconds<T>(period_);
-    const T dt = I == Interface::position && elapsed > cycle ? cycle : elapsed;
-    Guarded<N, T> out{m.command, status, true};
-    const auto& last = m.command;
-    if constexpr (smooth) {
-      const auto motion = braking_.brake(room(measured, last.position), last.velocity, last.acceleration, dt);
-      out.status |= motion.status & Status(Reason::jerk_exceeded);
-      for (Size i = 0; i < N; ++i) {
-        const T q = last.position[i], to = q + motion.displacement[i];
-        const bool passed = (to > limits_.upper()[i] && q <= limits_.upper()[i]) ||
-                            (to < limits_.lower()[i] && q >= limits_.lower()[i]);
-        out.command.position[i] =
-            passed ? detail::clamp(to, limits_.lower()[i], limits_.upper()[i]) : to;  // rounding
-      }
-      out.command.velocity = motion.velocity;
-      out.command.acceleration = motion.acceleration;
-      return out;
-    }
-    const auto motion = limits_.move(room(measured, last.position), last.velocity, JointVelocity<N, T>{}, dt);
-    for (Size i = 0; i < N; ++i) {
-      out.command.position[i] = last.position[i] + motion.displacement[i];
-      out.command.velocity[i] = motion.velocity[i];
-      out.command.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
-    }
-    return out;
-  }
-
-  /// Towards the given torque or the fallback, at most at the allowed rate.
-  SKINCTL_INLINE Guarded<N, T> turn_torque(const Memory& m, const JointCommand<N, T>& wish,
-                                           const State<N, T>& measured, bool good,
-                                           const JointTorque<N, T>& fallback, const T& dt,
-                                           Status status) const noexcept {
-    using R = detail::Row<N, T>;
-    const R step = T(torque_rate_ * dt) * R(limits_.torque()), last = m.command.torque;
-    const JointTorque<N, T> rest = detail::is_finite(fallback) ? fallback : JointTorque<N, T>();
-    const JointTorque<N, T>& asked = good ? wish.torque : rest;
-    const R wanted = asked, within = limits_.within(asked, measured.dq);
-    const R given = clamp(within, last - step, last + step);
-    const bool limited = good && any(within != wanted), slowed = any(given != within);
-    if (limited) status |= Reason::torque_limited;
-    if (slowed) status |= Reason::step_limited;
-    Guarded<N, T> out{good ? wish : m.command, status, !good || limited || slowed};
-    given.store(out.command.torque);
-    return out;
-  }
-
-  JointLimits<N, T> limits_;
-  Nanoseconds period_, longest_, stale_after_;
   Settings settings_;
-  Distance start_distance_, lead_, dead_band_;
-  JointVelocity<N, T> speed_change_;  ///< in T
-  T torque_rate_, beyond_, overspeed_;
-  Status acts_on_;  ///< reasons of other stages on which it brakes
-  Status consent_;  ///< reasons that wait for `acknowledge`
-  [[no_unique_address]] Smooth braking_;
+  [[no_unique_address]] typename All::Guards stiff_;
+  [[no_unique_address]] DrivenGuard driven_;
 };
 
 SKINCTL_END_NAMESPACE

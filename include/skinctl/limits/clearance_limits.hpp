@@ -8,6 +8,7 @@
 #include "skinctl/core/state.hpp"
 #include "skinctl/limits/detail/clearance_ways.hpp"
 #include "skinctl/limits/detail/towards.hpp"
+#include "skinctl/limits/limit.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -41,7 +42,10 @@ class ClearanceLimits {
   using scalar = T;
   static constexpr std::size_t most_pairs = Clearances<M, T, Around>::most_pairs;
   static constexpr int looks = 6;  ///< along a way to stop
-  using ClearancePart = void;
+  using Kind = Clearance;
+  static constexpr Precedence precedence = Precedence::clearance;
+  static constexpr Reason reason = Reason::clearance_kept;
+  static constexpr bool stands_off = true;
   using Velocity = JointVelocity<joints, T>;
   using Position = JointPosition<joints, T>;
 
@@ -60,6 +64,7 @@ class ClearanceLimits {
     bool blind = true;    ///< they are too old, too many or no numbers
   };
   using Memory = std::conditional_t<(Around > 0), Seen, Beside>;
+  using Input = std::conditional_t<(Around > 0), AroundRobot<Near>, NoInput>;
 
   /// Throws `ConfigurationError` as `Clearances` does.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits, const Clearance& given)
@@ -101,6 +106,12 @@ class ClearanceLimits {
                 !(o.approach <= T(100));
     }
   }
+  /// As a limit of a scene, from the input of a cycle.
+  template <class In>
+    requires(Around > 0 && requires(const In& in) { in.around; })
+  SKINCTL_INLINE void see(Memory& m, const In& in, const Position& measured, Nanoseconds now) const noexcept {
+    see(m, in.around, measured, now);
+  }
   /// The robot is `off` its commands: measured less expected positions. No number counts as nothing.
   SKINCTL_INLINE void stand_off(Memory& m, const Position& off) const noexcept {
     T sum(0);
@@ -128,10 +139,31 @@ class ClearanceLimits {
   /// The same beside what was seen; `seen` outlives it.
   [[nodiscard]] Here at(const Memory& seen, const Position& q) const noexcept { return Here(*this, seen, q); }
 
-  struct Kept {
-    Velocity velocity;
-    bool limited;
-  };
+  using Kept = KeptVelocity<joints, T>;
+  /// As a limit of a scene: motion as far as there is a way to stop, torques as far as they can brake in time. Joints by
+  /// torque follow their torques later than the others their commands, so beside them motion is slowed first.
+  template <class Going, class Also>
+  [[nodiscard]] SKINCTL_INLINE Kept within(const Memory& seen, const Going& going, const Velocity& u,
+                                           const Also& also) const noexcept {
+    if constexpr (!Going::by_motion) {
+      return braked(seen, going.q, u, going.ahead);
+    } else if constexpr (!Going::by_torque) {
+      return within(seen, going.q, going.room, going.from, u, going.dt, also, going.slides);
+    } else {
+      const T part = share(seen, going.q, u, going.ahead);
+      if (!(part < T(1)))
+        return within(seen, going.q, going.room, going.from, u, going.dt, also, going.slides);
+      const Velocity slower = limits_.move(going.room, going.from, part * u, going.dt).velocity;
+      Kept out = within(seen, going.q, going.room, going.from, slower, going.dt, also, going.slides);
+      out.limited = true;
+      return out;
+    }
+  }
+  template <class Going>
+  [[nodiscard]] SKINCTL_INLINE bool keeps(const Memory& seen, const Going& going, const Velocity& u,
+                                          const Position& moved) const noexcept {
+    return keeps(seen, going.q, u, moved, going.room);
+  }
   /// The step from `u0` to `u1` over `h` seconds, as far as the clearances and `also(u)` are kept: `u1` if so. What is
   /// left of it goes along the margin if it `slides`, otherwise straight on, so that it ends there.
   template <class Also>
@@ -237,7 +269,7 @@ class ClearanceLimits {
   Nanoseconds max_age_{0};
 };
 
-/// The part of a governor that it makes of a robot.
+/// The limit of a robot that it makes.
 template <RobotModel M, std::size_t N, Real T>
 [[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits, const Clearance& clearance) {
   return ClearanceLimits<M, T>(model, limits, clearance);
@@ -246,6 +278,21 @@ template <RobotModel M, std::size_t N, Real T, std::size_t Most>
 [[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits,
                             const ClearanceAround<Most>& clearance) {
   return ClearanceLimits<M, T, Most>(model, limits, clearance);
+}
+
+/// What the exposed capsules of a robot may fill from now on until it stands, if it brakes now: for others that keep clear
+/// of it. It is at `X_WB` in the world.
+/// @param scene  a `Cycle` with a `Clearance`.
+template <class Scene, Real T>
+[[nodiscard]] Surroundings<most_exposed_capsules, World, T> occupied(
+    const Scene& scene, const typename Scene::Memory& m, const Transform<World, Base, T>& X_WB) noexcept {
+  auto is = m.robot.measured();
+  is.q += scene.resolver().gap(m.robot);  // where it really is
+  const auto filled = scene.governor().template get<Clearance>().occupied(scene.guard().last(m.guard), is);
+  Surroundings<most_exposed_capsules, World, T> out;
+  out.time = filled.time;
+  out.add(X_WB, filled);
+  return out;
 }
 
 SKINCTL_END_NAMESPACE

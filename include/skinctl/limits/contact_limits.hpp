@@ -7,6 +7,7 @@
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/limits/limit.hpp"
 #include "skinctl/limits/link_contact.hpp"
 #include "skinctl/tactile/cell_mass.hpp"
 #include "skinctl/tactile/contact.hpp"
@@ -66,6 +67,10 @@ class ContactLimits {
   static_assert(((I < M::joints) && ...), "contact limits for a link that the model does not have");
   static_assert(detail::distinct_links<I...>,
                 "two contact limits for one link: give it those of the more delicate region");
+  using Kind = LinkContacts;
+  static constexpr Precedence precedence = Precedence::contact;
+  static constexpr bool of_the_drive = true;
+  static constexpr Status holds_on = Status(Reason::contact_force) | Reason::contact_power;
   static constexpr LinkMask links = (link_bit<I> | ...);
   static constexpr std::size_t count = sizeof...(I);
   static constexpr std::size_t joints = M::joints;
@@ -76,10 +81,9 @@ class ContactLimits {
 
   /// Throws `ConfigurationError` for a number that is out of its range, or was not given.
   SKINCTL_COLD explicit ContactLimits(const M& model, const LinkContact<I>&... link)
-      : model_(model), given_(link...), at_{Link(link)...} {}
+      : model_(model), at_{Link(link)...} {}
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
-  [[nodiscard]] const std::tuple<LinkContact<I>...>& settings() const noexcept { return given_; }
 
   /// The distances that follow from the strongest proximity reading in [0, 1] of each link.
   [[nodiscard]] SKINCTL_INLINE Distances distances(const std::array<T, count>& nearest) const noexcept {
@@ -88,11 +92,13 @@ class ContactLimits {
     return d;
   }
 
-  /// The strongest proximity readings of a skin, in the order of the links given.
-  template <class Skin>
-  [[nodiscard]] static SKINCTL_INLINE std::array<T, count> nearest(
-      const Skin& skin, const typename Skin::Memory& memory) noexcept {
-    return {skin.template nearest<I>(memory)...};
+  /// As a limit of a scene.
+  template <class Going, class Seen>
+  [[nodiscard]] SKINCTL_INLINE SpeedShare<T> share(Memory& memory, const Going& going, const Seen& seen,
+                                                   const JointVelocity<joints, T>& u) const noexcept {
+    const auto verdict =
+        look(memory, going.measured, u, seen.pressed(), distances({seen.template nearest<I>()...}), going.dt);
+    return {verdict.scale, verdict.status};
   }
 
   /// The allowed share of the joint velocities `u`.
@@ -270,7 +276,6 @@ class ContactLimits {
   }
 
   [[no_unique_address]] M model_;
-  std::tuple<LinkContact<I>...> given_;
   Link at_[count];
 };
 template <RobotModel M, std::size_t... I>
@@ -282,6 +287,25 @@ template <Real T = double, RobotModel M, std::size_t... I>
   static_assert(detail::distinct_links<I...>,
                 "two contact limits for one link: give it those of the more delicate region");
   if constexpr (detail::distinct_links<I...>) return ContactLimits<M, T, I...>(model, link...);
+}
+
+/// The limit of a robot that contacts of links make together, in the order of the links.
+template <RobotModel M, std::size_t N, Real T, std::size_t... I>
+[[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>&, const LinkContact<I>&... link) {
+  constexpr auto order = [] {
+    std::array<std::size_t, sizeof...(I)> links{I...}, out{};
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      std::size_t before = 0;
+      for (const std::size_t other : links)
+        if (other < links[i]) ++before;
+      out[before] = i;
+    }
+    return out;
+  }();
+  const std::tuple<const LinkContact<I>&...> given(link...);
+  return [&]<std::size_t... K>(std::index_sequence<K...>) {
+    return contact_limits<T>(model, std::get<order[K]>(given)...);
+  }(std::make_index_sequence<sizeof...(I)>{});
 }
 
 SKINCTL_END_NAMESPACE

@@ -1,13 +1,15 @@
-// Slows a command down for limits that concern the whole robot: jerk, tool speed, clearance, contact.
+// Keeps the limits that concern the whole robot: slows commands down between resolver and guard.
 #pragma once
 
-#include "skinctl/core/command.hpp"
+#include <tuple>
+
+#include "skinctl/core/detail/plain_tuple.hpp"
 #include "skinctl/core/detail/plausible.hpp"
-#include "skinctl/core/status.hpp"
-#include "skinctl/limits/detail/governor_parts.hpp"
-#include "skinctl/math/ldlt.hpp"
-#include "skinctl/robot/joint_limits.hpp"
-#include "skinctl/robot/virtual_mass.hpp"
+#include "skinctl/limits/detail/drive.hpp"
+#include "skinctl/limits/detail/group_motion.hpp"
+#include "skinctl/limits/detail/limit_list.hpp"
+#include "skinctl/limits/limit.hpp"
+#include "skinctl/robot/joint_groups.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -18,290 +20,458 @@ struct Governed {
   Status status;
   bool altered = false;
 };
-
-/// In place of a governor in a scene without one: no code, no memory.
-struct NoGovernor {
-  struct Memory {
-    friend bool operator==(const Memory&, const Memory&) noexcept = default;
-  };
-};
-
-/// The same of a torque; `hold` is the torque that holds the robot if the guard refuses the command.
+/// The same with joints by torque; `hold` is the torque that holds them if the guard refuses the command.
 template <std::size_t N, Real T>
 struct GovernedTorque : Governed<N, T> {
   JointTorque<N, T> hold;
 };
 
-/// The stage between resolver and guard of a scene. `make_governor` builds it from those of `JerkLimits`,
-/// `ToolSpeed`, `ClearanceLimits`, `ContactLimits` and `CoverageLimits` that the scene has; the others cost nothing.
+/// What a governor reads beside the command.
+/// @tparam Groups  number of groups of joints by position or velocity.
+template <std::size_t N, Real T, std::size_t Groups>
+struct GovernorInput {
+  const JointCommand<N, T>& last;  ///< the command that left last
+  const State<N, T>& measured;     ///< the last good state of the robot
+  std::array<T, Groups> spans;     ///< time in which the command of each group is to be reached [s]
+  T dt;                            ///< time since the last cycle [s]
+  T torque_rate = T(0);            ///< fastest change of a torque that the guard allows [limits per second]
+  bool stale = false;  ///< whether measured velocities are too old to brake by: then joints by torque pass
+  bool waits = false;  ///< whether joints by torque are to be held with damping
+  bool hard = false;   ///< whether a smooth motion gives way, see `Resolver::stops_or_corrects`
+  bool stops = false;  ///< whether a stop was requested: it ends at a limit, and does not slide along
+};
+
+/// The stage between resolver and guard of a scene: its limits in the order of their precedence. It knows what a limit
+/// is (`limits/limit.hpp`), and names none.
 ///
-/// **Positions and velocities.** A command within the limits passes to the bit. Otherwise all joints are
-/// slowed alike (contact, tool), a motion from the last command to the slowed one is computed within the
-/// limits of the joints (and of jerk), and the resolver learns what was sent: its virtual robot goes on from
-/// there, so nothing is caught up later. With a limit of jerk every command is computed anew, except while the robot
-/// stops or is held: then the resolver's own braking passes, and jerk gives way.
+/// **Joints by position and velocity.** A command within the limits passes to the bit. Otherwise all joints are slowed
+/// alike or turned aside as the limits say, a motion from the last command to that velocity is computed within the
+/// limits of the joints (or as the limit says that decides how joints move), and the resolver learns what was sent: its
+/// virtual robot goes on from there, so nothing is caught up later. Where one limit decides how joints move, every
+/// command is computed anew, except while the robot stops or is held: then the resolver's own braking passes.
 ///
-/// Where the limits conflict, the last in this order gives way first: acceleration, position, velocity of the
-/// joints; clearances; the tool's speed; jerk; contact (for a person who steps in the robot brakes as hard as the other
-/// limits allow, and the guard stops at excess force or power).
+/// Where limits conflict, the joints' acceleration, position and velocity hold; then the later in the order wins. A
+/// smooth motion that would break another limit gives way.
 ///
-/// **Torques.** The motion under external forces is unknown, so the speed is braked: `braking_cycles` cycles
-/// ahead, after T, the torque leads to `u = dq + T M^-1 (tau - hold)`, of which a share s keeps all limits.
-/// `tau - (1 - s) M u / T` leads to s u: drive that would make the robot too fast, or press harder than a
-/// region allows, is removed, and a robot that is pushed too fast is damped; with `MotionLimits`, what pushes it (their r)
-/// counts as well for the tool's speed and the clearances. It sets in without a jump (s = 1
-/// leaves the torque to the bit), and never exceeds the joints' torques. A robot stopped for a contact is
-/// held with damping `M / T`. There is no limit of jerk.
-template <std::size_t N, Real T, class Jerk, class Tool, class Contact, class Range = detail::NoPart,
-          class Watch = detail::NoPart, class Clear = detail::NoPart>
-class Governor : public detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, Watch, Clear> {
-  using Parts = detail::GovernorParts<N, T, Jerk, Tool, Contact, Range, Watch, Clear>;
+/// **Joints by torque.** The motion under external forces is unknown, so the speed is braked: `braking_cycles` cycles
+/// ahead, after T, the torque leads to `u = dq + T M^-1 (tau - hold)`, of which the limits leave u'. `tau - M (u - u') / T`
+/// leads to u': drive that would make the robot too fast, or press harder than a region allows, is removed, and a robot
+/// that is pushed too fast is damped; what pushes it (the `resistance` of `MotionLimits`) counts as well, but not for a
+/// contact, whose force it would hide. It sets in without a jump (u' = u leaves the torque to the bit), and never exceeds
+/// the joints' torques.
+///
+/// @tparam Sets    `JointGroups` of the robot.
+/// @tparam Limits  in the order of their precedence.
+template <RobotModel M, Real T, class Sets, class... Limits>
+class Governor {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  using scalar = T;
+  static constexpr std::size_t count = sizeof...(Limits);
+  /// Whether it has any limit: without, the stage costs nothing.
+  static constexpr bool acts = count > 0;
+  static constexpr std::size_t groups = std::tuple_size_v<typename Sets::StiffGroups>;
+  static constexpr bool has_driven = Sets::Driven::count > 0, has_motion = groups > 0;
+  /// Whether one of the limits decides how joints move.
+  static constexpr bool smooth = (detail::DecidesMotion<Limits> || ...);
+  /// Whether one of them asks for contacts, and for the skin's coverage.
+  static constexpr bool reads_touch = (detail::ReadsTouch<Limits> || ...);
+  static constexpr bool reads_coverage = (detail::ReadsCoverage<Limits> || ...);
+  static constexpr bool may_stay = (detail::Stays<Limits> || ...);
+  /// The links whose touch they read.
+  static constexpr LinkMask links = [] {
+    LinkMask all = 0;
+    (
+        [&] {
+          if constexpr (detail::ReadsTouch<Limits>) all |= Limits::links;
+        }(),
+        ...);
+    return all;
+  }();
+  /// The number of cycles of the prediction of torques, and of braking by them.
+  static constexpr int braking_cycles = 4;
+  using Input = GovernorInput<joints, T, groups>;
+  using Output = std::conditional_t<has_driven, GovernedTorque<joints, T>, Governed<joints, T>>;
+
+ private:
+  using Driven = typename Sets::Driven;
+  using Position = JointPosition<joints, T>;
+  using Velocity = JointVelocity<joints, T>;
+  using Going = skinctl::Going<joints, T, has_motion, has_driven>;
+  using Command = JointCommand<joints, T>;
+  template <std::size_t K>
+  using Limit = std::tuple_element_t<K, std::tuple<Limits...>>;
+  template <std::size_t K>
+  using Set = JointSubset<joints, std::tuple_element_t<K, typename Sets::StiffGroups>::set>;
+  static constexpr std::size_t mover_place = detail::place_of<count>({detail::DecidesMotion<Limits>...});
+  static constexpr std::size_t of_torque = detail::place_of<count>({detail::LimitsTorque<Limits>...});
+
+  template <class Indices>
+  struct Each;
+  template <std::size_t... K>
+  struct Each<std::index_sequence<K...>> {
+    template <std::size_t G>
+    using Mover = decltype(detail::mover_among<mover_place>(std::declval<const std::tuple<Limits...>&>())
+                               .template set<Set<G>>());
+    using Motions = std::tuple<detail::GroupMotion<Set<K>::count, T, Mover<K>>...>;
+    using Memory = detail::PlainTuple<detail::GroupMotionMemory<Set<K>::count, T>...>;
+    static Motions make(const JointLimits<joints, T>& limits, const std::tuple<Limits...>& all) {
+      return Motions(detail::GroupMotion<Set<K>::count, T, Mover<K>>(
+          limits.template part<Set<K>>(), detail::mover_among<mover_place>(all).template set<Set<K>>())...);
+    }
+  };
+  using OfGroups = Each<std::make_index_sequence<groups>>;
 
  public:
-  using Parts::braking_cycles;
-  using Parts::has_clearance;
-  using Parts::has_contact;
-  using Parts::has_jerk;
-  using Parts::has_motion;
-  using Parts::has_tool;
-  using Parts::has_watch;
-
   /// Trivially copyable.
-  struct Memory : Parts::Memory {
-    JointAcceleration<N, T> acceleration;  ///< at the end of the last command
-    JointPosition<N, T> position, carry;   ///< the last command's position, and its rounding error
+  struct Memory {
+    [[no_unique_address]] detail::PlainTuple<typename Limits::Memory...> limits;
+    [[no_unique_address]] typename OfGroups::Memory groups;
   };
 
-  SKINCTL_COLD Governor(const JointLimits<N, T>& limits, const Jerk& jerk, const Tool& tool,
-                        const Contact& contact, const Range& motion = Range(), const Watch& watch = Watch(),
-                        const Clear& clearance = Clear())
-      : Parts(limits, jerk, tool, contact, motion, watch, clearance) {}
+  SKINCTL_COLD Governor(const M& model, const JointLimits<joints, T>& limits, const Limits&... parts)
+      : model_(model), limits_(limits), parts_(parts...), motions_(OfGroups::make(limits, parts_)) {}
 
-  /// The command in place of `wish`, `dt` > 0 seconds after `last` was sent.
-  ///
-  /// @param measured  the last good state of the robot.
-  /// @param touch     the contacts: `PressedAreas`, or wrenches on the links.
-  /// @param nearest   strongest proximity reading for each link of the contact limits; both are read only
-  ///                  with contact limits.
-  /// @param hard      whether jerk gives way, see `Resolver::stops_or_corrects`.
-  /// @param stops     whether a stop was requested: it ends at a clearance, and does not slide along.
-  /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.
-  template <class Touch, class Nearest>
-  SKINCTL_INLINE Governed<N, T> step(Memory& m, const JointCommand<N, T>& last,
-                                     const JointCommand<N, T>& wish, const State<N, T>& measured,
-                                     const Touch& touch, const Nearest& nearest, const T& dt,
-                                     bool hard = false, bool stops = false) const noexcept {
-    Governed<N, T> out{wish.copy(), {}, false};
-    if (!last.valid || !wish.valid || !detail::is_plausible(wish) || !(dt > T(0))) {
-      m.acceleration = {};
-      return out;
-    }
-    detail::Slowed<N, T> left = this->felt(m, measured, wish.velocity, touch, nearest, dt);
-    const auto room = limits_.room(last.position);
-    this->keep_tool_speed(last.position, room, last.velocity, dt, left);
-    this->keep_clear(m, last.position, room, last.velocity, dt, left, !stops);
-    out.status |= left.status;
-    if constexpr (has_jerk) {
-      if (hard) [[unlikely]] {
-        // Jerk is limited again from no acceleration on: that of hard braking would lead beyond rest.
-        if (left.slowed) follow<false>(m, last, left.velocity, dt, out);
-        m.acceleration = {};
-      } else {
-        const auto motion = jerk_.move(room, last.velocity, m.acceleration, left.velocity, dt);
-        // A jerk limit that would make the tool too fast, or bring links too close, gives way.
-        const Status broken = this->broken(m, last.position, room, motion.velocity, motion.displacement);
-        if (broken.any()) {
-          out.status |= broken;
-          follow<false>(m, last, left.velocity, dt, out);
-        } else {
-          out.status |= motion.status;
-          m.acceleration = motion.acceleration;
-          make(m, last, motion, dt, out);
-        }
-      }
-      out.status |= exceeded(last, out.command, dt);
-    } else if (left.slowed) {
-      const auto motion = limits_.move(room, last.velocity, left.velocity, dt);
-      out.status |= motion.status.without(Reason::acceleration_limited);
-      make(m, last, motion, dt, out);
-    }
-    return out;
+  [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return limits_; }
+  /// Whether it has a limit of this kind, named by its `Kind` or by its settings.
+  template <class Kind>
+  static constexpr bool has = (detail::of_kind<Limits, Kind> || ...);
+  /// The limit of a kind, and its memory.
+  template <class Kind>
+    requires(has<Kind>)
+  [[nodiscard]] const auto& get() const noexcept {
+    return std::get<place<Kind>>(parts_);
+  }
+  template <class Kind>
+    requires(has<Kind>)
+  [[nodiscard]] static const auto& memory(const Memory& m) noexcept {
+    return detail::element<place<Kind>>(m.limits);
   }
 
-  /// The torque in place of `wish.torque`, `dt` > 0 seconds after the last one was sent.
-  ///
-  /// @param hold      the torque that holds the robot: gravity compensation, with friction if it has some.
-  /// @param stopping  whether the guard waits for consent: then hold with damping.
-  /// @param stale     whether the measured velocity is too old to brake by: then the wish passes.
-  /// @param rate      fastest change of a torque that the guard allows: see `MotionLimits`.
-  /// The other parameters are those of `step`.
-  template <class Touch, class Nearest>
-  SKINCTL_NOINLINE GovernedTorque<N, T> step_torque(Memory& m, const JointCommand<N, T>& last,
-                                                    const JointCommand<N, T>& wish,
-                                                    const JointTorque<N, T>& hold, bool stopping, bool stale,
-                                                    const T& rate, const State<N, T>& measured,
-                                                    const Touch& touch, const Nearest& nearest,
-                                                    const T& dt) const noexcept {
-    static_assert(!has_jerk, "a torque interface has no motion whose jerk could be limited");
-    GovernedTorque<N, T> out{{wish, {}, false}, hold};
-    if (stale || !wish.valid || !detail::is_plausible(wish) || !detail::is_finite(hold) || !(dt > T(0))) {
-      if constexpr (has_motion) m.motion.known = false;
-      return out;
-    }
-    const JointAngles<std::remove_cvref_t<decltype(model())>, T> angles(model(), measured.q);
-    const auto mass = mass_matrix(model(), angles);
-    T ahead = T(braking_cycles) * dt;
-    // A guard turns a torque over its whole range in 20 ms: at high rates braking begins earlier than that.
-    if (has_motion && ahead < T(0.01)) ahead = T(0.01);
-    const JointTorque<N, T> asked = limits_.within(wish.torque, measured.dq);
-    JointTorque<N, T> braked = asked;
-    [[maybe_unused]] JointTorque<N, T> bias;
-    if constexpr (has_motion) {
-      bias = bias_torque(model(), angles, measured.dq);
-      motion_.observe(m.motion, mass, bias, measured, last.torque, dt);
-    }
-    if constexpr (has_contact || has_watch || has_tool || has_clearance) {
-      const math::Ldlt<N, T> factors(mass.data);
-      if (!factors.positive_definite()) return out;
-      const auto lead_to = [&](const JointVelocity<N, T>& from, const JointTorque<N, T>& net) {
-        JointAcceleration<N, T> given;
-        factors.solve(net.data, given.data);
-        return integrate(from, given, ahead);
-      };
-      JointTorque<N, T> drive = asked - limits_.within(hold, measured.dq);
-      if constexpr (has_motion) drive -= coriolis_torque(model(), angles, measured.dq);
-      JointVelocity<N, T> u = lead_to(measured.dq, drive), kept = u;
-      if constexpr (has_contact) {
-        const auto verdict = contact_.look(m.contact, measured, u, touch, contact_.distances(nearest), dt);
-        out.status |= verdict.status;
-        if (verdict.scale < T(1)) kept = verdict.scale * u;
-        stopping = stopping || out.status.has(Reason::contact_force) || out.status.has(Reason::contact_power);
-      }
-      // What the world does beside the torque: not for a contact, whose force it would hide.
-      if constexpr (has_motion && (has_tool || has_clearance)) {
-        const JointVelocity<N, T> world = lead_to({}, T(-1) * motion_.resistance(m.motion));
-        u += world, kept += world;
-      }
-      T share(1);
-      if constexpr (has_watch) {
-        const T slow = watch_.share(m.watch, kept);
-        if (slow < share) share = slow;
-      }
-      if constexpr (has_tool) {
-        const T tool = tool_.share(measured.q, kept, ahead);
-        if (tool < T(1)) out.status |= Reason::tool_speed_limited;
-        if (tool < share) share = tool;
-      }
-      if (share < T(1)) kept = share * kept;
-      if constexpr (has_clearance) {
-        const auto clear = clearance_.braked(m.around, measured.q, kept, ahead);
-        if (clear.limited) out.status |= Reason::clearance_kept;
-        kept = clear.velocity;
-      }
-      if (!(kept == u)) {
-        braked = asked - momentum_of<AllJoints<N>>(mass, u - kept) * T(T(1) / ahead);
-        out.altered = true;
-      }
-    }
-    if constexpr (has_motion) {
-      const auto within =
-          motion_.within(m.motion, limits_, mass, bias, measured, last.torque, braked, ahead, dt, rate);
-      out.status |= within.status;
-      if (within.altered) braked = within.torque, out.altered = true;
-    }
-    if (out.altered) out.command.torque = limits_.within(braked, measured.dq);
-    if (stopping)
-      out.hold =
-          limits_.within(hold - momentum_of<AllJoints<N>>(mass, measured.dq) * T(T(1) / ahead), measured.dq);
-    return out;
-  }
-
-  /// The motion from `last` towards the velocity `u` within the limits of the joints, and of jerk if `Smooth`;
-  /// `out.command` becomes the command at its end, `dt` > 0 seconds after `last`.
-  template <bool Smooth = has_jerk>
-  SKINCTL_INLINE void follow(Memory& m, const JointCommand<N, T>& last, const JointVelocity<N, T>& u,
-                             const T& dt, Governed<N, T>& out) const noexcept {
-    const auto room = limits_.room(last.position);
-    if constexpr (Smooth) {
-      const auto motion = jerk_.move(room, last.velocity, m.acceleration, u, dt);
-      out.status |= motion.status;
-      m.acceleration = motion.acceleration;
-      make(m, last, motion, dt, out);
-    } else {
-      const auto motion = limits_.move(room, last.velocity, u, dt);
-      out.status |= motion.status.without(Reason::acceleration_limited);
-      if constexpr (has_jerk)
-        for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
-      make(m, last, motion, dt, out);
-    }
-  }
-
-  /// `jerk_exceeded`, if the acceleration has changed faster than the limit allows.
-  [[nodiscard]] SKINCTL_INLINE Status exceeded(const JointCommand<N, T>& last,
-                                               const JointCommand<N, T>& command, const T& dt) const noexcept
-    requires has_jerk
+  /// The limit that decides how joints move.
+  [[nodiscard]] const auto& mover() const noexcept
+    requires smooth
   {
-    using R = detail::Row<N, T>;
-    const R change = R(command.acceleration) - last.acceleration, most = R(jerk_.jerk()) * R(dt);
-    const R rounding = T(16) * std::numeric_limits<T>::epsilon() * R(limits_.acceleration());
-    return any(magnitude(change) > most + rounding) ? Status(Reason::jerk_exceeded) : Status();
+    return std::get<mover_place>(parts_);
+  }
+
+  /// Takes what the limits ask from the input of a cycle at `now`; the robot was measured at `q`.
+  template <class In>
+  SKINCTL_INLINE void see(Memory& m, const In& input, const Position& q, Nanoseconds now) const noexcept {
+    each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+      if constexpr (detail::LimitWithInput<Limit<K>>) part<K>().see(own<K>(m), input, q, now);
+    });
+  }
+  /// Looks at the skin, `dt` seconds after the last cycle.
+  template <class Seen>
+  SKINCTL_INLINE Status look(Memory& m, const Seen& seen, const T& dt) const noexcept {
+    Status status;
+    each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+      if constexpr (detail::Looks<Limit<K>, Seen, T>) status |= part<K>().look(own<K>(m), seen, dt);
+    });
+    return status;
+  }
+  /// Throws `ConfigurationError` for a robot that a limit does not suit.
+  template <class Robot>
+  SKINCTL_COLD void check(const Robot& robot) const {
+    each_limit([&]<std::size_t K>() {
+      if constexpr (detail::ChecksRobot<Limit<K>, Robot>) part<K>().check(robot);
+    });
+  }
+  /// Whether the robot is to brake and hold by one of them.
+  [[nodiscard]] SKINCTL_INLINE bool stays(const Memory& m) const noexcept {
+    bool any = false;
+    each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+      if constexpr (detail::Stays<Limit<K>>) any = any || part<K>().stays(own<K>(m));
+    });
+    return any;
+  }
+  /// The robot stands off its commands: measured less expected positions.
+  SKINCTL_INLINE void stand_off(Memory& m, const Position& off) const noexcept {
+    each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+      if constexpr (detail::StandsOff<Limit<K>>) part<K>().stand_off(own<K>(m), off);
+    });
+  }
+  static constexpr bool stands_off = (detail::StandsOff<Limits> || ...);
+
+  /// The command in place of `wish`.
+  ///
+  /// @param hold  the torque that holds the joints by torque: gravity compensation, with friction if it has some.
+  /// @param seen  the touch of this cycle: `pressed()` (`PressedAreas`, or wrenches on the links), `nearest<I>()` (the
+  ///              strongest proximity reading of a link) and `coverage()`, as far as limits ask.
+  /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.
+  template <class Seen>
+  SKINCTL_INLINE Output step(Memory& m, const Input& in, const Command& wish,
+                             const JointTorque<joints, T>& hold, const Seen& seen) const noexcept {
+    Output out = passed(wish, hold);
+    if (!usable(in, wish, hold)) {
+      forget(m);
+      return out;
+    }
+    if constexpr (has_driven) {
+      with_driven(m, in, seen, out);
+    } else {
+      const Going going = going_of(in);
+      detail::Slowed<joints, T> left{wish.velocity, {}};
+      each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA { act<K>(m, going, seen, left); });
+      out.status |= left.status;
+      move(m, in, going, left, out);
+    }
+    return out;
   }
 
   /// The guard sent `command` instead.
-  SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept {
-    if constexpr (has_jerk) m.acceleration = command.acceleration;
+  SKINCTL_INLINE void sent(Memory& m, const Command& command) const noexcept {
+    if constexpr (smooth)
+      each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+        detail::element<K>(m.groups).acceleration = Set<K>::of(command.acceleration);
+      });
   }
 
  private:
-  [[nodiscard]] SKINCTL_INLINE const auto& model() const noexcept {
-    if constexpr (has_contact) {
-      return contact_.model();
-    } else if constexpr (has_tool) {
-      return tool_.model();
-    } else if constexpr (has_clearance) {
-      return clearance_.model();
+  template <class Kind>
+  static constexpr std::size_t place = detail::place_of<count>({detail::of_kind<Limits, Kind>...});
+  template <std::size_t K>
+  [[nodiscard]] SKINCTL_INLINE const Limit<K>& part() const noexcept {
+    return std::get<K>(parts_);
+  }
+  template <std::size_t K>
+  [[nodiscard]] static SKINCTL_INLINE auto& own(Memory& m) noexcept {
+    return detail::element<K>(m.limits);
+  }
+  template <std::size_t K>
+  [[nodiscard]] static SKINCTL_INLINE const auto& own(const Memory& m) noexcept {
+    return detail::element<K>(m.limits);
+  }
+  template <class F>
+  static SKINCTL_INLINE void each_limit(F&& f) noexcept {
+    [&]<std::size_t... K>(std::index_sequence<K...>)
+        SKINCTL_INLINE_LAMBDA { (f.template operator()<K>(), ...); }(std::index_sequence_for<Limits...>{});
+  }
+  template <class F>
+  static SKINCTL_INLINE void each_group(F&& f) noexcept {
+    [&]<std::size_t... K>(std::index_sequence<K...>)
+        SKINCTL_INLINE_LAMBDA { (f.template operator()<K>(), ...); }(std::make_index_sequence<groups>{});
+  }
+
+  [[nodiscard]] static SKINCTL_INLINE Output passed(const Command& wish,
+                                                    const JointTorque<joints, T>& hold) noexcept {
+    if constexpr (has_driven) {
+      return {{wish.copy(), {}, false}, hold};
     } else {
-      return motion_.model();
+      return {wish.copy(), {}, false};
     }
   }
-  template <class Motion>
-  SKINCTL_INLINE void make(Memory& m, const JointCommand<N, T>& last, const Motion& motion, const T& dt,
-                           Governed<N, T>& out) const noexcept {
-    if (!(m.position == last.position)) m.carry = {};
-    for (std::size_t i = 0; i < N; ++i) {
-      const T q = last.position[i], step = motion.displacement[i] + m.carry[i];
-      const T lower = limits_.lower()[i], upper = limits_.upper()[i];
-      T next = q + step;
-      m.carry[i] = step - (next - q);
-      if (next > upper && q <= upper) next = upper, m.carry[i] = T(0);
-      if (next < lower && q >= lower) next = lower, m.carry[i] = T(0);
-      out.command.position[i] = m.position[i] = next;
-      out.command.velocity[i] = motion.velocity[i];
-      if constexpr (requires { motion.acceleration; }) {
-        out.command.acceleration[i] = motion.acceleration[i];  // at its end: the guard may brake from there
-      } else {
-        out.command.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
-      }
+  [[nodiscard]] static SKINCTL_INLINE bool usable(const Input& in, const Command& wish,
+                                                  const JointTorque<joints, T>& hold) noexcept {
+    const bool good = wish.valid && detail::is_plausible(wish) && in.dt > T(0);
+    return good && (!has_motion || in.last.valid) && (!has_driven || detail::is_finite(hold));
+  }
+  SKINCTL_INLINE void forget(Memory& m) const noexcept {
+    each_group([&]<std::size_t K>()
+                   SKINCTL_INLINE_LAMBDA { detail::element<K>(m.groups).acceleration = {}; });
+    if constexpr (of_torque < count) own<of_torque>(m).known = false;
+  }
+  [[nodiscard]] SKINCTL_INLINE Going going_of(const Input& in) const noexcept {
+    T dt = has_motion ? in.spans[0] : in.dt;
+    if constexpr (has_motion)
+      for (const T& span : in.spans) dt = span > dt ? span : dt;
+    T ahead(0);
+    Position q = in.last.position;
+    Velocity from = in.last.velocity;
+    if constexpr (has_driven) {
+      // A guard turns a torque over its whole range in 20 ms: at high rates braking begins earlier than that.
+      ahead = T(braking_cycles) * in.dt;
+      if (ahead < T(0.01)) ahead = T(0.01);
+      Driven::put(Driven::of(in.measured.q), q);
+      Driven::put(Driven::of(in.stale ? Velocity{} : in.measured.dq), from);
     }
+    return {q, from, limits_.room(q), in.measured, dt, ahead, !in.stops};
+  }
+  /// The velocity in the time of the motion: what was asked for is within the limits of the joints, what is slowed may
+  /// not be.
+  [[nodiscard]] SKINCTL_INLINE Velocity reached(const Going& going,
+                                                const detail::Slowed<joints, T>& s) const noexcept {
+    return has_motion && s.slowed ? limits_.move(going.room, going.from, s.velocity, going.dt).velocity
+                                  : s.velocity;
+  }
+  /// What the limit `K` leaves.
+  template <std::size_t K, class Seen>
+  SKINCTL_INLINE void act(Memory& m, const Going& going, const Seen& seen,
+                          detail::Slowed<joints, T>& left) const noexcept {
+    if constexpr (detail::Shares<Limit<K>, Going, Seen, Velocity>) {
+      const auto given = part<K>().share(own<K>(m), going, seen, left.velocity);
+      left.status |= given.status;
+      left.by(given.scale);
+    } else if constexpr (detail::Turns<Limit<K>, Going, Velocity>) {
+      const auto earlier = [&](const Velocity& v) { return keeps<K>(m, going, v, going.half_way(v)); };
+      const auto kept = part<K>().within(own<K>(m), going, reached(going, left), earlier);
+      left.velocity = kept.velocity;
+      if (kept.limited) left.status |= Limit<K>::reason, left.slowed = true;
+    }
+  }
+  /// Whether a motion that ends at `v`, by `moved`, keeps the limits before `K`.
+  template <std::size_t K>
+  [[nodiscard]] SKINCTL_INLINE bool keeps(const Memory& m, const Going& going, const Velocity& v,
+                                          const Position& moved) const noexcept {
+    bool all = true;
+    each_limit([&]<std::size_t J>() SKINCTL_INLINE_LAMBDA {
+      if constexpr (J < K && detail::Keeps<Limit<J>, Going, Velocity, Position>)
+        all = all && part<J>().keeps(own<J>(m), going, v, moved);
+    });
+    return all;
+  }
+  /// The reasons of the limits that such a motion breaks.
+  [[nodiscard]] SKINCTL_INLINE Status broken(const Memory& m, const Going& going, const Velocity& v,
+                                             const Position& moved) const noexcept {
+    Status out;
+    each_limit([&]<std::size_t J>() SKINCTL_INLINE_LAMBDA {
+      if constexpr (detail::Keeps<Limit<J>, Going, Velocity, Position>)
+        if (!part<J>().keeps(own<J>(m), going, v, moved)) out |= Limit<J>::reason;
+    });
+    return out;
+  }
+
+  /// The command of the joints by position and velocity.
+  SKINCTL_INLINE void move(Memory& m, const Input& in, const Going& going,
+                           const detail::Slowed<joints, T>& left, Output& out) const noexcept {
+    if constexpr (smooth) {
+      if (in.hard) [[unlikely]] {
+        // It is smooth again from no acceleration on: that of hard braking would lead beyond rest.
+        if (left.slowed) move_hard(m, in, left.velocity, out);
+        each_group([&]<std::size_t K>()
+                       SKINCTL_INLINE_LAMBDA { detail::element<K>(m.groups).acceleration = {}; });
+      } else {
+        move_smoothly(m, in, going, left.velocity, out);
+      }
+      each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+        out.status |= std::get<K>(motions_).exceeded(part_of<Set<K>>(in.last), part_of<Set<K>>(out.command),
+                                                     in.spans[K]);
+      });
+    } else if (left.slowed) {
+      move_hard(m, in, left.velocity, out);
+    }
+  }
+  SKINCTL_INLINE void move_hard(Memory& m, const Input& in, const Velocity& u, Output& out) const noexcept {
+    each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+      auto command = part_of<Set<K>>(out.command);
+      out.status |= std::get<K>(motions_).move(detail::element<K>(m.groups), part_of<Set<K>>(in.last),
+                                               Set<K>::of(u), in.spans[K], command);
+      put_part<Set<K>>(command, out.command);
+    });
     out.altered = true;
   }
+  SKINCTL_INLINE void move_smoothly(Memory& m, const Input& in, const Going& going, const Velocity& u,
+                                    Output& out) const noexcept {
+    [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
+      const std::tuple motions(std::get<K>(motions_).smoothed(
+          detail::element<K>(m.groups), part_of<Set<K>>(in.last), Set<K>::of(u), in.spans[K])...);
+      Position moved = going.half_way(u);
+      Velocity v = u;
+      (Set<K>::put(std::get<K>(motions).displacement, moved), ...);
+      (Set<K>::put(std::get<K>(motions).velocity, v), ...);
+      if (const Status breaks = broken(m, going, v, moved); breaks.any()) {
+        out.status |= breaks;
+        move_hard(m, in, u, out);
+        return;
+      }
+      const auto follow = [&]<std::size_t G>() SKINCTL_INLINE_LAMBDA {
+        auto command = part_of<Set<G>>(out.command);
+        std::get<G>(motions_).follow(detail::element<G>(m.groups), part_of<Set<G>>(in.last),
+                                     std::get<G>(motions), command);
+        put_part<Set<G>>(command, out.command);
+        out.status |= std::get<G>(motions).status;
+      };
+      (follow.template operator()<K>(), ...);
+      out.altered = true;
+    }(std::make_index_sequence<groups>{});
+  }
 
-  using Parts::clearance_;
-  using Parts::contact_;
-  using Parts::jerk_;
-  using Parts::limits_;
-  using Parts::motion_;
-  using Parts::tool_;
-  using Parts::watch_;
+  /// The same with joints by torque.
+  template <class Seen>
+  SKINCTL_NOINLINE void with_driven(Memory& m, const Input& in, const Seen& seen,
+                                    Output& out) const noexcept {
+    const Going going = going_of(in);
+    detail::Slowed<joints, T> left{out.command.velocity, {}};
+    if (in.stale) {
+      if constexpr (of_torque < count) own<of_torque>(m).known = false;
+      if constexpr (has_motion) {
+        Driven::put(Driven::of(going.from), left.velocity);
+        each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA { act<K>(m, going, seen, left); });
+        out.status |= left.status;
+        move(m, in, going, left, out);
+      }
+      return;
+    }
+    const detail::Drive<Driven, M, T> drive(model_, limits_, in.measured, out.command.torque, going.ahead);
+    const auto acted = Driven::of(in.last.torque);
+    auto braked = drive.asked;
+    if constexpr (of_torque < count)
+      part<of_torque>().observe(own<of_torque>(m), drive.mass, drive.bias, in.measured, acted, in.dt);
+    bool waits = in.waits;
+    if constexpr (judges_velocity) {
+      JointVelocity<Driven::count, T> led, world;
+      JointTorque<Driven::count, T> resistance;
+      if constexpr (of_torque < count) resistance = part<of_torque>().resistance(own<of_torque>(m));
+      if (!drive.leads(out.hold, resistance, led, world)) return;
+      Velocity u = left.velocity;
+      Driven::put(led, u);
+      left.velocity = u;
+      const auto add_world = [&](Velocity& v)
+                                 SKINCTL_INLINE_LAMBDA { Driven::put(Driven::of(v) + world, v); };
+      each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+        if constexpr (detail::OfTheDrive<Limit<K>>) act<K>(m, going, seen, left);
+      });
+      add_world(u);
+      add_world(left.velocity);
+      each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+        if constexpr (!detail::OfTheDrive<Limit<K>>) act<K>(m, going, seen, left);
+      });
+      out.status |= left.status;
+      waits = waits || (left.status & holds_on).any();
+      if (!(Driven::of(left.velocity) == Driven::of(u))) {
+        braked = drive.asked - drive.that_takes(u - left.velocity);
+        out.altered = true;
+      }
+    }
+    if constexpr (has_motion) move(m, in, going, left, out);
+    if constexpr (of_torque < count) {
+      const auto kept =
+          part<of_torque>().within(own<of_torque>(m), limits_, drive.mass, drive.bias, in.measured, acted,
+                                   braked, going.ahead, in.dt, in.torque_rate);
+      out.status |= kept.status;
+      if (kept.altered) braked = kept.torque, out.altered = true;
+    }
+    if (out.altered) out.command.torque = drive.with(out.command.torque, braked);
+    if (waits) out.hold = drive.with(out.hold, Driven::of(out.hold) - drive.that_takes(in.measured.dq));
+  }
+  /// Whether a limit judges velocities.
+  static constexpr bool judges_velocity = (!detail::LimitsTorque<Limits> || ...);
+  static constexpr Status holds_on = [] {
+    Status all;
+    (
+        [&] {
+          if constexpr (detail::HoldsOn<Limits>) all |= Limits::holds_on;
+        }(),
+        ...);
+    return all;
+  }();
+
+  [[no_unique_address]] M model_;
+  JointLimits<joints, T> limits_;
+  [[no_unique_address]] std::tuple<Limits...> parts_;
+  [[no_unique_address]] typename OfGroups::Motions motions_;
 };
 
-/// A governor from its parts, in any order; `limits` are those of resolver and guard.
-template <std::size_t N, Real T, class... Parts>
-[[nodiscard]] auto make_governor(const JointLimits<N, T>& limits, const Parts&... parts) {
-  static_assert(sizeof...(Parts) > 0, "a governor without parts: leave it out of the cycle");
-  detail::check_parts<Parts...>();
-  return detail::with_parts(
-      [&]<class... P>(const P&... given) { return Governor<N, T, P...>(limits, given...); }, parts...);
+/// The governor of a robot from its limits, in any order.
+template <class Sets, RobotModel M, std::size_t N, Real T, class... Limits>
+[[nodiscard]] auto make_governor(const M& model, const JointLimits<N, T>& limits, const Limits&... given) {
+  const std::tuple<const Limits&...> all(given...);
+  constexpr auto order = detail::in_order<Limits...>();
+  return [&]<std::size_t... K>(std::index_sequence<K...>) {
+    return Governor<M, T, Sets, std::remove_cvref_t<decltype(std::get<order[K]>(all))>...>(
+        model, limits, std::get<order[K]>(all)...);
+  }(std::index_sequence_for<Limits...>{});
 }
 
 SKINCTL_END_NAMESPACE

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/limits/detail/stopping.hpp"
+#include "skinctl/limits/limit.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -16,6 +17,9 @@ struct SmoothMotion {
   Status status;
   std::uint64_t braked = 0;  ///< bit i: joint i was slowed because its room was too small
 };
+
+/// What `MaxJerk` limits: for `Cycle::without`.
+struct JerkLimit {};
 
 /// Limits of `N` joints with a limit of jerk; immutable, checked when built.
 ///
@@ -35,6 +39,11 @@ struct SmoothMotion {
 template <std::size_t N, Real T = double>
 class JerkLimits {
  public:
+  using Kind = JerkLimit;
+  struct Memory {};
+  static constexpr Precedence precedence = Precedence::moves;
+  static constexpr bool decides_motion = true;
+
   /// Throws `ConfigurationError` for a jerk out of its range: > 0, <= 1e9 rad/s^3, and such that the largest
   /// acceleration is reached within 1000 s.
   SKINCTL_COLD JerkLimits(const JointLimits<N, T>& limits, const JointJerk<N, T>& jerk)
@@ -52,6 +61,30 @@ class JerkLimits {
 
   [[nodiscard]] const JointLimits<N, T>& joints() const noexcept { return limits_; }
   [[nodiscard]] const JointJerk<N, T>& jerk() const noexcept { return jerk_; }
+  /// The same of the joints of a subset.
+  template <class Set>
+  [[nodiscard]] SKINCTL_COLD JerkLimits<Set::count, T> set() const {
+    return {limits_.template part<Set>(), Set::of(jerk_)};
+  }
+  /// Throws `ConfigurationError` for a robot with a lead: it is extrapolated from velocities that are then smoothed,
+  /// and the two swing.
+  template <class Resolver>
+  SKINCTL_COLD void check(const Resolver& robot) const {
+    robot.each([&](auto k) {
+      const T lead = robot.template parameters<k.value>().lead;
+      require(lead == T(0), "lead beside MaxJerk", 1e3 * static_cast<double>(lead), "0 ms");
+    });
+  }
+  /// `jerk_exceeded`, if the acceleration has changed from `before` to `now` in `dt` seconds faster than the limit
+  /// allows.
+  [[nodiscard]] SKINCTL_INLINE Status exceeded(const JointAcceleration<N, T>& before,
+                                               const JointAcceleration<N, T>& now,
+                                               const T& dt) const noexcept {
+    using R = detail::Row<N, T>;
+    const R change = R(now) - before, most = R(jerk_) * R(dt);
+    const R rounding = T(16) * std::numeric_limits<T>::epsilon() * R(limits_.acceleration());
+    return any(magnitude(change) > most + rounding) ? Status(Reason::jerk_exceeded) : Status();
+  }
 
   /// The motion over `h` > 0 seconds from velocity `u0` and acceleration `a0` towards the velocity `target`
   /// at its end. Within `room`, see `JointLimits::room`.
@@ -261,12 +294,13 @@ class JerkLimits {
 /// `lead` > 0 throws `ConfigurationError`.
 template <std::size_t N, Real T = double>
 struct MaxJerk {
+  using Kind = JerkLimit;
   JointJerk<N, T> jerk;
 };
 template <std::size_t N, Real T>
 MaxJerk(const JointJerk<N, T>&) -> MaxJerk<N, T>;
 
-/// The part of a governor that it makes of a robot.
+/// The limit of a robot that it makes.
 template <class M, std::size_t J, Real S, std::size_t N, Real T>
 [[nodiscard]] auto part_for(const M&, const JointLimits<J, S>& limits, const MaxJerk<N, T>& max) {
   static_assert(N == J, "MaxJerk: of a robot with another number of joints");

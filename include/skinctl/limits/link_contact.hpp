@@ -4,14 +4,18 @@
 #include <vector>
 
 #include "skinctl/limits/body_region.hpp"
-#include "skinctl/limits/detail/parts.hpp"
 #include "skinctl/tactile/cell_place.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// The contacts of all links are one limit.
+struct LinkContacts {};
+
 /// The body region that link `I` may touch, and how a contact is measured.
 template <std::size_t I>
 struct LinkContact {
+  using Kind = LinkContact;
+  using Family = LinkContacts;
   static constexpr std::size_t link = I;
   BodyRegion region;                 ///< the most sensitive region that can be touched
   double reach = BodyRegion::unset;  ///< largest distance of the link's surface from the link's origin [m]
@@ -30,10 +34,5 @@ struct LinkContact {
   /// of cells along their normals count, each with the mass felt there, instead of the bound for any point.
   std::vector<CellPlace> cells = {};
 };
-
-namespace detail {
-template <std::size_t I>
-inline constexpr bool is_link_contact<LinkContact<I>> = true;
-}  // namespace detail
 
 SKINCTL_END_NAMESPACE

@@ -6,14 +6,18 @@
 #include "skinctl/core/state.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/limits/detail/nearest_in_box.hpp"
+#include "skinctl/limits/limit.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Position and velocity limits of the joints by torque, as a part of a governor; a scene with such joints
-/// has them unless it is built without.
+/// What limits the motion of joints by torque: for `Cycle::without`.
+struct MotionByTorque {};
+
+/// Position and velocity limits of the joints by torque, as a limit of a scene; one with such joints has it,
+/// `without<MotionByTorque>()` takes it out.
 ///
 /// The motion of these joints is not commanded, so the limits act on the velocity to which the torque leads
 /// in a few cycles, `u = dq + t M^-1 (tau - C dq - G - r)`. Each joint has a largest u to either side: its velocity
@@ -35,7 +39,9 @@ class MotionLimits {
 
  public:
   static constexpr std::size_t joints = M::joints;
-  using MotionPart = void;
+  using Kind = MotionByTorque;
+  static constexpr Precedence precedence = Precedence::torque;
+  static constexpr bool limits_torque = true;
   using Torque = JointTorque<n, T>;
 
   /// What resisted in the last cycles. Trivially copyable.
@@ -204,5 +210,16 @@ class MotionLimits {
 
   [[no_unique_address]] M model_;
 };
+
+/// The motion of the joints by torque of `Set` stays within the limits of the joints: a part of each scene that has such
+/// joints.
+template <class Set>
+struct WithinJointLimits {
+  using Kind = MotionByTorque;
+};
+template <RobotModel M, Real T, class Set>
+[[nodiscard]] auto part_for(const M& model, const JointLimits<M::joints, T>&, const WithinJointLimits<Set>&) {
+  return MotionLimits<M, T, Set>(model);
+}
 
 SKINCTL_END_NAMESPACE

@@ -6,7 +6,7 @@
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/core/time.hpp"
-#include "skinctl/limits/detail/parts.hpp"
+#include "skinctl/limits/limit.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/tactile/coverage.hpp"
 
@@ -32,6 +32,7 @@ enum class SkinReaction : unsigned char {
 ///
 /// Without this part a scene takes no notice, at no cost.
 struct SkinWatch {
+  using Kind = SkinWatch;
   double enough = 0.9;  ///< share of the cells of each patch that have to report, in (0, 1]
   SkinReaction unheard = SkinReaction::hold;  ///< from the start until enough cells of each patch were heard
   SkinReaction blind = SkinReaction::stop;    ///< later, while too few cells of a patch report
@@ -40,11 +41,13 @@ struct SkinWatch {
   Nanoseconds settle = 500ms;
 };
 
-/// A `SkinWatch` over the skin of a robot of N joints, as a part of a governor.
+/// A `SkinWatch` over the skin of a robot of N joints, as a limit of a scene.
 template <std::size_t N, Real T = double>
 class CoverageLimits {
  public:
-  using WatchPart = void;
+  using Kind = SkinWatch;
+  static constexpr Precedence precedence = Precedence::coverage;
+  static constexpr bool reads_coverage = true;
   static constexpr double ramp = 0.25;  ///< of the greatest speed [s]
 
   /// Trivially copyable; `Memory{}` has heard nothing.
@@ -97,8 +100,12 @@ class CoverageLimits {
     if (m.reaction == SkinReaction::stop) status |= Reason::skin_stopped;
     return status;
   }
+  template <class Seen>
+  SKINCTL_INLINE Status look(Memory& m, const Seen& seen, const T& dt) const noexcept {
+    return look(m, seen.coverage(), dt);
+  }
   /// Whether the robot is to brake and hold by this.
-  [[nodiscard]] static bool holds(const Memory& m) noexcept { return m.reaction >= SkinReaction::hold; }
+  [[nodiscard]] static bool stays(const Memory& m) noexcept { return m.reaction >= SkinReaction::hold; }
 
   /// The share in [0, 1] of `u` that is slow enough; 1 leaves `u` as it is.
   [[nodiscard]] SKINCTL_INLINE T share(const Memory& m, const JointVelocity<N, T>& u) const noexcept {
@@ -111,6 +118,11 @@ class CoverageLimits {
     }
     return share;
   }
+  template <class Going, class Seen>
+  [[nodiscard]] SKINCTL_INLINE SpeedShare<T> share(const Memory& m, const Going&, const Seen&,
+                                                   const JointVelocity<N, T>& u) const noexcept {
+    return {share(m, u), {}};
+  }
 
  private:
   SkinWatch watch_;
@@ -118,7 +130,7 @@ class CoverageLimits {
   T settle_;
 };
 
-/// The part of a governor that it makes of a robot.
+/// The limit of a robot that it makes.
 template <class M, std::size_t N, Real T>
 [[nodiscard]] auto part_for(const M&, const JointLimits<N, T>& limits, const SkinWatch& watch) {
   return CoverageLimits<N, T>(limits, watch);

@@ -5,9 +5,13 @@
 
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/limits/detail/towards.hpp"
+#include "skinctl/limits/limit.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+
+/// What `MaxToolSpeed` limits: for `Cycle::without`.
+struct ToolSpeedLimit {};
 
 /// The largest speed [m/s] of a point fixed to link `I`.
 ///
@@ -25,6 +29,10 @@ class ToolSpeed {
   static_assert(I < M::joints, "the speed of a link that the model does not have");
   static constexpr std::size_t joints = M::joints;
   static constexpr std::size_t link = I;
+  using Kind = ToolSpeedLimit;
+  struct Memory {};
+  static constexpr Precedence precedence = Precedence::tool_speed;
+  static constexpr Reason reason = Reason::tool_speed_limited;
 
   struct Values {
     T speed;                            ///< [m/s], > 0
@@ -47,11 +55,7 @@ class ToolSpeed {
   [[nodiscard]] T limit() const noexcept { return values_.speed; }
   [[nodiscard]] const M& model() const noexcept { return model_; }
 
-  /// The velocity after a step, and whether the limit acted.
-  struct Kept {
-    JointVelocity<joints, T> velocity;
-    bool limited;
-  };
+  using Kept = KeptVelocity<joints, T>;
 
   /// The point's velocity per joint velocity at `q`, for several queries.
   class At {
@@ -172,6 +176,25 @@ class ToolSpeed {
     return {detail::towards(brake, wish, keeps), true};
   }
 
+  /// As a limit of a scene: motion as far as the way to stop keeps the limit, torques as far as the next
+  /// `going.ahead` seconds do.
+  template <class Going, class Also>
+  [[nodiscard]] SKINCTL_INLINE Kept within(const Memory&, const Going& going,
+                                           const JointVelocity<joints, T>& u, const Also&) const noexcept {
+    if constexpr (Going::by_motion) {
+      return within(going.q, going.room, going.from, u, going.dt);
+    } else {
+      const T part = share(going.q, u, going.ahead);
+      return {part < T(1) ? part * u : u, part < T(1)};
+    }
+  }
+  template <class Going>
+  [[nodiscard]] SKINCTL_INLINE bool keeps(const Memory&, const Going& going,
+                                          const JointVelocity<joints, T>& u,
+                                          const JointPosition<joints, T>& moved) const noexcept {
+    return keeps(going.q, u, moved, going.room);
+  }
+
  private:
   /// The rate of braking that is planned; a little less than that of braking itself, for rounding.
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
@@ -213,12 +236,13 @@ class ToolSpeed {
 /// For `Cycle::with`: the largest speed of a point of link `I`.
 template <std::size_t I, Real T = double>
 struct MaxToolSpeed {
+  using Kind = ToolSpeedLimit;
   T speed;                            ///< [m/s], > 0
   Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `I`, from its origin [m]
   T reach;                            ///< largest distance of the point from any joint axis [m]
 };
 
-/// The part of a governor that it makes of a robot.
+/// The limit of a robot that it makes.
 template <RobotModel M, std::size_t N, std::size_t I, Real T>
 [[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits, const MaxToolSpeed<I, T>& max) {
   return ToolSpeed<M, I, T>(model, limits, {max.speed, max.point, max.reach});

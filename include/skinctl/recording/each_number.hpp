@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "skinctl/clearance/surroundings.hpp"
 #include "skinctl/core/command.hpp"
 #include "skinctl/core/gripper.hpp"
 #include "skinctl/cycle/input.hpp"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/command.hpp"
+#include "skinctl/core/detail/plain_tuple.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/passivity/passivity.hpp"
@@ -69,32 +70,12 @@ struct VirtualJointsMemory {
 
 namespace detail {
 
-/// The element `K` of a tuple that is trivially copyable.
-template <std::size_t K, class Value>
-struct Element {
-  Value value;
-};
-template <class Indices, class... Values>
-struct PlainTuple;
-template <std::size_t... K, class... Values>
-struct PlainTuple<std::index_sequence<K...>, Values...> : Element<K, Values>... {};
-
-template <std::size_t K, class Value>
-[[nodiscard]] SKINCTL_INLINE Value& element(Element<K, Value>& e) noexcept {
-  return e.value;
-}
-template <std::size_t K, class Value>
-[[nodiscard]] SKINCTL_INLINE const Value& element(const Element<K, Value>& e) noexcept {
-  return e.value;
-}
-
 /// The virtual joints of each group, in a plain tuple.
 template <Real T, std::size_t History, class Groups>
 struct VirtualGroups;
 template <Real T, std::size_t History, class... Groups>
 struct VirtualGroups<T, History, std::tuple<Groups...>> {
-  using Memory = PlainTuple<std::make_index_sequence<sizeof...(Groups)>,
-                            VirtualJointsMemory<Groups::count, T, History>...>;
+  using Memory = PlainTuple<VirtualJointsMemory<Groups::count, T, History>...>;
 };
 
 /// What joints by torque remember beside their measurement.

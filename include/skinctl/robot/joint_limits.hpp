@@ -96,6 +96,13 @@ class JointLimits {
   [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque() const noexcept { return values_.torque; }
   [[nodiscard]] SKINCTL_INLINE const JointPower<N, T>& power() const noexcept { return values_.power; }
   [[nodiscard]] const Values& values() const noexcept { return values_; }
+  /// Those of the joints of a subset.
+  template <class Set>
+  [[nodiscard]] SKINCTL_COLD JointLimits<Set::count, T> part() const {
+    const Values& v = values_;
+    return JointLimits<Set::count, T>({Set::of(v.lower), Set::of(v.upper), Set::of(v.velocity),
+                                       Set::of(v.acceleration), Set::of(v.torque), Set::of(v.power)});
+  }
   /// The distances in which joints stop from the speeds `u` at their acceleration limits, `u^2 / (2 a)`.
   [[nodiscard]] SKINCTL_INLINE detail::Row<N, T> stopping_distance(
       const detail::Row<N, T>& u) const noexcept {

@@ -1,4 +1,4 @@
-// expect: with: the scene has a part of this kind already, and takes one of each kind
+// expect: with: the scene has a part of this kind already: take it out first
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

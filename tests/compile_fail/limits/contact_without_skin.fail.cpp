@@ -5,7 +5,6 @@ using namespace skinctl;
 
 using Robot = ResolverBy<Interface::position, ur5::Model>;
 
-auto scene(const Robot& robot, const Guard<Interface::position, 6>& guard, const LinkContact<2>& contact) {
-  return Cycle(robot, NoSkin{}, GravityControl{}, guard,
-               make_governor(robot.limits(), contact_limits(robot.model(), contact)));
+auto scene(const Robot& robot, const LinkContact<2>& contact) {
+  return Cycle(robot, NoSkin{}, GravityControl{}).with(contact);
 }

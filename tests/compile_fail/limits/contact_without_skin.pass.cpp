@@ -4,8 +4,7 @@ using namespace skinctl;
 
 using Robot = ResolverBy<Interface::position, ur5::Model>;
 
-auto scene(const Robot& robot, const Guard<Interface::position, 6>& guard, const LinkContact<2>& contact,
+auto scene(const Robot& robot, const LinkContact<2>& contact,
            const Skin<ur5::Model, double, Patch<2, 10>>& skin) {
-  return Cycle(robot, skin, GravityControl{}, guard,
-               make_governor(robot.limits(), contact_limits(robot.model(), contact)));
+  return Cycle(robot, skin, GravityControl{}).with(contact);
 }

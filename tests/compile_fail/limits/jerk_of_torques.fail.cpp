@@ -5,6 +5,6 @@ using namespace skinctl;
 
 using Robot = ResolverBy<Interface::torque, ur5::Model>;
 
-auto scene(const Robot& robot, const Guard<Interface::torque, 6>& guard, const JerkLimits<6>& jerk) {
-  return Cycle(robot, GravityControl{}, guard, make_governor(robot.limits(), jerk));
+auto scene(const Robot& robot, const MaxJerk<6>& jerk) {
+  return Cycle(robot, GravityControl{}).with(jerk);
 }

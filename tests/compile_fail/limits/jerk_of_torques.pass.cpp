@@ -4,6 +4,6 @@ using namespace skinctl;
 
 using Robot = ResolverBy<Interface::position, ur5::Model>;
 
-auto scene(const Robot& robot, const Guard<Interface::position, 6>& guard, const JerkLimits<6>& jerk) {
-  return Cycle(robot, GravityControl{}, guard, make_governor(robot.limits(), jerk));
+auto scene(const Robot& robot, const MaxJerk<6>& jerk) {
+  return Cycle(robot, GravityControl{}).with(jerk);
 }

@@ -1,8 +1,10 @@
-// expect: a governor takes JerkLimits, ToolSpeed, ClearanceLimits, ContactLimits, MotionLimits and CoverageLimits
+// expect: with: takes settings of limits (limits/limit.hpp) and of the guard, and this is neither
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 
-auto wrong(const JointLimits<6>& limits, const BodyRegion& region) {
-  return make_governor(limits, region);
+using Robot = ResolverBy<Interface::position, ur5::Model>;
+
+auto wrong(const Cycle<Robot, GravityControl>& plain, const BodyRegion& region) {
+  return plain.with(region);
 }

@@ -2,6 +2,8 @@
 
 using namespace skinctl;
 
-auto right(const JointLimits<6>& limits, const BodyRegion& region) {
-  return make_governor(limits, contact_limits(ur5::Model{}, LinkContact<2>{.region = region}));
+using Robot = ResolverBy<Interface::position, ur5::Model>;
+
+auto right(const Cycle<Robot, GravityControl>& plain, const MaxToolSpeed<5>& speed) {
+  return plain.with(speed);
 }

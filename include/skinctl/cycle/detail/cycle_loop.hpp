@@ -16,14 +16,13 @@ template <class Scene, class LawMemory>
 struct ChangeFrom;
 
 /// The start and the step of a `Cycle`.
-template <class Resolver, class GivenLaw, class GivenSkin, class Watchman, class Overseer>
-class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Overseer> {
-  using Parts = CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Overseer>;
+template <class Resolver, class GivenLaw, class GivenSkin, class GivenParts>
+class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
+  using Parts = CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts>;
 
  public:
   using Parts::governed;
   using Parts::has_gripper;
-  using Parts::has_surroundings;
   using Parts::joints;
   using Parts::watches_contacts;
   using scalar = typename Parts::scalar;
@@ -52,11 +51,13 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Ove
   using Parts::governor_;
   using Parts::guard_;
   using Parts::law_;
+  using Parts::parts_;
   using Parts::pauses;
   using Parts::period;
   using Parts::resolver_;
   using Parts::skin_;
   using L = typename Parts::L;
+  using Governor = typename Parts::Governor;
 
   /// @param change  the configuration of the last cycle, or `NoChange`.
   template <class Watch, class Change>
@@ -85,43 +86,36 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Ove
     };
     status |= receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
     const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
-    bool pause = false;
-    if constexpr (watches_skin<Overseer>) {
-      status |= governor_.watch().look(m.governor.watch, coverage_of(skin_, m.skin),
-                                       seconds<scalar>(interval.to - interval.from));
-      pause = pauses(m);
-      if (pause) resolver_.stop(m.robot);
-    }
+    const Seen<typename Parts::Skin, std::remove_cvref_t<decltype(pressed)>> seen{skin_, m.skin, pressed};
+    status |= governor_.look(m.governor, seen, seconds<scalar>(interval.to - interval.from));
+    const bool pause = pauses(m);
+    if (pause) resolver_.stop(m.robot);
     if constexpr (requires { law_.feel(m.law, skin_.contacts(m.skin), interval.to); })
       law_.feel(m.law, skin_.contacts(m.skin), interval.to);
     if constexpr (has_gripper) law_.grip(m.law, input.gripper, interval.to);
-    if constexpr (has_surroundings)
-      governor_.clearance().see(m.governor.around, input.around, measured().q, interval.to);
+    governor_.see(m.governor, input, measured().q, interval.to);
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);
     [[maybe_unused]] bool hard = false;  // before the step and after it: the last one ends with hard braking
-    if constexpr (limits_jerk<Overseer>) hard = resolver_.stops_or_corrects(m.robot);
+    if constexpr (Governor::smooth) hard = resolver_.stops_or_corrects(m.robot);
     const std::span<const Touch> felt(touches.data, parts);
     auto resolved = resolve(m, input.measured, interval, felt, pressed);
     [[maybe_unused]] const bool stops = resolver_.stops(m.robot);
-    if constexpr (watches_skin<Overseer>) {
-      if (pause) {
-        resolver_.go_on(m.robot);
-        resolved.status = resolved.status.without(Reason::stopping);
-      }
+    if (pause) {
+      resolver_.go_on(m.robot);
+      resolved.status = resolved.status.without(Reason::stopping);
     }
     status |= resolved.status;
-    if constexpr (limits_jerk<Overseer>) hard = hard || resolver_.stops_or_corrects(m.robot);
+    if constexpr (Governor::smooth) hard = hard || resolver_.stops_or_corrects(m.robot);
     watch.end(CycleStage::resolve);
 
     Status found = input.observed;
     bool slowed = false;
     if constexpr (governed) {
       if (interval.substeps != 0) {
-        if constexpr (Overseer::has_clearance && requires { resolver_.off(m.robot); })
-          governor_.clearance().stand_off(m.governor.around, resolver_.off(m.robot));
-        const auto given = govern(m, resolved, pressed, interval, hard, stops);
+        if constexpr (Governor::stands_off) governor_.stand_off(m.governor, resolver_.off(m.robot));
+        const auto given = govern(m, resolved, seen, interval, hard, stops);
         status |= given.status;
         found |= given.status;
         slowed = given.altered;
@@ -134,7 +128,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Ove
     status |= guarded.status | input.observed;
     if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
     if constexpr (governed) {
-      if (guarded.altered && commands_motion<Resolver>) governor_.sent(m.governor, guarded.command);
+      if (guarded.altered) governor_.sent(m.governor, guarded.command);
     }
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
     watch.end(CycleStage::guard);
@@ -195,29 +189,22 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, Watchman, Ove
       return received.status;
     }
   }
-  template <class Resolved, class Pressed>
-  SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Pressed& pressed,
-                             const Interval& interval, [[maybe_unused]] bool hard,
-                             [[maybe_unused]] bool stops) const noexcept {
-    scalar dt = seconds<scalar>(interval.to - interval.from);
-    if constexpr (takes_positions<Resolver>) dt = resolver_.span(m.robot, dt);
-    const auto nearest = detail::nearest<Overseer>(skin_, m.skin);
-    if constexpr (!has_one_interface<Resolver>) {
-      std::array<scalar, Resolver::stiff_groups> spans;
-      Resolver::each([&](auto k) { spans[k.value] = resolver_.template span<k.value>(m.robot, dt); });
-      return governor_.step(m.governor, guard_.last(m.guard), resolved.command, resolved.fallback,
-                            guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
-                            scalar(guard_.settings().torque_rate), m.robot.measured(), pressed, nearest,
-                            spans, dt, hard, stops);
-    } else if constexpr (Resolver::interface == Interface::torque) {
-      return governor_.step_torque(
-          m.governor, m.guard.command, resolved.command, resolved.fallback,
-          guard_.waits(m.guard) || pauses(m), resolved.status.has(Reason::state_stale),
-          scalar(guard_.settings().torque_rate), m.robot.measured(), pressed, nearest, dt);
-    } else {
-      return governor_.step(m.governor, m.guard.command, resolved.command, m.robot.measured(), pressed,
-                            nearest, dt, hard, stops);
-    }
+  template <class Resolved, class Seen>
+  SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Seen& seen, const Interval& interval,
+                             bool hard, bool stops) const noexcept {
+    const scalar dt = seconds<scalar>(interval.to - interval.from);
+    const auto& last = guard_.last(m.guard);
+    typename Governor::Input in{.last = last,
+                                .measured = m.robot.measured(),
+                                .spans = {},
+                                .dt = dt,
+                                .torque_rate = scalar(guard_.settings().torque_rate),
+                                .stale = resolved.status.has(Reason::state_stale),
+                                .waits = guard_.waits(m.guard) || pauses(m),
+                                .hard = hard,
+                                .stops = stops};
+    Resolver::each([&](auto k) { in.spans[k.value] = resolver_.template span<k.value>(m.robot, dt); });
+    return governor_.step(m.governor, in, resolved.command, resolved.fallback, seen);
   }
 
   // For `Configurations`: whether another one may take over now; the law's start at the robot's state; the

@@ -5,47 +5,89 @@
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/scene_parts.hpp"
+#include "skinctl/tactile/coverage.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
-template <class Overseer>
-inline constexpr bool is_governor = false;
-template <std::size_t N, Real T, class... Parts>
-inline constexpr bool is_governor<Governor<N, T, Parts...>> = true;
-template <class Overseer>
-inline constexpr bool limits_jerk = requires { requires Overseer::has_jerk; };
-/// Whether a governor suits a robot's joints and scalar.
-template <class Overseer, std::size_t N, class T>
-inline constexpr bool governs = true;
-template <std::size_t M, Real U, class... Parts, std::size_t N, class T>
-inline constexpr bool governs<Governor<M, U, Parts...>, N, T> = M == N && std::is_same_v<U, T>;
-/// Whether a skin covers all links of a governor's contact limits.
-template <class Overseer, class Skin>
+/// Whether a skin covers all links whose touch a governor reads.
+template <class Governor, class Skin>
 inline constexpr bool feels = [] {
-  if constexpr (!requires { Overseer::contact_type::links; }) {
+  if constexpr (!Governor::reads_touch) {
     return true;
   } else if constexpr (requires { Skin::Wrenches::links; }) {
-    constexpr LinkMask named = Overseer::contact_type::links;
-    return (Skin::Wrenches::links & named) == named;
+    return (Skin::Wrenches::links & Governor::links) == Governor::links;
   } else {
     return false;
   }
 }();
-/// The strongest proximity reading for each link of a governor's contact limits.
-template <class Overseer, class Skin>
-[[nodiscard]] SKINCTL_INLINE auto nearest(const Skin& skin, const typename Skin::Memory& memory) noexcept {
-  if constexpr (requires { Overseer::contact_type::links; }) {
-    return Overseer::contact_type::nearest(skin, memory);
+/// What is wrong with parts that are given to a scene.
+enum class PartsFault { none, no_part, no_memory, heavy_memory, moves_torques, twice, not_felt, no_cells };
+template <PartsFault F>
+struct SayParts {
+  using enum PartsFault;
+  static_assert(F != no_part,
+                "with: takes settings of limits (limits/limit.hpp) and of the guard, and this is neither");
+  static_assert(F != no_memory, "a limit has a Memory, if only an empty one");
+  static_assert(F != heavy_memory, "the Memory of a limit is trivially copyable");
+  static_assert(F != moves_torques,
+                "a torque interface has no motion whose jerk could be limited: leave MaxJerk out");
+  static_assert(F != twice,
+                "with: the scene has a part of this kind already: take it out first, scene.without<Kind>()");
+  static_assert(F != not_felt,
+                "contact limits need a skin on each link that they name: what is not felt cannot be limited");
+  static_assert(F != no_cells, "SkinWatch: this scene has no skin whose cells could fall silent");
+};
+template <class Robot, class Part>
+consteval PartsFault fault_in_part() {
+  if constexpr (GivenGuardSettings<Part>) {
+    return PartsFault::none;
+  } else if constexpr (!LimitWithKind<Part> || !(MakesLimit<Part, Robot> || LimitWithPrecedence<Part>)) {
+    return PartsFault::no_part;
   } else {
-    return NoTouch{};
+    using Limit = decltype(limit_of(std::declval<const Robot&>(), std::declval<const Part&>()));
+    if constexpr (!LimitWithMemory<Limit>) {
+      return PartsFault::no_memory;
+    } else if constexpr (!std::is_trivially_copyable_v<typename Limit::Memory>) {
+      return PartsFault::heavy_memory;
+    } else {
+      return DecidesMotion<Limit> && !Robot::has_virtual ? PartsFault::moves_torques : PartsFault::none;
+    }
   }
 }
-/// Whether a governor watches how much of the skin feels.
-template <class Overseer>
-inline constexpr bool watches_skin = requires { requires Overseer::has_watch; };
-/// Whether a resolver commands motion of any joint.
-template <class Resolver>
-inline constexpr bool commands_motion = [] { return Resolver::has_virtual; }();
+/// The first fault of the parts `Given` to a scene, each by itself; and between `All` that it has with them.
+template <class Robot, class... Given>
+consteval PartsFault fault_in_parts() {
+  PartsFault first = PartsFault::none;
+  for (const PartsFault fault : {PartsFault::none, fault_in_part<Robot, Given>()...})
+    if (first == PartsFault::none) first = fault;
+  return first;
+}
+template <class Robot, class Skin, class All>
+consteval PartsFault fault_between_parts() {
+  if constexpr (!each_kind_once<All>) {
+    return PartsFault::twice;
+  } else {
+    using Made = GovernorOf<Robot, All>;
+    if (!feels<Made, Skin>) return PartsFault::not_felt;
+    constexpr bool has_cells = CountsCells<Skin> && !std::is_same_v<Skin, NoSkin>;
+    return Made::reads_coverage && !has_cells ? PartsFault::no_cells : PartsFault::none;
+  }
+}
+/// What the limits of a scene see of its touch in a cycle.
+template <class Skin, class Pressed>
+struct Seen {
+  const Skin& skin;
+  const typename Skin::Memory& memory;
+  const Pressed& contacts;
+
+  [[nodiscard]] SKINCTL_INLINE const Pressed& pressed() const noexcept { return contacts; }
+  /// The strongest proximity reading of link `I`, in [0, 1].
+  template <std::size_t I>
+  [[nodiscard]] SKINCTL_INLINE auto nearest() const noexcept {
+    return skin.template nearest<I>(memory);
+  }
+  [[nodiscard]] SKINCTL_INLINE Coverage coverage() const noexcept { return coverage_of(skin, memory); }
+};
 template <class Resolver>
 inline constexpr bool watches_contacts = requires { requires Resolver::watches_contacts; };
 /// Whether a skin says where it is pressed, beside the touch `Touch` of other sensors.
@@ -95,15 +137,30 @@ template <class Skin>
 struct SensedBy<Skin> {
   using type = typename Skin::Sensed;
 };
-/// What a governor's clearances add to a scene's input.
-template <class Governor>
-struct AroundOf {
-  using type = NoSurroundings;
-};
-template <class Governor>
-  requires requires { requires Governor::has_surroundings; }
-struct AroundOf<Governor> {
-  using type = typename std::remove_cvref_t<decltype(std::declval<const Governor&>().clearance())>::Near;
+/// The input of a cycle, and what limits add to it, each once.
+template <class Own, class... Added>
+struct InputWith : Own, Added... {};
+template <class Own, class Governor>
+struct WithInputs;
+template <class Own, RobotModel M, Real T, class Sets, class... Limits>
+struct WithInputs<Own, Governor<M, T, Sets, Limits...>> {
+  template <class Limit>
+  static auto of() {
+    if constexpr (LimitWithInput<Limit>) {
+      return std::tuple<typename Limit::Input>();
+    } else {
+      return std::tuple<>();
+    }
+  }
+  template <class... Added>
+  static auto all(const std::tuple<Added...>&) {
+    if constexpr (sizeof...(Added) == 0) {
+      return Own{};
+    } else {
+      return InputWith<Own, Added...>{};
+    }
+  }
+  using type = decltype(all(std::tuple_cat(of<Limits>()...)));
 };
 /// Takes what was sensed in an interval, and gives the mean touch over each of its parts. `measured()` is the
 /// newest good state of the robot, for sensors that need one.
@@ -152,11 +209,6 @@ using ResolverFor = decltype(as_resolver(std::declval<const R&>()));
 
 template <class S>
 concept SkinLike = requires { typename S::Wrenches; };
-template <class G>
-concept GuardLike = requires(const G& g, typename G::Memory& m) { g.acknowledge(m); };
-template <class G>
-concept GovernorLike = is_governor<G> || std::is_same_v<G, NoGovernor>;
-
 /// Whether a law compensates gravity: by a gravity law, or within `Y_r Theta`.
 template <class L>
 inline constexpr bool holds_gravity = [] {
@@ -210,19 +262,6 @@ SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
     const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics(),
                                                                 robot.loop_delay()};
     if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
-  }
-}
-/// Throws `ConfigurationError` for a lead beside a limit of jerk: it is extrapolated from velocities that the governor
-/// then smooths, and the two swing.
-template <class Resolver>
-SKINCTL_COLD void check_no_lead(const Resolver& r) {
-  const auto check = [](const auto& parameters) {
-    require(parameters.lead == 0, "lead beside MaxJerk", 1e3 * static_cast<double>(parameters.lead), "0 ms");
-  };
-  if constexpr (has_one_interface<Resolver>) {
-    check(r.parameters());
-  } else {
-    Resolver::each([&](auto k) { check(r.template parameters<k.value>()); });
   }
 }
 /// Checks that the stiffest contact that a description names comes to rest on this skin.

@@ -1,0 +1,87 @@
+// The motion of one group of joints by position or velocity towards a velocity.
+#pragma once
+
+#include "skinctl/core/command.hpp"
+#include "skinctl/limits/limit.hpp"
+#include "skinctl/robot/joint_limits.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Nothing decides how joints move but the limits of the joints.
+struct NoMover {
+  template <class Set>
+  [[nodiscard]] NoMover set() const noexcept {
+    return {};
+  }
+};
+
+/// What is remembered of the last command of a group.
+template <std::size_t N, Real T>
+struct GroupMotionMemory {
+  JointAcceleration<N, T> acceleration;  ///< at the end of the last command
+  JointPosition<N, T> position, carry;   ///< the last command's position, and its rounding error
+};
+
+/// A group of N joints that follows a velocity within the limits of its joints, or as its `Mover` decides.
+template <std::size_t N, Real T, class Mover>
+class GroupMotion {
+ public:
+  static constexpr bool smooth = !std::is_same_v<Mover, NoMover>;
+  using Memory = GroupMotionMemory<N, T>;
+  using Command = JointCommand<N, T>;
+
+  GroupMotion(const JointLimits<N, T>& limits, const Mover& mover) : limits_(limits), mover_(mover) {}
+
+  /// The motion that the mover decides, from `last` towards the velocity `u` in `dt` seconds.
+  [[nodiscard]] SKINCTL_INLINE auto smoothed(const Memory& m, const Command& last,
+                                             const JointVelocity<N, T>& u, const T& dt) const noexcept {
+    return mover_.move(limits_.room(last.position), last.velocity, m.acceleration, u, dt);
+  }
+  /// Follows such a motion; `out` becomes its end.
+  template <class Motion>
+  SKINCTL_INLINE void follow(Memory& m, const Command& last, const Motion& motion,
+                             Command& out) const noexcept {
+    m.acceleration = motion.acceleration;  // at its end: the guard may brake from there
+    make(m, last, motion, out);
+    out.acceleration = motion.acceleration;
+  }
+  /// Moves towards `u` within the limits of the joints alone.
+  SKINCTL_INLINE Status move(Memory& m, const Command& last, const JointVelocity<N, T>& u, const T& dt,
+                             Command& out) const noexcept {
+    const auto motion = limits_.move(limits_.room(last.position), last.velocity, u, dt);
+    if constexpr (smooth)
+      for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
+    make(m, last, motion, out);
+    for (std::size_t i = 0; i < N; ++i) out.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
+    return motion.status.without(Reason::acceleration_limited);
+  }
+  /// Whether the acceleration has changed faster from `last` to `command` than the mover allows.
+  [[nodiscard]] SKINCTL_INLINE Status exceeded(const Command& last, const Command& command,
+                                               const T& dt) const noexcept {
+    return mover_.exceeded(last.acceleration, command.acceleration, dt);
+  }
+
+ private:
+  template <class Motion>
+  SKINCTL_INLINE void make(Memory& m, const Command& last, const Motion& motion,
+                           Command& out) const noexcept {
+    if (!(m.position == last.position)) m.carry = {};
+    for (std::size_t i = 0; i < N; ++i) {
+      const T q = last.position[i], step = motion.displacement[i] + m.carry[i];
+      const T lower = limits_.lower()[i], upper = limits_.upper()[i];
+      T next = q + step;
+      m.carry[i] = step - (next - q);
+      if (next > upper && q <= upper) next = upper, m.carry[i] = T(0);
+      if (next < lower && q >= lower) next = lower, m.carry[i] = T(0);
+      out.position[i] = m.position[i] = next;
+      out.velocity[i] = motion.velocity[i];
+    }
+  }
+
+  JointLimits<N, T> limits_;
+  [[no_unique_address]] Mover mover_;
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,147 @@
+// What a limit of a scene is: a part of its governor.
+#pragma once
+
+#include <concepts>
+#include <type_traits>
+
+#include "skinctl/core/joint.hpp"
+#include "skinctl/core/state.hpp"
+#include "skinctl/core/status.hpp"
+#include "skinctl/robot/joint_limits.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The motion that a limit judges in one cycle.
+///
+/// @tparam Motion, Torque  whether some joints take positions or velocities, and whether some take torques.
+template <std::size_t N, Real T, bool Motion, bool Torque>
+struct Going {
+  static constexpr std::size_t joints = N;
+  static constexpr bool by_motion = Motion, by_torque = Torque;
+  JointPosition<N, T>
+      q;  ///< the position that was commanded last; of joints by torque the measured one [rad]
+  JointVelocity<N, T>
+      from;  ///< the velocity that was commanded last; of joints by torque the measured one [rad/s]
+  JointRoom<N, T> room;         ///< from `q` to the ends of the joints [rad]
+  const State<N, T>& measured;  ///< the last good state of the robot
+  T dt;                         ///< time to the end of the command [s], > 0
+  T ahead;                      ///< time in which joints by torque brake [s]
+  bool slides;                  ///< whether a motion that would end may turn aside: no stop was requested
+
+  /// The displacement on the way from `from` to the velocity `to` [rad].
+  [[nodiscard]] SKINCTL_INLINE JointPosition<N, T> half_way(const JointVelocity<N, T>& to) const noexcept {
+    return integrate(JointPosition<N, T>(), from + to, T(T(0.5) * dt));
+  }
+};
+
+/// The share in [0, 1] that a limit leaves of all joint velocities, and why.
+template <Real T>
+struct SpeedShare {
+  T scale = T(1);
+  Status status;
+};
+
+/// The velocity that a limit leaves, and whether it acted.
+template <std::size_t N, Real T>
+struct KeptVelocity {
+  JointVelocity<N, T> velocity;
+  bool limited = false;
+};
+
+/// The place of a limit among the others: they act in this order, and where they conflict, the later one wins.
+enum class Precedence : unsigned char {
+  moves,       ///< how joints move: it gives way to all others
+  contact,     ///< force and power of contacts
+  coverage,    ///< how much of the skin feels
+  free,        ///< limits of users
+  tool_speed,  ///< speed of a point of the robot
+  clearance,   ///< distance from bodies
+  torque       ///< position and speed of joints by torque
+};
+
+/// In place of what a limit adds to the input of a cycle.
+struct NoInput {};
+
+// A limit is made of its settings, an argument of `Cycle::with`, by `part_for(model, limits, settings)` beside them.
+//
+// | member of a limit                       |                                                             | without it |
+// | `Kind`                                  | a type: a scene has one part of each kind; its settings have the same | - |
+// | `Memory`                                | trivially copyable; `Memory{}` at the start                  | -         |
+// | `precedence`                            | its place                                                    | -         |
+// | `share(m, going, seen, u) -> SpeedShare`     | slows all joints alike from the velocity `u`; or:            | -         |
+// | `within(m, going, u, also) -> KeptVelocity`     | another velocity, reached from `going.from`; `also(v)`: whether earlier limits keep v | - |
+// | `reason`                                | status where `within` acts                                   | -         |
+// | `keeps(m, going, v, moved)`             | whether a motion that ends at v, by `moved`, keeps it: else a smooth motion gives way | true |
+// | `of_the_drive`                          | by torque it judges what the drive does, not what the world adds | false |
+// | `holds_on`                              | reasons after which joints by torque are held with damping   | none      |
+// | `look(m, seen, dt) -> Status`           | before the laws, `dt` seconds since the last cycle           | nothing   |
+// | `stays(m)`                              | whether the robot is to brake and hold                       | false     |
+// | `Input`, `see(m, input, q, now)`        | what it adds to the input of a cycle, and takes from it      | nothing   |
+// | `stand_off(m, off)`                     | the robot stands off its commands by `off`                   | nothing   |
+// | `links`                                 | links whose touch it reads: the scene's skin covers them     | none      |
+// | `reads_coverage`                        | whether it asks how much of the skin feels                   | false     |
+// | `check(resolver)`                       | throws for a robot that it does not suit                     | nothing   |
+// | `set<S>()`                              | it decides how the joints of S move: `move`, `brake`, `exceeded` of `JerkLimits` | limits of the joints alone |
+// | `observe`, `resistance`, `torques`      | it limits torques: see `MotionLimits`                        | nothing   |
+namespace detail {
+
+template <class L>
+concept LimitWithKind = requires { typename L::Kind; };
+template <class L>
+concept LimitWithMemory = requires { typename L::Memory; };
+template <class L>
+concept LimitWithPrecedence = requires {
+  { L::precedence } -> std::convertible_to<Precedence>;
+};
+template <class L>
+concept DecidesMotion = requires { requires L::decides_motion; };
+template <class L>
+concept LimitsTorque = requires { requires L::limits_torque; };
+template <class L>
+concept OfTheDrive = requires { requires L::of_the_drive; };
+template <class L>
+concept HoldsOn = requires {
+  { L::holds_on } -> std::convertible_to<Status>;
+};
+template <class L>
+concept StandsOff = requires { requires L::stands_off; };
+template <class L>
+concept LimitWithInput = requires { requires !std::is_same_v<typename L::Input, NoInput>; };
+template <class L>
+concept ReadsTouch = requires {
+  { L::links } -> std::convertible_to<LinkMask>;
+};
+template <class L>
+concept ReadsCoverage = requires { requires L::reads_coverage; };
+template <class L, class Robot>
+concept ChecksRobot = requires(const L& limit, const Robot& robot) { limit.check(robot); };
+template <class L>
+concept Stays = requires(const L& limit, const typename L::Memory& m) {
+  { limit.stays(m) } -> std::convertible_to<bool>;
+};
+template <class L, class Seen, class T>
+concept Looks = requires(const L& limit, typename L::Memory& m, const Seen& seen, const T& dt) {
+  { limit.look(m, seen, dt) } -> std::convertible_to<Status>;
+};
+template <class L, class Going, class Seen, class U>
+concept Shares = requires(const L& limit, typename L::Memory& m, const Going& going, const Seen& seen,
+                          const U& u) { limit.share(m, going, seen, u).scale; };
+struct AllKeep {
+  template <class U>
+  constexpr bool operator()(const U&) const noexcept {
+    return true;
+  }
+};
+template <class L, class Going, class U>
+concept Turns = requires(const L& limit, const typename L::Memory& m, const Going& going, const U& u) {
+  limit.within(m, going, u, AllKeep{}).velocity;
+  { L::reason } -> std::convertible_to<Reason>;
+};
+template <class L, class Going, class U, class Q>
+concept Keeps =
+    requires(const L& limit, const typename L::Memory& m, const Going& going, const U& u, const Q& moved) {
+      { limit.keeps(m, going, u, moved) } -> std::convertible_to<bool>;
+    };
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE
