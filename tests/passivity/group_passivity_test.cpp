@@ -31,7 +31,7 @@ Given run_groups(const RandomScene& scene, bool friction, const Parts&... parts)
   auto law = scene.law;
   for (Skill& s : law.skills) s.damping *= 0.1;  // for a wrist that is commanded every millisecond
   const auto limits = scene.configuration.limits;
-  const auto part = [&](auto set) { return detail::limits_of_part<decltype(set)>(limits); };
+  const auto part = [&](auto set) { return limits.part<decltype(set)>(); };
   RobotConfiguration<3> arm{.limits = part(Arm{}), .period = period, .delay = scene.delay * period};
   arm.substep = period;
   arm.lag = 4ms;

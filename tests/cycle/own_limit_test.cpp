@@ -1,0 +1,104 @@
+// A limit of a user's own, with an input, in scenes of every kind.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/cycle/configurations.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/clearance_limits.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/testing/ur5_clearance.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+
+/// What a scanner of the room adds to the input.
+struct Scanned {
+  double nearest = 10;  ///< distance of the nearest person [m]
+};
+/// No joint is faster than `rate` times the distance of the nearest person; nearer than `stop` the robot holds.
+struct NearPeople {
+  using Kind = NearPeople;
+  using Input = Scanned;
+  struct Memory {
+    double nearest = 10;
+  };
+  static constexpr Precedence precedence = Precedence::free;
+  double rate = 0.5, stop = 0.5;
+
+  template <class In, class Q>
+  void see(Memory& m, const In& input, const Q&, Nanoseconds) const noexcept {
+    m.nearest = input.nearest;
+  }
+  [[nodiscard]] bool stays(const Memory& m) const noexcept { return m.nearest < stop; }
+  template <class Going, class Seen, class U>
+  [[nodiscard]] SpeedShare<double> share(Memory& m, const Going&, const Seen&, const U& u) const noexcept {
+    double fastest = 0;
+    for (const double v : u) fastest = std::max(fastest, std::abs(v));
+    const double most = rate * m.nearest;
+    return {fastest > most ? most / fastest : 1.0, {}};
+  }
+};
+
+const RobotConfiguration<6> numbers{
+    .limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4};
+auto plain() {
+  const auto arm = by_position(ur5::Model{}, numbers);
+  return Cycle(arm, SplineJoint<6>(tracking_settings(arm)) + GravityControl{});
+}
+
+/// The largest speed of the commands on the way to a goal, and of the last one, with a person at `nearest`.
+template <class Scene>
+std::pair<double, double> run(const Scene& scene, double nearest) {
+  const auto memory = std::make_unique<typename Scene::Memory>();
+  State<6> at{.time = 0ns, .q = {0.0, -1.2, 1.4, -1.8, -1.57, 0.3}, .dq = {}};
+  scene.start(*memory, at);
+  double fastest = 0, last = 0;
+  for (int k = 1; k <= 125; ++k) {
+    typename Scene::Input input;
+    input.now = at.time = k * 8ms;
+    input.measured = at;
+    if (k == 1) input.goal = {JointGoal<6>{{1.0, -1.2, 1.4, -1.8, -1.57, 0.3}, 1s}};
+    if constexpr (requires { input.around; }) input.around.time = input.now;
+    input.nearest = nearest;
+    const auto out = scene.step(*memory, input);
+    at.q = out.command.position, at.dq = out.command.velocity;
+    last = std::abs(out.command.velocity[0]);
+    fastest = std::max(fastest, last);
+  }
+  return {fastest, last};
+}
+
+template <class Scene>
+void slows(const Scene& scene) {
+  const auto free = run(scene, 10).first, near = run(scene, 0.6).first, held = run(scene, 0.4).second;
+  CHECK(free > 0.9);
+  CHECK(near <= 0.31);  // a smooth motion overshoots a little
+  CHECK(near > 0.28);
+  CHECK(held < 1e-6);
+}
+
+}  // namespace
+
+TEST_CASE("A limit of a user's own is one struct: it acts alone, beside others and in configurations") {
+  slows(plain().with(NearPeople{}));
+  slows(plain().with(MaxJerk{JointJerk<6>::constant(800)}).with(NearPeople{}));
+  slows(plain().with(NearPeople{}, ur5_clearance<4>()));
+  slows(Configurations(plain().with(NearPeople{}), plain().with(NearPeople{})));
+  slows(Configurations(plain().with(NearPeople{}, ur5_clearance<4>()),
+                       plain().with(NearPeople{}, ur5_clearance<4>())));
+}
+
+TEST_CASE("A limit adds its input to a scene, and to no other; taken out, it is gone") {
+  using With = decltype(plain().with(NearPeople{}));
+  CHECK(std::is_base_of_v<Scanned, With::Input>);
+  CHECK_FALSE(std::is_base_of_v<Scanned, decltype(plain())::Input>);
+  CHECK(std::is_same_v<decltype(plain().with(NearPeople{}).without<NearPeople>()), decltype(plain())>);
+  CHECK(std::is_trivially_copyable_v<With::Memory>);
+}
