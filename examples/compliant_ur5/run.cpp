@@ -22,6 +22,7 @@
 #include "examples/support/text.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
+#include "skinctl/recording/recorded_run.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 
 namespace compliant_ur5 {

@@ -121,7 +121,7 @@ TEST_CASE("ClearanceAround: two arms that see what the other one may fill never 
             wish.position[i] = last[a].position[i] + 0.5 * dt * (last[a].velocity[i] + wish.velocity[i]);
           }
           const AllocationGuard guard;
-          clear.see(memory[a].around, near, mine.q, n * 8ms);
+          governor.see(memory[a], AroundRobot<Surroundings<16>>{near}, mine.q, n * 8ms);
           const auto out = governor.step(memory[a], last[a], wish, mine, NoTouch{}, NoTouch{}, dt);
           const auto allocated = guard.count();
           REQUIRE(allocated == 0);

@@ -313,7 +313,7 @@ TEST_CASE("governor: whatever bits come in, commands stay finite, within limits 
       begun = begun || out.command.valid;
       bad += out.command.valid != begun;
       if (!begun) {  // no state yet, or one elsewhere; then it begins where it is asked to
-        last = memory->guard.command;
+        last = scene.guard().last(memory->guard);
         continue;
       }
       for (std::size_t i = 0; i < 6; ++i) {
@@ -340,7 +340,11 @@ TEST_CASE("governor: whatever bits come in, commands stay finite, within limits 
 }
 
 TEST_CASE("governor: what is no command, or comes from none, passes to the bit: the guard refuses it") {
-  const auto g = governor({.jerk = 1, .speed = 0.001});
+  const auto limits = ur5_test_limits<double>();
+  const auto g = governor_alone<Interface::position, Arm>(
+      limits, contact_limits(Arm{}, contact(100, 150)),
+      ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 0.001, .reach = 1.3}),
+      JerkLimits<6>(limits, JointJerk<6>::constant(1)));
   JointCommand<6> last, wish;
   last.valid = wish.valid = true;
   last.position = wish.position = home_position();

@@ -44,17 +44,17 @@ TEST_CASE("CoverageLimits: states, reasons and the way back") {
   const Status unheard = Status(Reason::skin_unheard) | Reason::skin_held;
   CHECK(look(of(0, 0)) == unheard);
   CHECK(look(of(99, 0.74)) == unheard);
-  CHECK(limits.holds(m));
+  CHECK(limits.stays(m));
   CHECK(look(of(90, 0.75)) == (Status(Reason::skin_incomplete) | Reason::skin_held));  // 20 ms from here
   CHECK(look(of(100, 1)) == Status(Reason::skin_held));
-  CHECK(limits.holds(m));
+  CHECK(limits.stays(m));
   CHECK(look(of(100, 1)) == Status());
-  CHECK_FALSE(limits.holds(m));
+  CHECK_FALSE(limits.stays(m));
   CHECK(look(of(99, 0.9)) == Status(Reason::skin_incomplete));
-  CHECK_FALSE(limits.holds(m));
+  CHECK_FALSE(limits.stays(m));
   const Status blind = Status(Reason::skin_blind) | Reason::skin_stopped;
   CHECK(look(of(90, 0.7)) == blind);
-  CHECK(limits.holds(m));
+  CHECK(limits.stays(m));
   CHECK(look(of(0, 0)) == blind);
   CHECK(look(of(100, 1)) == Status(Reason::skin_stopped));
   look(of(100, 1));
@@ -69,7 +69,7 @@ TEST_CASE("CoverageLimits: a skin with a hole is blind however many of its cells
   CHECK(limits.look(m, holed, 0.008) == (Status(Reason::skin_unheard) | Reason::skin_held));
   CHECK(limits.look(m, of(99, 0.98), 0.008) == Status(Reason::skin_incomplete));
   CHECK(limits.look(m, holed, 0.008) == (Status(Reason::skin_blind) | Reason::skin_stopped));
-  CHECK(limits.holds(m));
+  CHECK(limits.stays(m));
 }
 
 TEST_CASE("CoverageLimits: slowed by and by, to the stated speed, and back") {

@@ -179,7 +179,7 @@ class FaultInjection {
     for (auto& x : q) x += random.uniform(-0.2, 0.2);
     Plant plant(q, s_);
     scene_.start(*memory_, plant.state());
-    auto last = memory_->guard.command;
+    auto last = scene_.guard().last(memory_->guard);
     State<6> last_good = plant.state();
     Fits fits;
     bool reported = false, awaited = false, calm = false;
