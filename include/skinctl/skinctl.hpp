@@ -213,6 +213,7 @@
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/limit.hpp"
 #include "skinctl/limits/link_contact.hpp"
 #include "skinctl/limits/motion_limits.hpp"
 #include "skinctl/limits/skin_watch.hpp"
@@ -236,6 +237,8 @@
 #include "skinctl/guard/budget.hpp"
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/guard/guard.hpp"
+#include "skinctl/guard/guard_settings.hpp"
+#include "skinctl/guard/joint_guard.hpp"
 #include "skinctl/guard/packet_watch.hpp"
 
 #include "skinctl/cycle/apart.hpp"

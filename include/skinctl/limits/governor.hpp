@@ -174,9 +174,10 @@ class Governor {
   /// Throws `ConfigurationError` for a robot that a limit does not suit.
   template <class Robot>
   SKINCTL_COLD void check(const Robot& robot) const {
-    each_limit([&]<std::size_t K>() {
-      if constexpr (detail::ChecksRobot<Limit<K>, Robot>) part<K>().check(robot);
-    });
+    const auto one = [&](const auto& limit) {
+      if constexpr (detail::ChecksRobot<std::remove_cvref_t<decltype(limit)>, Robot>) limit.check(robot);
+    };
+    std::apply([&](const auto&... limit) { (one(limit), ...); }, parts_);
   }
   /// Whether the robot is to brake and hold by one of them.
   [[nodiscard]] SKINCTL_INLINE bool stays(const Memory& m) const noexcept {
@@ -416,20 +417,18 @@ class Governor {
       if (!drive.leads(out.hold, resistance, led, world)) return;
       Velocity u = left.velocity;
       Driven::put(led, u);
-      left.velocity = u;
-      const auto add_world = [&](Velocity& v)
-                                 SKINCTL_INLINE_LAMBDA { Driven::put(Driven::of(v) + world, v); };
+      Driven::put(counted(in, going, led), left.velocity);
       each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
         if constexpr (detail::OfTheDrive<Limit<K>>) act<K>(m, going, seen, left);
       });
-      add_world(u);
-      add_world(left.velocity);
+      Driven::put(Driven::of(u) + world, u);
+      Driven::put(counted(in, going, Driven::of(left.velocity) + world), left.velocity);
       each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
         if constexpr (!detail::OfTheDrive<Limit<K>>) act<K>(m, going, seen, left);
       });
       out.status |= left.status;
       waits = waits || (left.status & holds_on).any();
-      if (!(Driven::of(left.velocity) == Driven::of(u))) {
+      if (left.slowed) {
         braked = drive.asked - drive.that_takes(u - left.velocity);
         out.altered = true;
       }
@@ -444,6 +443,16 @@ class Governor {
     }
     if (out.altered) out.command.torque = drive.with(out.command.torque, braked);
     if (waits) out.hold = drive.with(out.hold, Driven::of(out.hold) - drive.that_takes(in.measured.dq));
+  }
+  /// The velocity `u` with which joints by torque count. Beside joints that are commanded to move, and that all slow
+  /// alike, it is what the joints' own limits will leave of it: a finger that is pressed against its end slows no arm.
+  [[nodiscard]] SKINCTL_INLINE JointVelocity<Driven::count, T> counted(
+      const Input& in, const Going& going, JointVelocity<Driven::count, T> u) const noexcept {
+    if constexpr (has_motion && of_torque < count) {
+      const auto box = part<of_torque>().box(limits_, in.measured, going.ahead);
+      for (std::size_t i = 0; i < Driven::count; ++i) u[i] = detail::clamp(u[i], box.lower[i], box.upper[i]);
+    }
+    return u;
   }
   /// Whether a limit judges velocities.
   static constexpr bool judges_velocity = (!detail::LimitsTorque<Limits> || ...);

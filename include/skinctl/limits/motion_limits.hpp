@@ -86,6 +86,30 @@ class MotionLimits {
     return r;
   }
 
+  /// The largest speeds to either side, and whether each is given by a joint's end (else by its velocity limit).
+  struct Box {
+    JointVelocity<n, T> lower, upper;
+    bool by_position[2][n];
+  };
+  /// For a torque that leads to a velocity `ahead` seconds later.
+  [[nodiscard]] SKINCTL_INLINE Box box(const JointLimits<joints, T>& limits, const State<joints, T>& measured,
+                                       const T& ahead) const noexcept {
+    // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without overshoot.
+    const T reaction = T(4) * ahead;
+    Box out;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t k = Set::index[i];
+      const T V = limits.velocity()[k], a = limits.acceleration()[k],
+              above = speed_to_stop(T(limits.upper()[k] - measured.q[k]), reaction, a),
+              below = speed_to_stop(T(measured.q[k] - limits.lower()[k]), reaction, a);
+      out.by_position[0][i] = below < V;
+      out.by_position[1][i] = above < V;
+      out.lower[i] = below < V ? T(-below) : T(-V);
+      out.upper[i] = above < V ? above : V;
+    }
+    return out;
+  }
+
   /// The torques of the joints of `Set` nearest to `asked` that keep the limits.
   ///
   /// @param mass   M(q) of all joints; if it is not positive definite (a link without inertia, a NaN), the
@@ -106,20 +130,10 @@ class MotionLimits {
     const JointVelocity<n, T> dq = Set::of(measured.dq);
     Kept out{asked, dq, {}, false};
     const auto& own = block_of<Set>(mass);
-    // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without overshoot.
-    const T reaction = T(4) * ahead;
-    JointVelocity<n, T> lower, upper;
+    auto [lower, upper, by_position] = box(limits, measured, ahead);
     Torque from, least, most;
-    bool by_position[2][n];
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t k = Set::index[i];
-      const T V = limits.velocity()[k], a = limits.acceleration()[k],
-              above = speed_to_stop(T(limits.upper()[k] - measured.q[k]), reaction, a),
-              below = speed_to_stop(T(measured.q[k] - limits.lower()[k]), reaction, a);
-      by_position[0][i] = below < V;
-      by_position[1][i] = above < V;
-      lower[i] = below < V ? T(-below) : T(-V);
-      upper[i] = above < V ? above : V;
       const T limit = limits.torque()[k], step = rate * dt * limit;
       least[i] = detail::clamp(T(last[i] - step), T(-limit), limit);
       most[i] = detail::clamp(T(last[i] + step), T(-limit), limit);

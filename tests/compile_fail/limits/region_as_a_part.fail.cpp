@@ -1,4 +1,4 @@
-// expect: with: takes settings of limits (limits/limit.hpp) and of the guard, and this is neither
+// expect: with: takes settings of limits
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
