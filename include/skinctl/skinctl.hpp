@@ -131,6 +131,7 @@
 #include "skinctl/tactile/skin_settings.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "skinctl/tactile/squeeze.hpp"
+#include "skinctl/tactile/touch.hpp"
 #include "skinctl/tactile/touch_motion.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"

@@ -184,7 +184,7 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
       if (masked && bad && found[i] < 0) found[i] = seconds<double>(to - r.begins);
       if (masked && !bad) falsely[i] = true;
       if (!bad) out.cell_seconds += 0.008;
-      if (bad && r.fault.fault == CellFault::unheard && found[i] < 0 && !c->skin.hears(i))
+      if (bad && r.fault.fault == CellFault::unheard && found[i] < 0 && !c->hears(i))
         found[i] = seconds<double>(to - r.begins);
     }
     if (to <= r.begins) continue;

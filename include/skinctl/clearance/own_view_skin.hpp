@@ -6,21 +6,20 @@
 #include "skinctl/clearance/own_view.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/sensing/joint_history.hpp"
+#include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// A touch source that needs the robot's state, and nothing that is sensed besides cells.
-struct NothingSensed {};
 
 /// The skin `S` whose proximity readings are those of what is foreign: see `OwnView`. For a `Cycle` in place of
 /// `S`; of a skin with contacts it is made as `OwnViewSkin(ContactSkin(skin), view)`.
 ///
 /// The prediction follows the measured joints, also for a cell that is silent because its reading is constant.
 template <class S, RobotModel M>
-class OwnViewSkin : public S {
+class OwnViewSkin : public WrappedTouch<OwnViewSkin<S, M>, S, NoSensors> {  // the state is what it adds
+  using Base = WrappedTouch<OwnViewSkin, S, NoSensors>;
+
  public:
-  using scalar = typename S::scalar;
-  using Sensed = NothingSensed;
+  using scalar = typename Base::scalar;
 
   using Joints = JointHistory<M::joints, scalar>;
   /// That of the skin, the raw reading of each cell and its prediction: six bytes a cell. Trivially copyable.
@@ -32,34 +31,27 @@ class OwnViewSkin : public S {
   };
 
   /// Throws `ConfigurationError` if the view is of another number of cells.
-  SKINCTL_COLD OwnViewSkin(const S& skin, const OwnView<M, scalar>& view) : S(skin), view_(view) {
+  SKINCTL_COLD OwnViewSkin(const S& skin, const OwnView<M, scalar>& view) : Base(skin), view_(view) {
     require(view.size() == S::cells, "OwnViewSkin: cells of the view", double(view.size()),
             "those of the skin");
   }
   [[nodiscard]] const OwnView<M, scalar>& view() const noexcept { return view_; }
-  [[nodiscard]] Memory start(Nanoseconds now) const noexcept { return {S::start(now), {}, 0ns, {}, {}}; }
 
   /// See `S::receive`; the prediction is made for where the robot was at the stamp of the newest sample, up to 16 states
   /// before `measured`; without a sample, for as long ago as last time.
-  template <class Means>
-  Status receive(Memory& memory, std::span<const CellSample> samples, const Sensed&,
-                 const State<M::joints, scalar>& measured, Nanoseconds from, Nanoseconds to,
-                 std::size_t parts, Means* means) const noexcept {
+  template <class Given, class Means>
+  Status take(Memory& memory, const Given& in, Means* means) const noexcept {
+    const State<M::joints, scalar>& measured = in.measured;
     const auto before = memory.own;
     Nanoseconds newest = Nanoseconds::min();
-    for (const CellSample& s : samples)
-      if (s.time > newest && s.time <= to) newest = s.time;
+    for (const CellSample& s : in.samples)
+      if (s.time > newest && s.time <= in.to) newest = s.time;
     if (newest > Nanoseconds::min()) memory.late = newest < measured.time ? measured.time - newest : 0ns;
     // A state that is no later than the last one stands for itself.
     const bool known = joints_.add(memory.joints, measured) == Status{} && memory.late > 0ns;
     view_.look(known ? joints_.at(memory.joints, measured.time - memory.late).state.q : measured.q,
                memory.own);
-    return S::receive(memory, samples, from, to, parts, means, Front{view_, memory, before});
-  }
-  /// See `S::recomputed`.
-  [[nodiscard]] Memory recomputed(Memory memory) const noexcept {
-    static_cast<typename S::Memory&>(memory) = S::recomputed(memory);
-    return memory;
+    return this->take_on(memory, in, means, Front{view_, memory, before});
   }
 
  private:

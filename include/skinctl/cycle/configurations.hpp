@@ -215,9 +215,8 @@ class Configurations {
       same("acceleration limit", a.acceleration()[i], b.acceleration()[i], "rad/s^2");
       same("torque limit", a.torque()[i], b.torque()[i], "N m");
     }
-    if constexpr (requires { first.skin().same_cells(other.skin()); })
-      if (!first.skin().same_cells(other.skin()))
-        refuse("skinctl: the skins of two configurations have other cells, or the same elsewhere");
+    if (!TouchTable<std::remove_cvref_t<decltype(first.skin())>>::understands(first.skin(), other.skin()))
+      refuse("skinctl: the skins of two configurations have other cells, or the same elsewhere");
   }
 
   // The active configuration may be another than the payload: by torque each law's gains are checked for the lightest.

@@ -8,6 +8,7 @@
 #include "skinctl/core/status.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/sample_span.hpp"
+#include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -20,9 +21,6 @@ enum class CycleRequest : unsigned char {
 
 /// No law of the scene takes goals.
 struct NoGoal {};
-
-/// No sensor of the scene but cells.
-struct NoSensors {};
 
 /// The input of one cycle. Any bit pattern is allowed in it: unusable values are refused with a reason.
 /// @tparam Sensed  what the sensors of the scene read besides cells, such as `WristInput`.

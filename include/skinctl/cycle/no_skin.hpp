@@ -22,9 +22,6 @@ struct NoSkin {
     return samples.empty() ? Status{} : Status{Reason::sample_unknown};
   }
   [[nodiscard]] Wrenches wrenches(const Memory&) const noexcept { return {}; }
-  /// There are no cells. (Its scene cannot watch over them: it is blind by construction.)
-  static constexpr std::size_t cells = 0;
-  [[nodiscard]] static constexpr std::size_t usable(const Memory&) noexcept { return 0; }
   /// There are no samples.
   std::span<const CellSample> poll() noexcept { return {}; }
 };

@@ -97,8 +97,8 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
   LoopReport<C> report;
   report.worst = std::make_unique<typename LoopReport<C>::Worst>();
   report.worst->samples.reserve(options.max_samples);
-  constexpr bool has_wrenches = requires(typename C::Input& given) { given.sensed.wrenches; };
-  constexpr bool has_motors = requires(typename C::Input& given) { given.sensed.motor_torque; };
+  constexpr bool has_wrenches = SensesWrenches<decltype(C::Input::sensed)>;
+  constexpr bool has_motors = SensesMotors<decltype(C::Input::sensed)>;
   if constexpr (has_wrenches) report.worst->wrenches.reserve(options.max_samples);
   const auto previous = std::make_unique<typename C::Memory>();
 

@@ -11,6 +11,7 @@
 #include "skinctl/limits/link_contact.hpp"
 #include "skinctl/tactile/cell_mass.hpp"
 #include "skinctl/tactile/contact.hpp"
+#include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

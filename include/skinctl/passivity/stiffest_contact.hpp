@@ -151,17 +151,14 @@ struct StiffestContact {
       w[0] = force.x, w[1] = force.y, w[2] = force.z, w[3] = moment.x, w[4] = moment.y, w[5] = moment.z;
       f(skin_torque(model, angles, one), gain);
     };
-    constexpr bool cells = requires { skin.each_cell(touch, 6); };
-    constexpr bool points = requires { skin.each_point(touch); };
-    constexpr bool everywhere = requires { skin.gain_everywhere(); };
-    if constexpr (cells)
+    using Table = TouchTable<Skin>;
+    if constexpr (Table::has_cell_list)
       skin.each_cell([&](std::size_t link, const Xyz<T>& force, const Xyz<T>& moment,
                          double gain) { touch(link, force, moment, newtons > 0 ? gain / newtons : 1); },
                      6);
-    if constexpr (points) skin.each_point(touch);
-    if constexpr (everywhere || !(cells || points)) {
-      double gain = 1;
-      if constexpr (everywhere) gain = skin.gain_everywhere();
+    Table::each_point(skin, touch);
+    if constexpr (Table::feels_everywhere || !(Table::has_cell_list || Table::has_points)) {
+      const double gain = Table::feels_everywhere ? Table::gain_everywhere(skin) : 1;
       const auto reach = detail::assumed_reach<M, T>(model);
       const Xyz<T> axes[3] = {{T(1), T(0), T(0)}, {T(0), T(1), T(0)}, {T(0), T(0), T(1)}};
       for (std::size_t link = 0; link < N; ++link)

@@ -23,11 +23,11 @@ class CycleBytes {
   using Position = JointPosition<C::joints, typename C::scalar>;
 
   static constexpr bool configured = requires(const Input& input) { input.configuration; };
-  static constexpr bool has_wrenches = requires(const Input& input) { input.sensed.wrenches; };
-  static constexpr bool has_motors = requires(const Input& input) { input.sensed.motor_torque; };
+  static constexpr bool has_wrenches = SensesWrenches<typename C::Sensed>;
+  static constexpr bool has_motors = SensesMotors<typename C::Sensed>;
   static constexpr bool has_gripper = requires { requires C::has_gripper; };
+  static constexpr bool has_weights = SensesWeights<typename C::Sensed>;
   static constexpr bool has_surroundings = requires(typename C::Input& in) { in.around; };
-  static constexpr bool has_weights = requires(const Input& input) { input.sensed.patch_weights; };
   static constexpr std::size_t sample_size = 8 + 4 + 8 * 4, wrench_size = 8 + 6 * 8;
 
   /// The samples of an input that was read.

@@ -3,9 +3,8 @@
 
 #include <type_traits>
 
-#include "skinctl/sensing/cell_sample.hpp"
-#include "skinctl/tactile/detail/room.hpp"
 #include "skinctl/tactile/skin_contact.hpp"
+#include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -18,9 +17,11 @@ SKINCTL_BEGIN_NAMESPACE
 /// @tparam Most  room for contacts; the weakest beyond it are counted in `left_out`, and still count for
 ///               wrenches, limits and regions.
 template <class S, std::size_t Most = 16>
-class ContactSkin : public S {
+class ContactSkin : public WrappedTouch<ContactSkin<S, Most>, S> {
+  using Base = WrappedTouch<ContactSkin, S>;
+
  public:
-  using scalar = typename S::scalar;
+  using scalar = typename Base::scalar;
   using Found = SkinContact<scalar>;
 
   /// That of the skin, the contacts, and the pressed areas. Trivially copyable.
@@ -35,7 +36,7 @@ class ContactSkin : public S {
       : ContactSkin(skin, CellGraph(skin.places()), std::move(regions)) {}
   /// The same for a graph that is given: throws as well if it has other cells, or joins those of two links.
   SKINCTL_COLD ContactSkin(const S& skin, CellGraph graph, Regions regions = {})
-      : S(skin), finder_(skin.places(), std::move(graph)), regions_(std::move(regions)) {
+      : Base(skin), finder_(skin.places(), std::move(graph)), regions_(std::move(regions)) {
     for (std::size_t k = 0; k < regions_.size(); ++k) {
       std::vector<std::size_t> indices;
       for (const std::uint32_t id : regions_[k].cells) {
@@ -50,20 +51,17 @@ class ContactSkin : public S {
   [[nodiscard]] const Regions& regions() const noexcept { return regions_; }
   [[nodiscard]] const CellGraph& graph() const noexcept { return finder_.graph(); }
 
-  [[nodiscard]] Memory start(Nanoseconds now) const noexcept { return {S::start(now), {}, {}}; }
-
   /// See `S::receive`; then finds the contacts at `to`. An interval without length leaves them as they were.
-  template <class Means, class... Front>
-  Status receive(Memory& memory, std::span<const CellSample> samples, Nanoseconds from, Nanoseconds to,
-                 std::size_t substeps, Means* means, Front&&... front) const noexcept {
-    Status status = S::receive(memory, samples, from, to, substeps, means, std::forward<Front>(front)...);
-    if (to > from) {
+  template <class Given, class Means, class... Front>
+  Status take(Memory& memory, const Given& in, Means* means, Front&&... front) const noexcept {
+    Status status = this->take_on(memory, in, means, std::forward<Front>(front)...);
+    if (in.to > in.from) {
       memory.areas.clear();
       const S& skin = *this;
       const typename S::Memory& held = memory;
       finder_.find(
-          memory.contacts, to, [&skin, &held](auto&& f) SKINCTL_INLINE_LAMBDA { skin.each_pressed(held, f); },
-          memory.areas);
+          memory.contacts, in.to,
+          [&skin, &held](auto&& f) SKINCTL_INLINE_LAMBDA { skin.each_pressed(held, f); }, memory.areas);
     }
     for (std::size_t k = 0; k < regions_.size(); ++k)
       if (!(region_force(memory, k) <= scalar(regions_[k].force_limit))) status |= Reason::contact_force;
@@ -86,11 +84,6 @@ class ContactSkin : public S {
   }
   [[nodiscard]] const typename S::Pressed& pressed(const Memory& memory) const noexcept {
     return memory.areas;
-  }
-  /// See `S::recomputed`; the contacts stay.
-  [[nodiscard]] Memory recomputed(Memory memory) const noexcept {
-    static_cast<typename S::Memory&>(memory) = S::recomputed(memory);
-    return memory;
   }
 
  private:

@@ -22,25 +22,15 @@ struct Coverage {
     const double share = static_cast<double>(usable_of_it) / static_cast<double>(of);
     if (share < least) least = share;
   }
+  /// That of two skins, the cells of the second behind those of the first.
+  [[nodiscard]] friend constexpr Coverage together(const Coverage& a, const Coverage& b) noexcept {
+    Coverage out = a;
+    out.usable += b.usable, out.cells += b.cells;
+    if (b.least < out.least) out.least = b.least;
+    if (out.hole == whole && b.hole != whole) out.hole = a.cells + b.hole;
+    return out;
+  }
   friend constexpr bool operator==(const Coverage&, const Coverage&) noexcept = default;
 };
 
-namespace detail {
-/// Whether a skin says how many of its cells are usable.
-template <class Skin>
-concept CountsCells =
-    requires(const Skin& skin, const typename Skin::Memory& memory) { skin.usable(memory); };
-/// The coverage of a skin; of one that only counts its cells, they are one patch.
-template <CountsCells Skin>
-[[nodiscard]] SKINCTL_INLINE Coverage coverage_of(const Skin& skin,
-                                                  const typename Skin::Memory& memory) noexcept {
-  if constexpr (requires { skin.coverage(memory); }) {
-    return skin.coverage(memory);
-  } else {
-    Coverage out;
-    if (Skin::cells > 0) out.add(skin.usable(memory), Skin::cells);
-    return out;
-  }
-}
-}  // namespace detail
 SKINCTL_END_NAMESPACE

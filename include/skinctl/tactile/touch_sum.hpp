@@ -1,14 +1,10 @@
 // Several sources of touch in one scene: skin, wrist sensor, motors.
 #pragma once
 
-#include <span>
-
 #include "skinctl/core/detail/unwritten.hpp"
-#include "skinctl/sensing/cell_sample.hpp"
-#include "skinctl/tactile/coverage.hpp"
-#include "skinctl/tactile/detail/summand.hpp"
+#include "skinctl/tactile/detail/both_contacts.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
-#include "skinctl/tactile/touch_wrenches.hpp"
+#include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -75,99 +71,103 @@ template <RobotModel M, Real T, class A, class B>
   return out;
 }
 
-/// A source of touch: a skin, or a sensor that names in `Sensed` what it adds to a cycle's input.
-template <class S>
-concept TouchSource = requires(const S& s, const typename S::Memory& m) {
-  typename S::Wrenches;
-  typename S::Wrenches::scalar;
-  s.wrenches(m);
-};
-template <class S>
-concept TouchSensor = TouchSource<S> && requires { typename S::Sensed; };
-
 namespace detail {
-template <class S>
-struct SensedOf {
-  struct type {};
-};
-template <class S>
-  requires requires { typename S::Sensed; }
-struct SensedOf<S> {
-  using type = typename S::Sensed;
-};
-/// The inputs of two sources, each with its own members.
 template <class A, class B>
-struct BothSensed : A, B {};
+concept EitherApart = TouchTable<A>::tells_apart || TouchTable<B>::tells_apart;
 template <class A, class B>
-struct SensedByBoth {
-  using type = BothSensed<typename A::Sensed, typename B::Sensed>;
-};
+concept EitherSensed = HasSensed<A> || HasSensed<B>;
 template <class A, class B>
-  requires(!TouchSensor<A>)
-struct SensedByBoth<A, B> {
-  using type = typename B::Sensed;
-};
+concept EitherFound = TouchTable<A>::finds_contacts || TouchTable<B>::finds_contacts;
 
-/// Forces and proximities of the first source apart, where it tells them.
+// The types that a sum has only where one of both has them.
 template <class A, class B>
 struct ApartOfSum {};
 template <class A, class B>
-  requires requires { typename A::Touch; }
+  requires EitherApart<A, B>
 struct ApartOfSum<A, B> {
-  using Touch = TouchSum<typename A::Touch, typename B::Wrenches>;
+  using Touch = TouchSum<typename TouchTable<A>::Touch, typename TouchTable<B>::Touch>;
 };
+template <class A, class B>
+struct SensedOfSum {};
+template <class A, class B>
+  requires EitherSensed<A, B>
+struct SensedOfSum<A, B> {
+  using Sensed = SensedTogether<typename TouchTable<A>::Sensed, typename TouchTable<B>::Sensed>;
+};
+template <class A, class B>
+struct FoundOfSum {};
+template <class A, class B>
+  requires EitherFound<A, B>
+struct FoundOfSum<A, B> {
+  using Found = typename std::conditional_t<TouchTable<A>::finds_contacts, A, B>::Found;
+};
+/// Whether what two touches add to the input is not the same.
+template <class A, class B>
+inline constexpr bool sense_apart =
+    std::is_empty_v<typename TouchTable<B>::Sensed> ||
+    !std::is_base_of_v<typename TouchTable<B>::Sensed, typename TouchTable<A>::Sensed>;
 }  // namespace detail
 
-/// Two sources of touch as one: `skin + wrist_sensor<5>(model, {...})`. Each receives its own samples; laws see
-/// the sum of their torques. The second is a sensor; where it feels all contacts of the robot (`MotorTouch`),
-/// it counts only beyond what the first one feels.
-template <TouchSource A, TouchSensor B>
-class TouchSources : public detail::ApartOfSum<A, B>, public sensor_sums::Summand {
+/// Two sources of touch as one: `skin + wrist_sensor<5>(model, {...})`, `arm_skin + hand_skin`. Each receives its own
+/// samples; laws see the sum of their torques. Where the second feels all contacts of the robot (`MotorTouch`), it counts
+/// only beyond what the first one feels. The rules of its members: see `TouchSource`.
+template <TouchSource A, TouchSource B>
+class TouchSources : public detail::ApartOfSum<A, B>,
+                     public detail::SensedOfSum<A, B>,
+                     public detail::FoundOfSum<A, B>,
+                     public detail::TakesTouch<TouchSources<A, B>>,
+                     public sensor_sums::Summand {
+  using First = TouchTable<A>;
+  using Second = TouchTable<B>;
+  static constexpr bool has_cells = First::has_cells || Second::has_cells;
+
  public:
   static_assert(std::is_same_v<typename A::Wrenches::scalar, typename B::Wrenches::scalar>,
                 "two sources of touch in different scalars");
-  static_assert(!std::is_base_of_v<typename B::Sensed, typename detail::SensedOf<A>::type>,
-                "two sensors of one kind: a scene has one of each");
+  static_assert(detail::sense_apart<A, B>, "two sensors of one kind: a scene has one of each");
+  using FirstTouch = A;
+  using SecondTouch = B;
   using scalar = typename A::Wrenches::scalar;
   using Wrenches = TouchSum<typename A::Wrenches, typename B::Wrenches>;
-  using Sensed = typename detail::SensedByBoth<A, B>::type;
   static constexpr LinkMask links = Wrenches::links;
-  static constexpr std::size_t most_parts = 16;  ///< of an interval
+  static constexpr std::size_t most_parts = 16;  ///< number of parts of an interval, at most
   struct Memory {
     typename A::Memory first;
     typename B::Memory second;
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
-  TouchSources(const A& a, const B& b) : a_(a), b_(b) {}
+  /// Throws `ConfigurationError` for a cell's id that both have.
+  SKINCTL_COLD TouchSources(const A& a, const B& b) : a_(a), b_(b) {
+    if constexpr (First::has_cells && Second::has_cells)
+      for (std::uint32_t id = 0; id < std::uint32_t(1) << 20; ++id)
+        require(a_.index(id) == a_.size() || b_.index(id) == b_.size(), "sum of two skins: cell id",
+                double(id), "in one of both");
+  }
   [[nodiscard]] const A& first() const noexcept { return a_; }
   [[nodiscard]] const B& second() const noexcept { return b_; }
 
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept { return {a_.start(now), b_.start(now)}; }
 
-  /// See `Skin::receive` and that of the sensor.
-  template <class State, class Means>
-  Status receive(Memory& memory, std::span<const CellSample> samples, const Sensed& sensed,
-                 const State& measured, Nanoseconds from, Nanoseconds to, std::size_t parts,
-                 Means* means) const noexcept {
-    SKINCTL_EXPECTS(parts <= most_parts, "at most 16 parts of an interval");
-    using First = std::remove_cvref_t<decltype(means->first)>;
-    detail::Unwritten<First, most_parts> first;
-    detail::Unwritten<typename B::Wrenches, most_parts> second;
-    Status status;
-    if constexpr (TouchSensor<A>) {
-      status = a_.receive(memory.first, samples, sensed, measured, from, to, parts, first.data);
-    } else {
-      status = a_.receive(memory.first, samples, from, to, parts, first.data);
+  /// For `receive`: samples of cells go to those that have cells; one that neither knows is reported.
+  template <class Given, class Means>
+  Status take(Memory& memory, const Given& in, Means* means) const noexcept {
+    SKINCTL_EXPECTS(in.parts <= most_parts, "at most 16 parts of an interval");
+    detail::Unwritten<std::remove_cvref_t<decltype(means->first)>, most_parts> first;
+    detail::Unwritten<std::remove_cvref_t<decltype(means->second)>, most_parts> second;
+    TouchGiven to_first = in, to_second = in;
+    if constexpr (!First::has_cells && Second::has_cells) to_first.samples = {};
+    if constexpr (!Second::has_cells) to_second.samples = {};
+    Status status = First::receive(a_, memory.first, to_first, first.data);
+    status |= Second::receive(b_, memory.second, to_second, second.data);
+    if constexpr (First::has_cells && Second::has_cells) {
+      status = status.without(Reason::sample_unknown);
+      for (const CellSample& s : in.samples)
+        if (index(s.cell) == size() && !check(s).any()) status |= Reason::sample_unknown;
     }
-    status |= b_.receive(memory.second, {}, sensed, measured, from, to, parts, second.data);
-    for (std::size_t j = 0; j < parts; ++j) {
+    for (std::size_t j = 0; j < in.parts; ++j) {
       means[j].first = first.data[j];
-      if constexpr (requires { b_.beyond(second.data[j], measured.q, contact_part(first.data[j])); }) {
-        means[j].second = b_.beyond(second.data[j], measured.q, contact_part(first.data[j]));
-      } else {
-        means[j].second = second.data[j];
-      }
+      means[j].second = Second::beyond(b_, second.data[j], in.measured, contact_part(first.data[j]));
     }
     return status;
   }
@@ -175,76 +175,91 @@ class TouchSources : public detail::ApartOfSum<A, B>, public sensor_sums::Summan
   [[nodiscard]] Wrenches wrenches(const Memory& memory) const noexcept {
     return {a_.wrenches(memory.first), b_.wrenches(memory.second)};
   }
-  /// The same, forces and proximities apart.
   [[nodiscard]] auto touch(const Memory& memory) const noexcept
-    requires requires { typename A::Touch; }
+    requires detail::EitherApart<A, B>
   {
-    return TouchSum<typename A::Touch, typename B::Wrenches>{a_.touch(memory.first),
-                                                             b_.wrenches(memory.second)};
+    return TouchSum<typename First::Touch, typename Second::Touch>{First::touch(a_, memory.first),
+                                                                   Second::touch(b_, memory.second)};
   }
-  /// The areas where the first source is pressed, beside the second one's part of `touch`.
   template <class Touch>
   [[nodiscard]] auto pressed(const Memory& memory, const Touch& touch) const noexcept
-    requires requires(const A& a) { a.pressed(memory.first, touch.first); }
+    requires(First::template knows_pressed<decltype(touch.first)> ||
+             Second::template knows_pressed<decltype(touch.second)>)
   {
-    using First = std::remove_cvref_t<decltype(a_.pressed(memory.first, touch.first))>;
-    using Second = std::remove_cvref_t<decltype(touch.second)>;
-    return TouchSum<First, Second>{a_.pressed(memory.first, touch.first), touch.second};
+    const auto both = [](const auto& a, const auto& b) {
+      return TouchSum<std::remove_cvref_t<decltype(a)>, std::remove_cvref_t<decltype(b)>>{a, b};
+    };
+    return both(First::pressed(a_, memory.first, touch.first),
+                Second::pressed(b_, memory.second, touch.second));
   }
-  /// See `Skin::each_cell`; of the first source.
+  [[nodiscard]] auto contacts(const Memory& memory) const noexcept
+    requires detail::EitherFound<A, B>
+  {
+    if constexpr (!Second::finds_contacts) {
+      return a_.contacts(memory.first);
+    } else if constexpr (!First::finds_contacts) {
+      return b_.contacts(memory.second);
+    } else {
+      return detail::BothContacts(a_.contacts(memory.first), b_.contacts(memory.second));
+    }
+  }
   template <class F>
   void each_cell(F&& f, std::size_t most) const
-    requires requires(const A& a) { a.each_cell(f, most); }
+    requires(First::has_cell_list || Second::has_cell_list)
   {
-    a_.each_cell(std::forward<F>(f), most);
+    First::each_cell(a_, f, most);
+    Second::each_cell(b_, f, most);
   }
-  /// See `WristSensor::each_point`; of both.
   template <class F>
   void each_point(F&& f) const
-    requires(
-        requires(const A& a) { a.each_point(f); } || requires(const B& b) { b.each_point(f); })
+    requires(First::has_points || Second::has_points)
   {
-    if constexpr (requires { a_.each_point(f); }) a_.each_point(f);
-    if constexpr (requires { b_.each_point(f); }) b_.each_point(f);
+    First::each_point(a_, f);
+    Second::each_point(b_, f);
   }
-  /// See `MotorTouch::gain_everywhere`; of the one that has it.
   [[nodiscard]] double gain_everywhere() const noexcept
-    requires(
-        requires(const A& a) { a.gain_everywhere(); } || requires(const B& b) { b.gain_everywhere(); })
+    requires(First::feels_everywhere || Second::feels_everywhere)
   {
-    if constexpr (requires { b_.gain_everywhere(); }) {
-      return b_.gain_everywhere();
-    } else {
-      return a_.gain_everywhere();
-    }
+    const double a = First::gain_everywhere(a_), b = Second::gain_everywhere(b_);
+    return a > b ? a : b;
   }
-  /// See `Skin::usable` and `Skin::coverage`; of the first source: a sensor has no cells.
   [[nodiscard]] std::size_t usable(const Memory& memory) const noexcept
-    requires detail::CountsCells<A>
+    requires(First::has_coverage || Second::has_coverage)
   {
-    return a_.usable(memory.first);
+    return coverage(memory).usable;
   }
   [[nodiscard]] Coverage coverage(const Memory& memory) const noexcept
-    requires detail::CountsCells<A>
+    requires(First::has_coverage || Second::has_coverage)
   {
-    return detail::coverage_of(a_, memory.first);
+    return together(First::coverage(a_, memory.first), Second::coverage(b_, memory.second));
   }
-  /// See `Skin::nearest`; a sensor sees nothing, so somebody may be at any distance.
   template <std::size_t I>
-  [[nodiscard]] scalar nearest(const Memory& memory) const noexcept {
-    if constexpr ((A::Wrenches::links >> I) & 1u) {
+  [[nodiscard]] scalar nearest(const Memory& memory) const noexcept
+    requires(First::template tells_nearest<I> || Second::template tells_nearest<I>)
+  {
+    if constexpr (!Second::template tells_nearest<I>) {
       return a_.template nearest<I>(memory.first);
+    } else if constexpr (!First::template tells_nearest<I>) {
+      return b_.template nearest<I>(memory.second);
     } else {
-      return scalar(1);
+      const scalar a = a_.template nearest<I>(memory.first), b = b_.template nearest<I>(memory.second);
+      return a > b ? a : b;
     }
   }
-  /// Whether another one's memory is understood: see `Skin::same_cells`.
-  [[nodiscard]] bool same_cells(const TouchSources& other) const noexcept {
-    if constexpr (requires { a_.same_cells(other.a_); }) {
-      return a_.same_cells(other.a_);
-    } else {
-      return true;
-    }
+  /// Number of cells.
+  [[nodiscard]] std::size_t size() const noexcept
+    requires has_cells
+  {
+    return First::size(a_) + Second::size(b_);
+  }
+  [[nodiscard]] std::size_t index(std::uint32_t id) const noexcept
+    requires has_cells
+  {
+    const std::size_t i = First::index(a_, id), of_first = First::size(a_);
+    return i < of_first ? i : of_first + Second::index(b_, id);
+  }
+  [[nodiscard]] bool understands(const TouchSources& other) const noexcept {
+    return First::understands(a_, other.a_) && Second::understands(b_, other.b_);
   }
 
  private:
@@ -253,15 +268,16 @@ class TouchSources : public detail::ApartOfSum<A, B>, public sensor_sums::Summan
 };
 
 namespace sensor_sums {
-/// A skin and a sensor, or two sensors, as the touch of one scene.
-template <TouchSource A, TouchSensor B>
+/// Skins and sensors as the touch of one scene.
+template <TouchSource A, TouchSource B>
+  requires(TouchTable<A>::has_cells || !TouchTable<B>::has_cells)
 [[nodiscard]] TouchSources<A, B> operator+(const A& a, const B& b) {
   return {a, b};
 }
 // clang-format off
 template <TouchSource A, TouchSource B>
-  requires(!TouchSensor<B>)
-void operator+(const A&, const B&) = delete;  // a scene has one skin, and it stands first: skin + sensor
+  requires(!TouchTable<A>::has_cells && TouchTable<B>::has_cells)
+void operator+(const A&, const B&) = delete;  // skins stand first: skin + sensor
 // clang-format on
 }  // namespace sensor_sums
 

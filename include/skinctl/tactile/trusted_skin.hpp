@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/trust_core.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -27,9 +26,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// bounded: a scan of all cells every `period` of the samples, and a constant for each sample, each cell that pushes
 /// and each faulty one.
 template <class S>
-class TrustedSkin : private detail::TrustCore<S> {
+class TrustedSkin : public detail::TrustCore<S> {
   using Core = detail::TrustCore<S>;
-  using Core::cell_, Core::skin_;
+  using Core::cell_;
   using typename Core::Health;
 
  public:
@@ -73,15 +72,13 @@ class TrustedSkin : private detail::TrustCore<S> {
 
   /// Number of cells.
   using Core::size;
-  [[nodiscard]] const S& skin() const noexcept { return skin_; }
+  [[nodiscard]] const S& skin() const noexcept { return this->wrapped(); }
   [[nodiscard]] const TrustSettings& trust() const noexcept { return this->s_; }
   [[nodiscard]] const FillIn& fill() const noexcept { return this->fill_; }
-  [[nodiscard]] const SkinSettings& settings() const noexcept { return skin_.settings(); }
 
   /// The memory of a skin that starts to receive at `now`: nothing is masked, rest levels are those of `noise`.
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
-    Memory m;
-    m.skin = skin_.start(now);
+    Memory m = Core::start(now);
     m.health.time = now;
     for (std::size_t i = 0; i < size(); ++i) m.rest[i / 16].whole[i % 16] = cell_[i].rest;
     m.median.fill(std::numeric_limits<float>::quiet_NaN());
@@ -89,31 +86,31 @@ class TrustedSkin : private detail::TrustCore<S> {
   }
 
   /// See `Skin::receive`.
-  template <class Means>
-  Status receive(Memory& m, std::span<const CellSample> samples, Nanoseconds from, Nanoseconds to,
-                 std::size_t parts, Means* means) const noexcept {
+  template <class Given, class Means>
+  Status take(Memory& m, const Given& in, Means* means) const noexcept {
     const Touch before = m.filled;
-    typename Core::Front front{*this, m, to};
-    const Status status = skin_.receive(m.skin, samples, from, to, parts, means, front);
-    for (std::size_t j = 0; j < parts; ++j) {
+    typename Core::Front front{*this, m, in.to};
+    const Status status = this->take_on(m, in, means, front);
+    for (std::size_t j = 0; j < in.parts; ++j) {
       // Linear over the interval.
-      const T after = from < to ? T((T(static_cast<int>(j)) + T(0.5)) / T(static_cast<int>(parts))) : T(0);
+      const T after =
+          in.from < in.to ? T((T(static_cast<int>(j)) + T(0.5)) / T(static_cast<int>(in.parts))) : T(0);
       add_between(means[j], before, m.filled, after);
     }
     return status;
   }
 
   [[nodiscard]] Wrenches wrenches(const Memory& m) const noexcept {
-    return skin_.wrenches(m.skin) + m.filled.total();
+    return this->wrapped().wrenches(m) + m.filled.total();
   }
   [[nodiscard]] Touch touch(const Memory& m) const noexcept {
-    Touch out = skin_.touch(m.skin);
+    Touch out = this->wrapped().touch(m);
     add(out, m.filled.force, m.filled.proximity);
     return out;
   }
   [[nodiscard]] Pressed pressed(const Memory& m, const auto&) const noexcept { return pressed(m); }
   [[nodiscard]] Pressed pressed(const Memory& m) const noexcept {
-    Pressed areas = skin_.pressed(m.skin);
+    Pressed areas = this->wrapped().pressed(m);
     typename Core::Filled filled(*this, m);
     this->each_filled(m, [&](std::size_t i, double share) {
       const detail::TrustCell& c = cell_[i];
@@ -129,28 +126,22 @@ class TrustedSkin : private detail::TrustCore<S> {
     const auto filled_in = [&](std::size_t i, double share) {
       return T(share * cell_[i].force_gain * CellCounts::force_unit * double(filled(i)[0]));
     };
-    skin_.each_pressed(m.skin, [&](std::size_t i, const T& push) {
+    this->wrapped().each_pressed(m, [&](std::size_t i, const T& push) {
       const double share = this->share_filled(m, i);
       f(i, share > 0 ? T(push + filled_in(i, share)) : push);
     });
     this->each_filled(m, [&](std::size_t i, double share) {
-      if (skin_.held(m.skin, i).force > 0 && !cell_[i].masked) return;  // above
+      if (this->wrapped().held(m, i).force > 0 && !cell_[i].masked) return;  // above
       if (const T push = filled_in(i, share); push > T(0)) f(i, push);
     });
-  }
-  /// The places of all cells, in the order of the patches.
-  [[nodiscard]] SKINCTL_COLD std::vector<CellPlace> places() const { return skin_.places(); }
-  template <class F>
-  void each_cell(F&& f, std::size_t most = cells) const {
-    skin_.each_cell(std::forward<F>(f), most);
   }
   /// See `Skin::nearest`. What a masked cell sees is left to its neighbours, if one of them is heard and not masked.
   template <std::size_t I>
   [[nodiscard]] T nearest(const Memory& m) const noexcept {
-    float most = static_cast<float>(skin_.settings().proximity.opens_at());
+    float most = static_cast<float>(this->wrapped().settings().proximity.opens_at());
     for (std::size_t i = 0; i < size(); ++i) {
       if (cell_[i].link != I) continue;
-      if (!m.skin.hears(i)) return T(1);
+      if (!m.hears(i)) return T(1);
       if (this->counts(m, i)) {
         most = std::max(most, m.health.row[i / 16].proximity[i % 16]);
       } else if (std::none_of(this->near(i).begin(), this->near(i).end(),
@@ -160,7 +151,6 @@ class TrustedSkin : private detail::TrustCore<S> {
     }
     return T(most < 1 ? most : 1.0f);
   }
-  [[nodiscard]] std::size_t silent(const Memory& m) const noexcept { return skin_.silent(m.skin); }
   /// Number of cells whose readings count: heard, and not masked.
   [[nodiscard]] std::size_t usable(const Memory& m) const noexcept {
     std::size_t n = 0;
@@ -181,13 +171,6 @@ class TrustedSkin : private detail::TrustCore<S> {
     }
     return out;
   }
-  [[nodiscard]] CellCounts held(const Memory& m, std::size_t i) const noexcept {
-    return skin_.held(m.skin, i);
-  }
-  [[nodiscard]] std::size_t index(std::uint32_t id) const noexcept { return skin_.index(id); }
-  [[nodiscard]] bool same_cells(const TrustedSkin& other) const noexcept {
-    return skin_.same_cells(other.skin_);
-  }
 
   /// 0: the cell counts; 1: it does not.
   [[nodiscard]] float mask(const Memory& m, std::size_t i) const noexcept {
@@ -196,7 +179,7 @@ class TrustedSkin : private detail::TrustCore<S> {
   /// What is found of cell `i`, silence included; empty: healthy.
   [[nodiscard]] CellFaults faults(const Memory& m, std::size_t i) const noexcept {
     CellFaults f = Health::faults(m.health, i);
-    if (!m.skin.hears(i)) f |= CellFault::unheard;
+    if (!m.hears(i)) f |= CellFault::unheard;
     if (RestLevel::cell(m.rest[i / 16], i % 16).below < 0) f |= CellFault::discharge;
     return f;
   }

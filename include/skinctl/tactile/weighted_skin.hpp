@@ -2,14 +2,9 @@
 #pragma once
 
 #include <array>
-#include <span>
 
 #include "skinctl/core/contract.hpp"
-#include "skinctl/core/state.hpp"
-#include "skinctl/core/status.hpp"
-#include "skinctl/core/time.hpp"
-#include "skinctl/sensing/cell_sample.hpp"
-#include "skinctl/tactile/touch_wrenches.hpp"
+#include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -47,39 +42,38 @@ struct WeightInput {
 /// Laws, and an energy tank, see the weighted touch. What is pressed stays pressed: contacts, limits of contact and
 /// skills that wait for a contact read the cells themselves.
 template <class S>
-class WeightedSkin : public S {
-  static_assert(!requires { typename S::Sensed; }, "weigh the skin before another part is added to it");
+class WeightedSkin : public WrappedTouch<WeightedSkin<S>, S, WeightInput<S::Wrenches::count>> {
+  using Base = WrappedTouch<WeightedSkin, S, WeightInput<S::Wrenches::count>>;
 
  public:
-  using scalar = typename S::scalar;
+  using scalar = typename Base::scalar;
   using Wrenches = typename S::Wrenches;
   using Touch = TouchWrenches<Wrenches>;
   static constexpr std::size_t count = Wrenches::count;
-  using Sensed = WeightInput<count>;
   struct Memory : S::Memory {
     PatchWeights<count> weights;
   };
 
   /// Throws `ConfigurationError` unless `ramp` is in [1 ms, 100 s].
   SKINCTL_COLD explicit WeightedSkin(const S& skin, Nanoseconds ramp = 100ms)
-      : S(skin), rate_(1 / seconds<double>(ramp)) {
+      : Base(skin), rate_(1 / seconds<double>(ramp)) {
     require(ramp >= 1ms && ramp <= 100s, "WeightedSkin: ramp", milliseconds(ramp), "1 to 1e5 ms");
   }
   /// The place of link `i` among the weights.
   [[nodiscard]] static constexpr std::size_t slot(std::size_t i) noexcept { return Wrenches::slot(i); }
 
-  [[nodiscard]] Memory start(Nanoseconds now) const noexcept { return {S::start(now), {}}; }
-
   /// See `S::receive`. In each part of the interval a weight is that of its middle.
-  template <class State, class Means>
-  Status receive(Memory& memory, std::span<const CellSample> samples, const Sensed& sensed, const State&,
-                 Nanoseconds from, Nanoseconds to, std::size_t parts, Means* means) const noexcept {
+  template <class Given, class Means, class... Front>
+  Status take(Memory& memory, const Given& in, Means* means, Front&&... front) const noexcept {
     Touch apart[most_parts];
-    SKINCTL_EXPECTS(parts <= most_parts, "an interval has at most 16 parts");
-    if (parts > most_parts) parts = most_parts;
-    Status status = S::receive(memory, samples, from, to, parts, apart);
+    SKINCTL_EXPECTS(in.parts <= most_parts, "an interval has at most 16 parts");
+    TouchGiven given = in;
+    if (given.parts > most_parts) given.parts = most_parts;
+    const std::size_t parts = given.parts;
+    const auto& sensed = in.sensed;
+    Status status = this->take_on(memory, given, apart, std::forward<Front>(front)...);
     const PatchWeights<count> before = memory.weights;
-    const auto most = static_cast<float>(to > from ? rate_ * seconds<double>(to - from) : 0.0);
+    const auto most = static_cast<float>(in.to > in.from ? rate_ * seconds<double>(in.to - in.from) : 0.0);
     for (std::size_t k = 0; k < count; ++k) {
       status |= move(memory.weights.force[k], sensed.patch_weights.force[k], most);
       status |= move(memory.weights.proximity[k], sensed.patch_weights.proximity[k], most);
@@ -103,11 +97,6 @@ class WeightedSkin : public S {
   [[nodiscard]] Wrenches wrenches(const Memory& memory) const noexcept { return touch(memory).total(); }
   [[nodiscard]] Touch touch(const Memory& memory) const noexcept {
     return weighed(S::touch(memory), memory.weights);
-  }
-  /// See `S::recomputed`.
-  [[nodiscard]] Memory recomputed(Memory memory) const noexcept {
-    static_cast<typename S::Memory&>(memory) = S::recomputed(memory);
-    return memory;
   }
 
  private:

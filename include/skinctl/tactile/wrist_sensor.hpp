@@ -217,12 +217,6 @@ class WristSensor : public sensor_sums::Summand {
         for (const double far : {-s_.reach, s_.reach}) push(far * axes[along], axes[(along + side) % 3]);
     }
   }
-  /// No proximity is measured: somebody may be at any distance.
-  template <std::size_t L>
-  [[nodiscard]] T nearest(const Memory&) const noexcept {
-    static_assert(L == I, "no sensor on this link");
-    return T(1);
-  }
 
  private:
   /// The sensor's axes along those of the base.

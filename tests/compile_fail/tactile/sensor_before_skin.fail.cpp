@@ -1,4 +1,4 @@
-// expect: one skin, and it stands first
+// expect: skins stand first
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

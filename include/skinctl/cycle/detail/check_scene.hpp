@@ -3,6 +3,7 @@
 
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/law/detail/check_law.hpp"
+#include "skinctl/tactile/detail/touch_fault.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -25,28 +26,22 @@ struct WrongSkin {
   [[nodiscard]] Wrenches wrenches(const Memory&) const noexcept { return {}; }
 };
 
-template <class Skin>
-concept HasWrenches = requires(const Skin& skin, const typename Skin::Memory& memory) {
-  { skin.wrenches(memory) } -> std::same_as<typename Skin::Wrenches>;
-};
-
-/// Faults of a skin.
-enum class SkinFault { none, no_wrenches, other_scalar, other_joints, other_model };
+/// Faults of a touch for a robot.
+enum class SkinFault { none, other_scalar, other_joints, other_model };
 template <SkinFault F, class Skin>
 struct SaySkin {
   using enum SkinFault;
-  static_assert(F != no_wrenches, "a skin has Memory, Wrenches and wrenches(memory): is this one?");
   static_assert(F != other_scalar, "this skin is for a robot in another scalar");
   static_assert(F != other_joints, "this skin is for a robot with another number of joints");
   static_assert(
       F != other_model,
       "this skin is for another robot: its type names the model, as in ur5_skin<260, double, Model>()");
 };
+template <class Skin>
+concept NamesModel = requires { typename Skin::Wrenches::model_type; };
 template <class Robot, class Skin>
 consteval SkinFault fault_in_skin() {
-  if constexpr (!HasWrenches<Skin>) {
-    return SkinFault::no_wrenches;
-  } else if constexpr (requires { typename Skin::Wrenches::model_type; }) {
+  if constexpr (NamesModel<Skin>) {
     using Wrenches = typename Skin::Wrenches;
     using Other = typename Wrenches::model_type;
     if (!std::same_as<typename Wrenches::scalar, typename Robot::scalar>) return SkinFault::other_scalar;
@@ -76,7 +71,15 @@ constexpr auto find_in_scene() {
 template <class Robot, class GivenLaw, class GivenSkin>
 struct Scene {
   static constexpr SkinFault skin_fault = fault_in_skin<Robot, GivenSkin>();
-  using Skin = std::conditional_t<skin_fault == SkinFault::none, GivenSkin, WrongSkin>;
+  static constexpr TouchFault touch_fault = [] {
+    if constexpr (skin_fault == SkinFault::none) {
+      return fault_in_touch<GivenSkin, State<Robot::joints, typename Robot::scalar>>();
+    } else {
+      return TouchFault::none;  // the other fault is said
+    }
+  }();
+  using Skin = std::conditional_t<skin_fault == SkinFault::none && touch_fault == TouchFault::none, GivenSkin,
+                                  WrongSkin>;
   using Finding = decltype(find_in_scene<Robot, GivenLaw, Skin>());
   static constexpr LawFault law_fault = Finding::fault;
   using Law = std::conditional_t<law_fault == LawFault::none, GivenLaw, WrongLaw<GivenLaw>>;

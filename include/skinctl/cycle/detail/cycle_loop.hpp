@@ -58,6 +58,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   using Parts::skin_;
   using L = typename Parts::L;
   using Governor = typename Parts::Governor;
+  using Felt = TouchTable<typename Parts::Skin>;
 
   /// @param change  the configuration of the last cycle, or `NoChange`.
   template <class Watch, class Change>
@@ -90,8 +91,9 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     status |= governor_.look(m.governor, seen, seconds<scalar>(interval.to - interval.from));
     const bool pause = pauses(m);
     if (pause) resolver_.stop(m.robot);
-    if constexpr (requires { law_.feel(m.law, skin_.contacts(m.skin), interval.to); })
-      law_.feel(m.law, skin_.contacts(m.skin), interval.to);
+    if constexpr (Felt::finds_contacts &&
+                  requires { law_.feel(m.law, Felt::contacts(skin_, m.skin), interval.to); })
+      law_.feel(m.law, Felt::contacts(skin_, m.skin), interval.to);
     if constexpr (has_gripper) law_.grip(m.law, input.gripper, interval.to);
     governor_.see(m.governor, input, measured().q, interval.to);
     watch.end(CycleStage::sense);

@@ -10,7 +10,7 @@
 #include "skinctl/cycle/output.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/law/evaluate.hpp"
-#include "skinctl/tactile/coverage.hpp"
+#include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -20,6 +20,7 @@ template <class Resolver, class GivenLaw, class GivenSkin>
 struct FittingParts {
   using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
   static_assert(sizeof(SaySkin<Scene::skin_fault, GivenSkin>) > 0);
+  static_assert(sizeof(SayTouch<Scene::touch_fault, GivenSkin>) > 0);
   static_assert(sizeof(Say<Scene::law_fault, typename Scene::Finding::Law>) > 0);
 };
 
@@ -40,7 +41,7 @@ class CycleParts {
   using scalar = typename Resolver::scalar;
   using law_type = L;
   using Goal = typename GoalType<L>::type;
-  using Sensed = typename SensedBy<Skin>::type;
+  using Sensed = typename TouchTable<Skin>::Sensed;
   static constexpr bool has_gripper = detail::has_gripper<L>;
   using Input = typename WithInputs<
       CycleInput<joints, scalar, Goal, Sensed, std::conditional_t<has_gripper, GripperState, NoGripper>>,
@@ -88,7 +89,7 @@ class CycleParts {
       check_settings(robot, law);
       check_contacts(robot, skin_);
     }
-    if constexpr (requires { law.waits_for_contacts(); } && !requires { typename Skin::Found; })
+    if constexpr (requires { law.waits_for_contacts(); } && !TouchTable<Skin>::finds_contacts)
       require(!law.waits_for_contacts(), "skills that wait for contacts, on a skin that finds none", 1,
               "a ContactSkin");
     governor_.check(resolver_);

@@ -5,7 +5,7 @@
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/scene_parts.hpp"
-#include "skinctl/tactile/coverage.hpp"
+#include "skinctl/tactile/detail/touch_fault.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -14,7 +14,7 @@ template <class Governor, class Skin>
 inline constexpr bool feels = [] {
   if constexpr (!Governor::reads_touch) {
     return true;
-  } else if constexpr (requires { Skin::Wrenches::links; }) {
+  } else if constexpr (HasLinks<Skin>) {
     return (Skin::Wrenches::links & Governor::links) == Governor::links;
   } else {
     return false;
@@ -69,8 +69,7 @@ consteval PartsFault fault_between_parts() {
   } else {
     using Made = GovernorOf<Robot, All>;
     if (!feels<Made, Skin>) return PartsFault::not_felt;
-    constexpr bool has_cells = CountsCells<Skin> && !std::is_same_v<Skin, NoSkin>;
-    return Made::reads_coverage && !has_cells ? PartsFault::no_cells : PartsFault::none;
+    return Made::reads_coverage && !TouchTable<Skin>::has_coverage ? PartsFault::no_cells : PartsFault::none;
   }
 }
 /// What the limits of a scene see of its touch in a cycle.
@@ -84,17 +83,14 @@ struct Seen {
   /// The strongest proximity reading of link `I`, in [0, 1].
   template <std::size_t I>
   [[nodiscard]] SKINCTL_INLINE auto nearest() const noexcept {
-    return skin.template nearest<I>(memory);
+    return TouchTable<Skin>::template nearest<I>(skin, memory);
   }
-  [[nodiscard]] SKINCTL_INLINE Coverage coverage() const noexcept { return coverage_of(skin, memory); }
+  [[nodiscard]] SKINCTL_INLINE Coverage coverage() const noexcept {
+    return TouchTable<Skin>::coverage(skin, memory);
+  }
 };
 template <class Resolver>
 inline constexpr bool watches_contacts = requires { requires Resolver::watches_contacts; };
-/// Whether a skin says where it is pressed, beside the touch `Touch` of other sensors.
-template <class Skin, class Touch>
-concept KnowsPressed = requires(const Skin& skin, const typename Skin::Memory& memory, const Touch& touch) {
-  skin.pressed(memory, touch);
-};
 template <class Resolver>
 inline constexpr bool takes_positions = requires { requires Resolver::interface == Interface::position; };
 /// The touch that a resolver takes from a skin: forces and proximities apart where a tank has to tell them, and
@@ -104,12 +100,10 @@ struct TouchFor {
   using type = typename Skin::Wrenches;
 };
 template <class Resolver, class Skin, bool Contacts>
-  requires requires {
-    typename Skin::Touch;
-    requires Resolver::has_tank || (Contacts && !KnowsPressed<Skin, typename Skin::Wrenches>);
-  }
+  requires(Resolver::has_tank ||
+           (Contacts && !TouchTable<Skin>::template knows_pressed<typename Skin::Wrenches>))
 struct TouchFor<Resolver, Skin, Contacts> {
-  using type = typename Skin::Touch;
+  using type = typename TouchTable<Skin>::Touch;
 };
 /// The contacts, if the scene has a part that asks for them: where the skin is pressed, or else the wrenches of
 /// the touch at the end of the interval.
@@ -118,25 +112,13 @@ template <bool Contacts, class Skin, class Touch>
                                           const Touch& touch) noexcept {
   if constexpr (!Contacts) {
     return PressedUnknown{};
-  } else if constexpr (KnowsPressed<Skin, Touch>) {
-    return skin.pressed(memory, touch);
   } else {
-    return contact_part(touch);
+    return TouchTable<Skin>::pressed(skin, memory, touch);
   }
 }
 /// Whether a law has a gripper: a `SkillSet` with `OneGripper`.
 template <class L>
 inline constexpr bool has_gripper = requires { requires L::has_gripper; };
-/// What the touch of a scene adds to its input: nothing for cells, see `TouchSensor`.
-template <class Skin>
-struct SensedBy {
-  using type = NoSensors;
-};
-template <class Skin>
-  requires requires { typename Skin::Sensed; }
-struct SensedBy<Skin> {
-  using type = typename Skin::Sensed;
-};
 /// The input of a cycle, and what limits add to it, each once.
 template <class Own, class... Added>
 struct InputWith : Own, Added... {};
@@ -168,12 +150,16 @@ template <class Skin, class Input, class Measured, class Touch>
 SKINCTL_INLINE Status receive_touch(const Skin& skin, typename Skin::Memory& memory, const Input& input,
                                     const Measured& measured, const Interval& interval, std::size_t parts,
                                     Touch* touches) noexcept {
-  if constexpr (requires { typename Skin::Sensed; }) {
-    return skin.receive(memory, input.samples, input.sensed, measured(), interval.from, interval.to, parts,
-                        touches);
-  } else {
-    return skin.receive(memory, input.samples, interval.from, interval.to, parts, touches);
-  }
+  const auto& state = [&]() -> const auto& {
+    if constexpr (TouchTable<Skin>::is_sensor) {
+      return measured();
+    } else {
+      return input.measured;
+    }
+  }();
+  return TouchTable<Skin>::receive(
+      skin, memory, TouchGiven{input.samples, input.sensed, state, interval.from, interval.to, parts},
+      touches);
 }
 template <class L>
 struct GoalType {
@@ -208,7 +194,8 @@ template <class R>
 using ResolverFor = decltype(as_resolver(std::declval<const R&>()));
 
 template <class S>
-concept SkinLike = requires { typename S::Wrenches; };
+concept SkinLike = MeantAsTouch<S>;
+
 /// Whether a law compensates gravity: by a gravity law, or within `Y_r Theta`.
 template <class L>
 inline constexpr bool holds_gravity = [] {

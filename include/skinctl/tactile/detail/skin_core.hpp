@@ -7,6 +7,7 @@
 #include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/link_rows.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
+#include "skinctl/tactile/detail/summand.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
 
@@ -16,7 +17,7 @@ namespace detail {
 /// See `Skin`, whose rules these are. It has room for `Cells` and their `Sums`; `Tuned` skins have gains and
 /// thresholds for each cell.
 template <Topology M, Real T, LinkMask Links, std::size_t Cells, std::size_t Sums, bool Tuned>
-class SkinCore {
+class SkinCore : public sensor_sums::Summand {
  public:
   using scalar = T;
   using Wrenches = LinkWrenches<M, Links, T>;
@@ -212,7 +213,7 @@ class SkinCore {
   [[nodiscard]] std::size_t table_bytes() const noexcept { return tables_.bytes(); }
   /// Whether another skin has the same cells at the same places: it then understands this one's memory,
   /// whatever its gains and gates.
-  [[nodiscard]] bool same_cells(const SkinCore& other) const noexcept {
+  [[nodiscard]] bool understands(const SkinCore& other) const noexcept {
     return tables_.cells == other.tables_.cells;
   }
 

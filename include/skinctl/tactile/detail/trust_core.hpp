@@ -9,7 +9,7 @@ namespace detail {
 
 /// See `TrustedSkin`.
 template <class S>
-class TrustCore : protected TrustFrames<S> {
+class TrustCore : public TrustFrames<S> {
   using Frames = TrustFrames<S>;
 
  public:
@@ -22,7 +22,7 @@ class TrustCore : protected TrustFrames<S> {
  protected:
   using Frames::above, Frames::cell_, Frames::counts, Frames::fill_, Frames::has_lone, Frames::health_,
       Frames::low_force_, Frames::low_proximity_, Frames::masked_, Frames::near, Frames::per_step_,
-      Frames::quantised, Frames::s_, Frames::skin_, Frames::talk_unit_, Frames::witness;
+      Frames::quantised, Frames::s_, Frames::talk_unit_, Frames::witness;
 
   /// The front end of one call.
   struct Front {
@@ -54,7 +54,7 @@ class TrustCore : protected TrustFrames<S> {
     [[nodiscard]] Values operator()(std::size_t i) noexcept {
       const auto counts = [this](std::size_t n) { return (state(n) & counted) != 0; };
       const auto readings = [this](std::size_t n) {
-        const CellCounts c = t_.skin_.held(m_.skin, n);
+        const CellCounts c = t_.wrapped().held(m_, n);
         const float trust = t_.has_lone(n) ? t_.quantised(m_.health.row[n / 16].trust[n % 16]) : 1.0f;
         return Values{trust * static_cast<float>(c.force), trust * static_cast<float>(c.proximity)};
       };
@@ -77,14 +77,14 @@ class TrustCore : protected TrustFrames<S> {
   };
   /// How much of cell `i` is filled in, 0 to 1.
   [[nodiscard]] double share_filled(const Memory& m, std::size_t i) const noexcept {
-    const bool heard = m.skin.hears(i) && !cell_[i].masked;
+    const bool heard = m.hears(i) && !cell_[i].masked;
     return heard ? double(quantised(Health::mask(m.health, i))) : 1.0;
   }
   /// Calls `f(i, share)` for the cells that are filled in, wholly or in part: masked or silent ones.
   template <class F>
   void each_filled(const Memory& m, const F& f) const noexcept {
     for (std::size_t b = 0; 16 * b < size(); ++b) {
-      bool whole = m.skin.hears_all_from(16 * b, 16 * b + 16 < size() ? 16 : size() - 16 * b);
+      bool whole = m.hears_all_from(16 * b, 16 * b + 16 < size() ? 16 : size() - 16 * b);
       using L = Lane<float>;
       for (std::size_t k = 0; k < 16; k += L::lanes)
         whole = whole && !any(L::load(m.health.row[b].mask.data() + k) > L(0.0f));
@@ -131,7 +131,7 @@ class TrustCore : protected TrustFrames<S> {
   /// The reading that leaves what is held as it is. A cell that is not trusted changes within the interval, by
   /// `settle`: the impulse of a sample that came late would be more than its lone force.
   [[nodiscard]] CellCounts as_held(const Memory& m, std::size_t i) const noexcept {
-    const CellCounts c = skin_.held(m.skin, i);
+    const CellCounts c = this->wrapped().held(m, i);
     if (c == CellCounts{}) return c;
     const auto raw = [](std::int32_t held, const EventGate<std::int32_t>& gate) {
       return static_cast<std::uint16_t>(held > 0 ? held + gate.subtract() : 0);

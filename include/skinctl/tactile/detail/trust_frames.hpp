@@ -6,19 +6,19 @@
 
 #include "skinctl/sensing/detail/cross_talk.hpp"
 #include "skinctl/sensing/evidence.hpp"
-#include "skinctl/tactile/detail/room.hpp"
 #include "skinctl/tactile/detail/trust_cells.hpp"
 #include "skinctl/tactile/fill_in.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
-#include "skinctl/tactile/touch_wrenches.hpp"
+#include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+template <class S>
+class TrustedSkin;
 namespace detail {
 
-/// See `TrustedSkin`.
 /// The cells of a `TrustedSkin`, frame by frame: rest levels, faults, and what they say of each other.
 template <class S>
-class TrustFrames {
+class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
  public:
   using T = typename S::scalar;
   using Touch = typename S::Touch;
@@ -29,8 +29,7 @@ class TrustFrames {
   static constexpr std::size_t rows = Health::rows;
 
   /// Trivially copyable; only the skin reads and writes its members.
-  struct Memory {
-    typename S::Memory skin;
+  struct Memory : S::Memory {
     typename Health::Memory health;
     std::array<RestRow, rows> rest{};
     typename Cross::Memory cross;
@@ -46,7 +45,8 @@ class TrustFrames {
       const auto bits = [](const auto& x) {
         return std::bit_cast<std::array<std::uint32_t, sizeof(x) / 4>>(x);
       };
-      return a.skin == b.skin && a.health == b.health && bits(a.rest) == bits(b.rest) && a.cross == b.cross &&
+      return static_cast<const typename S::Memory&>(a) == static_cast<const typename S::Memory&>(b) &&
+             a.health == b.health && bits(a.rest) == bits(b.rest) && a.cross == b.cross &&
              a.pushing == b.pushing && bits(a.median) == bits(b.median) && a.median_at == b.median_at &&
              a.median_of == b.median_of && a.newest == b.newest && a.lone_share == b.lone_share &&
              a.filled == b.filled;
@@ -55,7 +55,7 @@ class TrustFrames {
 
   SKINCTL_COLD TrustFrames(const S& skin, const TrustSettings& settings, const FillIn& fill,
                            std::vector<TrustCell> cell)
-      : skin_(skin),
+      : WrappedTouch<TrustedSkin<S>, S>(skin),
         s_(settings),
         fill_(fill),
         health_(settings.health, settings.noise.size() == 1 ? settings.noise : with_room(settings.noise)),
@@ -91,7 +91,7 @@ class TrustFrames {
   [[nodiscard]] std::size_t size() const noexcept { return cell_.size(); }
   [[nodiscard]] auto near(std::size_t i) const noexcept { return fill_.graph().neighbours(i); }
   [[nodiscard]] bool counts(const Memory& m, std::size_t i) const noexcept {
-    return m.skin.hears(i) && Health::mask(m.health, i) < 0.5f && !cell_[i].masked;
+    return m.hears(i) && Health::mask(m.health, i) < 0.5f && !cell_[i].masked;
   }
   /// The noise of each cell that there is room for.
   [[nodiscard]] static std::vector<SensorNoise> with_room(std::vector<SensorNoise> noise) {
@@ -194,7 +194,6 @@ class TrustFrames {
   [[nodiscard]] SKINCTL_INLINE bool has_lone(std::size_t i) const noexcept {
     return ((lone_[i / 16] >> (i % 16)) & 1u) != 0;
   }
-  S skin_;
   TrustSettings s_;
   FillIn fill_;
   CellGraph within_;  ///< cells within reach of each other; of no cell: holes are not looked for

@@ -1,0 +1,153 @@
+// Finds the fault of a touch that violates the protocol: a member that is missing, or that has a wrong signature.
+#pragma once
+
+#include <bit>
+
+#include "skinctl/tactile/touch.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// A type that was meant as a touch, even if members are missing.
+template <class S>
+concept MeantAsTouch = requires { typename S::Wrenches; };
+
+// Detects a member by its name, whatever its signature: in a class that inherits the name twice it is ambiguous.
+struct NamesOfATouch {
+  int touch, pressed, contacts, coverage, usable, nearest, index, each_cell, each_point, gain_everywhere,
+      understands;
+};
+template <class S>
+struct TouchNamedTwice : S, NamesOfATouch {};
+template <class S>
+concept AsksTouchNames = std::is_class_v<S> && !std::is_final_v<S>;
+#define SKINCTL_NAMES(Concept, member) \
+  template <class S>                   \
+  concept Concept = AsksTouchNames<S> && !requires { &TouchNamedTwice<S>::member; }
+SKINCTL_NAMES(NamesTouch, touch);
+SKINCTL_NAMES(NamesPressed, pressed);
+SKINCTL_NAMES(NamesContacts, contacts);
+SKINCTL_NAMES(NamesCoverage, coverage);
+SKINCTL_NAMES(NamesUsable, usable);
+SKINCTL_NAMES(NamesNearest, nearest);
+SKINCTL_NAMES(NamesIndex, index);
+SKINCTL_NAMES(NamesEachCell, each_cell);
+SKINCTL_NAMES(NamesEachPoint, each_point);
+SKINCTL_NAMES(NamesGainEverywhere, gain_everywhere);
+SKINCTL_NAMES(NamesUnderstands, understands);
+#undef SKINCTL_NAMES
+
+template <class S>
+concept HasStart = requires(const S& s, Nanoseconds now) {
+  { s.start(now) } -> std::same_as<typename S::Memory>;
+};
+template <class S>
+concept HasHeldWrenches = requires(const S& s, const typename S::Memory& m) {
+  { s.wrenches(m) } -> std::same_as<typename S::Wrenches>;
+};
+template <class S>
+concept ReceivesCells = requires(const S& s, typename S::Memory& m, std::span<const CellSample> samples,
+                                 Nanoseconds t, std::size_t parts, typename S::Wrenches* means) {
+  { s.receive(m, samples, t, t, parts, means) } -> std::same_as<Status>;
+};
+template <class S, class State>
+concept ReceivesSensed =
+    HasSensed<S> && requires(const S& s, typename S::Memory& m, std::span<const CellSample> samples,
+                             const typename SensedOf<S, NoSensors>::type& sensed, const State& measured,
+                             Nanoseconds t, std::size_t parts, typename S::Wrenches* means) {
+      { s.receive(m, samples, sensed, measured, t, t, parts, means) } -> std::same_as<Status>;
+    };
+template <class S>
+constexpr bool nearest_of_its_links() noexcept {
+  if constexpr (HasLinks<S>) {
+    constexpr LinkMask links = S::Wrenches::links;
+    if constexpr (links != 0) return HasNearest<S, static_cast<std::size_t>(std::countr_zero(links))>;
+  }
+  return true;
+}
+
+/// A sum has a member where one of its parts has it.
+template <class S>
+concept IsTouchSum = requires {
+  typename S::FirstTouch;
+  typename S::SecondTouch;
+};
+
+/// Faults of a touch.
+enum class TouchFault {
+  none,
+  types,
+  memory,
+  start,
+  wrenches,
+  receive,
+  receive_sensed,
+  touch,
+  pressed,
+  contacts,
+  coverage,
+  usable,
+  nearest,
+  index,
+  each_cell,
+  each_point,
+  gain_everywhere,
+  understands
+};
+/// The first fault of a touch, for a robot whose state is a `State`.
+template <class S, class State>
+consteval TouchFault fault_in_touch() {
+  using enum TouchFault;
+  if constexpr (!HasTouchTypes<S>) {
+    return types;
+  } else if constexpr (IsTouchSum<S>) {
+    constexpr TouchFault first = fault_in_touch<typename S::FirstTouch, State>();
+    return first != none ? first : fault_in_touch<typename S::SecondTouch, State>();
+  } else {
+    if (!std::is_trivially_copyable_v<typename S::Memory>) return memory;
+    if (!HasStart<S>) return start;
+    if (!HasHeldWrenches<S>) return wrenches;
+    if (HasSensed<S> && !ReceivesSensed<S, State>) return receive_sensed;
+    if (!HasSensed<S> && !ReceivesCells<S>) return receive;
+    if (NamesTouch<S> && !HasTouch<S>) return touch;
+    if (NamesPressed<S> && !HasPressed<S, typename ApartOf<S>::type>) return pressed;
+    if (NamesContacts<S> && !HasContacts<S>) return contacts;
+    if (NamesCoverage<S> && !HasCoverage<S>) return coverage;
+    if (NamesUsable<S> && !HasUsable<S>) return usable;
+    if (NamesNearest<S> && !nearest_of_its_links<S>()) return nearest;
+    if (NamesIndex<S> && !HasCells<S>) return index;
+    if (NamesEachCell<S> && !HasEachCell<S>) return each_cell;
+    if (NamesEachPoint<S> && !HasEachPoint<S>) return each_point;
+    if (NamesGainEverywhere<S> && !HasGainEverywhere<S>) return gain_everywhere;
+    if (NamesUnderstands<S> && !HasUnderstands<S>) return understands;
+    return none;
+  }
+}
+/// Says it, at compile time.
+template <TouchFault F, class Touch>
+struct SayTouch {
+  using enum TouchFault;
+  static_assert(F != types && F != wrenches,
+                "a touch has Memory, Wrenches and wrenches(memory): is this one?");
+  static_assert(F != memory, "the Memory of this touch cannot be copied trivially");
+  static_assert(F != start, "touch: start(now) has to give its Memory");
+  static_assert(F != receive, "touch: receive(memory, samples, from, to, parts, means) has to give a Status");
+  static_assert(
+      F != receive_sensed,
+      "touch with Sensed: receive(memory, samples, sensed, measured, from, to, parts, means) has to "
+      "give a Status");
+  static_assert(F != touch, "touch: touch(memory) has to give its type Touch");
+  static_assert(F != pressed, "touch: pressed(memory, touch) has to take its own touch");
+  static_assert(F != contacts, "touch: contacts(memory) has to give a list of its type Found");
+  static_assert(F != coverage, "touch: coverage(memory) has to give a Coverage");
+  static_assert(F != usable, "touch: usable(memory) has to give a std::size_t, beside size()");
+  static_assert(F != nearest, "touch: nearest<I>(memory) has to give a scalar on each of its links");
+  static_assert(F != index, "touch: index(id) has to give a std::size_t, beside size()");
+  static_assert(F != each_cell, "touch: each_cell(f, most) has to call f(link, force, moment, gain)");
+  static_assert(F != each_point, "touch: each_point(f) has to call f(link, force, moment, gain)");
+  static_assert(F != gain_everywhere, "touch: gain_everywhere() has to give a double");
+  static_assert(F != understands, "touch: understands(other) has to give a bool");
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

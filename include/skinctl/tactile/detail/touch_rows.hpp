@@ -1,0 +1,157 @@
+// Whether a touch has each member of the protocol: the rows of its table.
+#pragma once
+
+#include <type_traits>
+#include <utility>
+
+#include "skinctl/core/config.hpp"
+#include "skinctl/model/topology.hpp"
+#include "skinctl/tactile/coverage.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+template <class S>
+concept HasTouchTypes = requires {
+  typename S::Memory;
+  typename S::Wrenches;
+};
+template <class S>
+concept HasSensed = requires { typename S::Sensed; };
+template <class S>
+concept HasTouch = requires(const S& s, const typename S::Memory& m) {
+  { s.touch(m) } -> std::convertible_to<typename S::Touch>;
+};
+template <class S, class T>
+concept HasPressed =
+    requires(const S& s, const typename S::Memory& m, const T& touch) { s.pressed(m, touch); };
+template <class S>
+concept HasContacts = requires(const S& s, const typename S::Memory& m) {
+  typename S::Found;
+  s.contacts(m).begin();
+};
+template <class S>
+concept HasCells = requires(const S& s, std::uint32_t id) {
+  { s.index(id) } -> std::same_as<std::size_t>;
+  { s.size() } -> std::same_as<std::size_t>;
+};
+template <class S>
+concept HasCoverage = requires(const S& s, const typename S::Memory& m) {
+  { s.coverage(m) } -> std::same_as<Coverage>;
+};
+template <class S>
+concept HasUsable = requires(const S& s, const typename S::Memory& m) {
+  { s.usable(m) } -> std::same_as<std::size_t>;
+  { s.size() } -> std::same_as<std::size_t>;
+};
+template <class S>
+concept HasLinks = requires {
+  { S::Wrenches::links } -> std::convertible_to<LinkMask>;
+};
+template <class S, std::size_t I>
+concept HasNearest = requires(const S& s, const typename S::Memory& m) {
+  { s.template nearest<I>(m) } -> std::same_as<typename S::Wrenches::scalar>;
+};
+template <class S, std::size_t I>
+concept TellsNearest = HasLinks<S> && ((S::Wrenches::links >> I) & 1u) != 0 && HasNearest<S, I>;
+
+/// Takes what `each_cell` and `each_point` call.
+struct TakesWrenches {
+  template <class V>
+  void operator()(std::size_t, const V&, const V&, double) const noexcept {}
+};
+template <class S>
+concept HasEachCell = requires(const S& s, const TakesWrenches& f) { s.each_cell(f, std::size_t(6)); };
+template <class S>
+concept HasEachPoint = requires(const S& s, const TakesWrenches& f) { s.each_point(f); };
+template <class S>
+concept HasGainEverywhere = requires(const S& s) {
+  { s.gain_everywhere() } -> std::same_as<double>;
+};
+template <class S>
+concept HasUnderstands = requires(const S& s) {
+  { s.understands(s) } -> std::same_as<bool>;
+};
+template <class S, class Found, class State, class Contact>
+concept HasBeyond = requires(const S& s, const Found& found, const State& measured, const Contact& contact) {
+  { s.beyond(found, measured.q, contact) } -> std::same_as<Found>;
+};
+template <class S>
+concept HasRecomputed = requires(const S& s, const typename S::Memory& m) { s.recomputed(m); };
+template <class S>
+concept HasCapacity = requires {
+  { S::capacity } -> std::convertible_to<std::size_t>;
+  { S::most_patches } -> std::convertible_to<std::size_t>;
+};
+
+template <class S, class None>
+struct SensedOf {
+  using type = None;
+};
+template <HasSensed S, class None>
+struct SensedOf<S, None> {
+  using type = typename S::Sensed;
+};
+template <class S>
+struct ApartOf {
+  using type = typename S::Wrenches;
+};
+template <HasTouch S>
+struct ApartOf<S> {
+  using type = typename S::Touch;
+};
+/// In place of the contacts of a touch that finds none.
+struct NothingFound {};
+
+/// The inputs of two sources, each with its own members.
+template <class A, class B>
+struct BothSensed : A, B {};
+template <class A>
+struct BothSensed<A, A> : A {};
+template <class A, class B>
+using SensedTogether =
+    std::conditional_t<std::is_empty_v<B>, A, std::conditional_t<std::is_empty_v<A>, B, BothSensed<A, B>>>;
+
+/// The part of an input that is a touch's own.
+template <class Sensed, class Given>
+[[nodiscard]] SKINCTL_INLINE decltype(auto) part_of(const Given& given) noexcept {
+  if constexpr (std::is_empty_v<Sensed>) {
+    return Sensed{};
+  } else {
+    return static_cast<const Sensed&>(given);
+  }
+}
+
+/// The touch `S` with another input, if a wrapper adds to it.
+template <class S, class None, class... Adds>
+struct WithSensed : S {
+  explicit WithSensed(const S& s) : S(s) {}
+};
+template <class S, class None, class Adds>
+struct WithSensed<S, None, Adds> : S {
+  static_assert(std::is_empty_v<Adds> || !std::is_base_of_v<Adds, typename SensedOf<S, None>::type>,
+                "two parts of a touch add the same to the input");
+  using Sensed = SensedTogether<typename SensedOf<S, None>::type, Adds>;
+  explicit WithSensed(const S& s) : S(s) {}
+};
+
+/// Room for cells, and for patches, of a skin whose numbers are known at compile time or have an upper bound.
+template <class S>
+inline constexpr std::size_t most_cells_of = [] {
+  if constexpr (HasCapacity<S>) {
+    return S::capacity;
+  } else {
+    return S::cells;
+  }
+}();
+template <class S>
+inline constexpr std::size_t most_patches_of = [] {
+  if constexpr (HasCapacity<S>) {
+    return S::most_patches;
+  } else {
+    return S::patches;
+  }
+}();
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

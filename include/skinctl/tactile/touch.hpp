@@ -1,0 +1,263 @@
+// The protocol of a touch: what a scene asks of skins, sensors, their wrappers and sums, and what it assumes of the rest.
+#pragma once
+
+#include <span>
+
+#include "skinctl/core/state.hpp"
+#include "skinctl/core/status.hpp"
+#include "skinctl/core/time.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/tactile/coverage.hpp"
+#include "skinctl/tactile/detail/summand.hpp"
+#include "skinctl/tactile/detail/touch_rows.hpp"
+#include "skinctl/tactile/touch_wrenches.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// No sensor of the scene but cells.
+struct NoSensors {};
+
+/// A source of touch: an immutable value whose changing data are kept outside. A skin, a sensor, a wrapper of one, a sum.
+///
+/// Every touch has
+/// - `Memory`: the data that change from cycle to cycle, trivially copyable;
+/// - `Wrenches`: what laws read, a `LinkWrenches`, a `JointTouch`, or a sum of them: `scalar`, `links`, `model_type`;
+/// - `start(now)`: the memory with which it begins;
+/// - `receive(memory, samples, from, to, parts, means)`: takes what arrived, and gives the mean touch over each of
+///   `parts` equal parts of `(from, to]`. One that reads more than cells names it in `Sensed`, and takes it and the
+///   newest good state of the robot behind the samples: `receive(memory, samples, sensed, measured, from, to, ...)`;
+/// - `wrenches(memory)`: the `Wrenches` that are held.
+///
+/// Optional members, with the default where a touch has none, and the rule of a sum `a + b`:
+///
+/// | member | meaning | default | of a sum |
+/// |---|---|---|---|
+/// | `Sensed` | what it adds to a cycle's input | nothing | both |
+/// | `Touch`, `touch(memory)` | contacts, and what the controller's own push is, apart | all is contact | both |
+/// | `pressed(memory, touch)` | the areas that are pressed | the contact part of `touch` | both |
+/// | `contacts(memory)` | the contacts that skills wait for, each a `Found` | none are found | both |
+/// | `coverage(memory)`, `usable(memory)` | how much of it feels | no cells | together |
+/// | `nearest<I>(memory)` | bound of proximity on link `I` | 1: somebody may be there | greatest of those that tell |
+/// | `index(id)`, `size()` | place of a cell; `size()`: not its own | no cells | b's behind a's |
+/// | `each_cell(f, most)` | unit wrenches of cells, for checks of stability | none | both |
+/// | `each_point(f)` | the same for a sensor | none | both |
+/// | `gain_everywhere()` | newtons that laws see per newton anywhere | none | greater |
+/// | `understands(other)` | whether it goes on with the memory of another one | true | and |
+/// | `beyond(found, q, contact)` | what of its own others do not feel | all | b beyond a |
+template <class S>
+concept TouchSource = detail::HasTouchTypes<S> && requires(const S& s, const typename S::Memory& m) {
+  { s.wrenches(m) } -> std::convertible_to<typename S::Wrenches>;
+};
+/// A touch that names in `Sensed` what it adds to a cycle's input.
+template <class S>
+concept TouchSensor = TouchSource<S> && detail::HasSensed<S>;
+
+/// What a touch receives in a cycle.
+template <class Sensed, class State>
+struct TouchGiven {
+  std::span<const CellSample> samples;  ///< of cells
+  const Sensed& sensed;                 ///< what other sensors read
+  const State& measured;                ///< newest good state of the robot
+  Nanoseconds from, to;                 ///< interval
+  std::size_t parts;                    ///< number of equal parts of the interval, >= 1
+};
+template <class Sensed, class State>
+TouchGiven(std::span<const CellSample>, const Sensed&, const State&, Nanoseconds, Nanoseconds, std::size_t)
+    -> TouchGiven<Sensed, State>;
+
+/// The members of a touch `S`, or their defaults: the only way in which the library asks for one.
+template <class S>
+struct TouchTable {
+  using Memory = typename S::Memory;
+  using Sensed = typename detail::SensedOf<S, NoSensors>::type;
+  /// The touch apart by contacts and own pushes, or all of it.
+  using Touch = typename detail::ApartOf<S>::type;
+  static constexpr bool is_sensor = detail::HasSensed<S>;
+  static constexpr bool tells_apart = detail::HasTouch<S>;
+  static constexpr bool finds_contacts = detail::HasContacts<S>;
+  static constexpr bool has_cells = detail::HasCells<S>;
+  static constexpr bool has_coverage = detail::HasCoverage<S> || detail::HasUsable<S>;
+  static constexpr bool has_cell_list = detail::HasEachCell<S>;
+  static constexpr bool has_points = detail::HasEachPoint<S>;
+  static constexpr bool feels_everywhere = detail::HasGainEverywhere<S>;
+  template <class T>
+  static constexpr bool knows_pressed = detail::HasPressed<S, T>;
+  template <std::size_t I>
+  static constexpr bool tells_nearest = detail::TellsNearest<S, I>;
+
+  /// See `Skin::receive`; what comes behind `means` are front ends.
+  template <class Given, class Means, class... Front>
+  static SKINCTL_INLINE Status receive(const S& s, Memory& m, const Given& in, Means* means,
+                                       Front&&... front) noexcept {
+    if constexpr (detail::HasSensed<S>) {
+      return s.receive(m, in.samples, detail::part_of<Sensed>(in.sensed), in.measured, in.from, in.to,
+                       in.parts, means, std::forward<Front>(front)...);
+    } else {
+      return s.receive(m, in.samples, in.from, in.to, in.parts, means, std::forward<Front>(front)...);
+    }
+  }
+  [[nodiscard]] static SKINCTL_INLINE Touch touch(const S& s, const Memory& m) noexcept {
+    if constexpr (tells_apart) {
+      return s.touch(m);
+    } else {
+      return s.wrenches(m);
+    }
+  }
+  template <class T>
+  [[nodiscard]] static SKINCTL_INLINE auto pressed(const S& s, const Memory& m, const T& touch) noexcept {
+    if constexpr (knows_pressed<T>) {
+      return s.pressed(m, touch);
+    } else {
+      return contact_part(touch);
+    }
+  }
+  [[nodiscard]] static SKINCTL_INLINE auto contacts(const S& s, const Memory& m) noexcept {
+    if constexpr (finds_contacts) {
+      return s.contacts(m);
+    } else {
+      return std::span<const detail::NothingFound>();
+    }
+  }
+  /// Of a touch that only counts its cells they are one patch.
+  [[nodiscard]] static SKINCTL_INLINE Coverage coverage(const S& s, const Memory& m) noexcept {
+    if constexpr (detail::HasCoverage<S>) {
+      return s.coverage(m);
+    } else {
+      Coverage out;
+      if constexpr (detail::HasUsable<S>) out.add(s.usable(m), s.size());
+      return out;
+    }
+  }
+  template <std::size_t I, class W = typename S::Wrenches>
+  [[nodiscard]] static SKINCTL_INLINE typename W::scalar nearest(const S& s, const Memory& m) noexcept {
+    if constexpr (tells_nearest<I>) {
+      return s.template nearest<I>(m);
+    } else {
+      return typename W::scalar(1);
+    }
+  }
+  [[nodiscard]] static std::size_t size(const S& s) noexcept {
+    if constexpr (has_cells) {
+      return s.size();
+    } else {
+      return 0;
+    }
+  }
+  [[nodiscard]] static std::size_t index(const S& s, std::uint32_t id) noexcept {
+    if constexpr (has_cells) {
+      return s.index(id);
+    } else {
+      return 0;
+    }
+  }
+  template <class F>
+  static void each_cell(const S& s, F&& f, std::size_t most) {
+    if constexpr (has_cell_list) s.each_cell(f, most);
+  }
+  template <class F>
+  static void each_point(const S& s, F&& f) {
+    if constexpr (has_points) s.each_point(f);
+  }
+  /// 0 for a touch that does not feel everywhere.
+  [[nodiscard]] static double gain_everywhere(const S& s) noexcept {
+    if constexpr (feels_everywhere) {
+      return s.gain_everywhere();
+    } else {
+      return 0;
+    }
+  }
+  [[nodiscard]] static bool understands(const S& s, const S& other) noexcept {
+    if constexpr (detail::HasUnderstands<S>) {
+      return s.understands(other);
+    } else {
+      return true;
+    }
+  }
+  /// @param measured  newest good state of the robot.
+  template <class Found, class State, class Contact>
+  [[nodiscard]] static SKINCTL_INLINE Found beyond(const S& s, const Found& found, const State& measured,
+                                                   const Contact& contact) noexcept {
+    if constexpr (detail::HasBeyond<S, Found, State, Contact>) {
+      return s.beyond(found, measured.q, contact);
+    } else {
+      return found;
+    }
+  }
+};
+
+/// What the input of a scene holds beside cells, by the `Sensed` of its touch.
+template <class Sensed>
+concept SensesWrenches = requires(const Sensed& sensed) { sensed.wrenches; };
+template <class Sensed>
+concept SensesMotors = requires(const Sensed& sensed) { sensed.motor_torque; };
+template <class Sensed>
+concept SensesWeights = requires(const Sensed& sensed) { sensed.patch_weights; };
+
+namespace detail {
+/// Both forms of `receive`, for an `Own` that has `take(memory, given, means, front...)`.
+template <class Own>
+struct TakesTouch {
+  /// See `Skin::receive`.
+  template <class Memory, class Means, class... Front>
+  SKINCTL_INLINE Status receive(Memory& memory, std::span<const CellSample> samples, Nanoseconds from,
+                                Nanoseconds to, std::size_t parts, Means* means,
+                                Front&&... front) const noexcept {
+    static_assert(!HasSensed<Own>, "this touch reads more than cells: receive(memory, samples, sensed, ...)");
+    constexpr NoSensors none{};
+    return static_cast<const Own&>(*this).take(memory, TouchGiven{samples, none, none, from, to, parts},
+                                               means, std::forward<Front>(front)...);
+  }
+  /// The same with what other sensors read, and the newest good state of the robot.
+  template <class Memory, std::size_t N, class T, class Means, class Self = Own, class... Front>
+  SKINCTL_INLINE Status receive(Memory& memory, std::span<const CellSample> samples,
+                                const typename SensedOf<Self, NoSensors>::type& sensed,
+                                const State<N, T>& measured, Nanoseconds from, Nanoseconds to,
+                                std::size_t parts, Means* means, Front&&... front) const noexcept {
+    return static_cast<const Own&>(*this).take(memory, TouchGiven{samples, sensed, measured, from, to, parts},
+                                               means, std::forward<Front>(front)...);
+  }
+};
+}  // namespace detail
+
+/// Base of a touch that is made of another one, `S`: everything that `S` has passes, and `Own` hides what it changes.
+/// `Own` has a `Memory` that derives from that of `S`, and `take`, which hands on what it receives by `take_on`.
+///
+///     struct Filtered : WrappedTouch<Filtered, MySkin> {
+///       struct Memory : MySkin::Memory { double filtered; };
+///       Status take(Memory& m, const auto& given, auto* means, auto&&... front) const noexcept;
+///     };
+///
+/// @tparam Adds  what `Own` adds to a cycle's input.
+template <class Own, TouchSource S, class... Adds>
+class WrappedTouch : public detail::WithSensed<S, NoSensors, Adds...>, public detail::TakesTouch<Own> {
+ public:
+  using scalar = typename S::Wrenches::scalar;
+  using detail::TakesTouch<Own>::receive;
+
+  /// The memory of the wrapped touch at `now`; what `Own` has added is as in `Memory{}`.
+  [[nodiscard]] auto start(Nanoseconds now) const noexcept {
+    typename Own::Memory memory{};
+    static_cast<typename S::Memory&>(memory) = wrapped().start(now);
+    return memory;
+  }
+  /// See `Skin::recomputed`: what `Own` has added stays.
+  template <class Memory>
+  [[nodiscard]] Memory recomputed(Memory memory) const noexcept
+    requires detail::HasRecomputed<S>
+  {
+    static_cast<typename S::Memory&>(memory) = wrapped().recomputed(memory);
+    return memory;
+  }
+  [[nodiscard]] const S& wrapped() const noexcept { return *this; }
+
+ protected:
+  explicit WrappedTouch(const S& s) : detail::WithSensed<S, NoSensors, Adds...>(s) {}
+  /// What was given, to the wrapped touch.
+  template <class Given, class Means, class... Front>
+  SKINCTL_INLINE Status take_on(typename S::Memory& memory, const Given& given, Means* means,
+                                Front&&... front) const noexcept {
+    return TouchTable<S>::receive(wrapped(), memory, given, means, std::forward<Front>(front)...);
+  }
+};
+
+SKINCTL_END_NAMESPACE
