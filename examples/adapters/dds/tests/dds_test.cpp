@@ -239,6 +239,11 @@ TEST_CASE(
   REQUIRE(within(10, [&] { return joints.writers() == 1 && cells.writers() == 1; }));
   view.start({}, {});
   CycleRecord<Scene> record;
+  // A reader that sees a writer may not be seen by it yet: what is published then is lost.
+  REQUIRE(within(10, [&] {
+    view.cycle(record);
+    return joints.wait(std::chrono::milliseconds(500)) && joints.take();
+  }));
   SkinCloudReader read(2);
   int positions = 0, frames = 0;
   for (int k = 1; k <= 20; ++k) {
