@@ -9,6 +9,7 @@
 #include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/passivity/contact_stability.hpp"
 #include "skinctl/passivity/detail/contact_modes.hpp"
+#include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
