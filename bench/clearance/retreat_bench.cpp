@@ -2,7 +2,7 @@
 #include "bench/support/bench.hpp"
 #include "skinctl/clearance/retreat.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/ur5_clearance.hpp"
+#include "tests/support/ur5_clearance.hpp"
 
 using namespace skinctl;
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "bench/floor/floor.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 /// Joints 4f .. 4f+3 are finger f. The frames are those of `oracle::allegro_right()`, each turned about its
 /// own z axis by `quarter_turns`, so that in all four fingers joint 1 is placed by Rx(-pi/2), joint 2 by

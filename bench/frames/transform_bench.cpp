@@ -6,7 +6,7 @@
 
 #include "bench/support/bench.hpp"
 #include "skinctl/frames/wrench.hpp"
-#include "skinctl/testing/random_frames.hpp"
+#include "tests/support/random_frames.hpp"
 
 using namespace skinctl;
 

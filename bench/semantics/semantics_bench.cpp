@@ -1,10 +1,10 @@
 // What recognition and the execution of a plan cost in a cycle.
 #include "bench/support/bench.hpp"
+#include "examples/worlds/recognition.hpp"
 #include "skinctl/semantics/activity_tree.hpp"
 #include "skinctl/semantics/executor.hpp"
 #include "skinctl/semantics/recogniser.hpp"
 #include "skinctl/semantics/resources.hpp"
-#include "skinctl/testing/recognition.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -21,8 +21,8 @@
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
-#include "skinctl/testing/robot_table.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/robot_table.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -17,8 +17,8 @@
 #include "skinctl/recording/mcap_recorder.hpp"
 #include "skinctl/robots/ur5_links.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/testing/robot_table.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/robot_table.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

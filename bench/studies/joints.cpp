@@ -8,8 +8,8 @@
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/loop_dynamics.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/kdl_oracle.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

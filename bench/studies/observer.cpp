@@ -10,9 +10,9 @@
 #include <string>
 
 #include "examples/support/svg_plot.hpp"
-#include "skinctl/testing/closed_loop.hpp"
-#include "skinctl/testing/robot_table.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/closed_loop.hpp"
+#include "tests/support/robot_table.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

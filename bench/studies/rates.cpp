@@ -14,7 +14,7 @@
 #include <sstream>
 #include <string>
 
-#include "skinctl/testing/closed_loop.hpp"
+#include "tests/support/closed_loop.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -3,7 +3,7 @@
 // 4 tasks x 20 people x 3; hand = led robot (250 Hz, 0.2 mm), things by camera (30 Hz, 5 mm, 60 ms, 5 % lost). Labels of two
 // kinds, both fixed before any threshold was chosen (testing/recognition.hpp): by definition, and by intent of the script.
 // `recognition [first seed]`; thresholds and labels were tried on seeds below 1000 only.
-#include "skinctl/testing/recognition.hpp"
+#include "examples/worlds/recognition.hpp"
 
 #include <chrono>
 #include <cstdio>

@@ -15,7 +15,7 @@
 #include <memory>
 
 #include "bench/studies/worlds/stochastic.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -14,8 +14,8 @@
 #include "bench/tactile/kdl_skin.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin_of.hpp"
-#include "skinctl/testing/random_skin.hpp"
-#include "skinctl/testing/robots.hpp"
+#include "tests/support/random_skin.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -12,7 +12,7 @@
 
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin_of.hpp"
-#include "skinctl/testing/random_skin.hpp"
+#include "tests/support/random_skin.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

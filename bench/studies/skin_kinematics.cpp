@@ -7,11 +7,11 @@
 #include <ctime>
 #include <string>
 
+#include "examples/worlds/moved_skin.hpp"
 #include "skinctl/calibration/excitation.hpp"
 #include "skinctl/calibration/joint_lines.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/moved_skin.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

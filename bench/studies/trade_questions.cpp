@@ -7,8 +7,8 @@
 #include "bench/studies/worlds/wall_contact.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
-#include "skinctl/testing/closed_loop.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/closed_loop.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -30,8 +30,8 @@
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/tool_speed.hpp"
-#include "skinctl/testing/robot_table.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/robot_table.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/support/bench.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 namespace skinctl::bench {
 

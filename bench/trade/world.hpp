@@ -13,7 +13,7 @@
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/tactile/cell_place.hpp"
 #include "skinctl/testing/pressing.hpp"
-#include "skinctl/testing/simulated_joints.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 namespace trade {
 

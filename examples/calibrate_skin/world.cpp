@@ -5,16 +5,16 @@
 #include <cmath>
 #include <utility>
 
+#include "examples/worlds/moved_skin.hpp"
+#include "examples/worlds/skin_network.hpp"
 #include "skinctl/calibration/excitation.hpp"
 #include "skinctl/calibration/joint_lines_types.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/testing/moved_skin.hpp"
 #include "skinctl/testing/other_bodies.hpp"
 #include "skinctl/testing/skin_at_rest.hpp"
-#include "skinctl/testing/skin_network.hpp"
 
 namespace calibrate_skin {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "skinctl/testing/recognition.hpp"
+#include "examples/worlds/recognition.hpp"
 
 namespace recognise {
 

@@ -3,12 +3,12 @@
 
 #include <doctest/doctest.h>
 
+#include "examples/worlds/moved_skin.hpp"
 #include "skinctl/calibration/excitation.hpp"
 #include "skinctl/calibration/nees.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/moved_skin.hpp"
-#include "skinctl/testing/robot_table.hpp"
 #include "tests/support/kdl_oracle.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -6,8 +6,8 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/robot_table.hpp"
 #include "tests/support/kdl_oracle.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

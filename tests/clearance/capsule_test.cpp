@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

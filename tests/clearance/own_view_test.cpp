@@ -15,7 +15,7 @@
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

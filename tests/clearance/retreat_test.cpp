@@ -7,7 +7,7 @@
 
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/ur5_clearance.hpp"
+#include "tests/support/ur5_clearance.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

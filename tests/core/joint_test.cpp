@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/digits50.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;

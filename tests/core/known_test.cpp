@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "skinctl/core/lane.hpp"
-#include "skinctl/testing/digits50.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;

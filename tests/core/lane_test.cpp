@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 

@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "skinctl/testing/random_robots.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/random_robots.hpp"
 
 using namespace skinctl;
 using detail::Row;

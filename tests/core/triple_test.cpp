@@ -6,7 +6,7 @@
 #include <random>
 #include <type_traits>
 
-#include "skinctl/testing/digits50.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;

@@ -11,8 +11,8 @@
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/recording/recording.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/scene.hpp"
 #include "tests/support/apart_scene.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

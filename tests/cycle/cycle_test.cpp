@@ -8,8 +8,8 @@
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/robot_table.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/robot_table.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -11,7 +11,7 @@
 #include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/ur5_clearance.hpp"
+#include "tests/support/ur5_clearance.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

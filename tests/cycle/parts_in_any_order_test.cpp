@@ -12,8 +12,8 @@
 #include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/skin_watch.hpp"
-#include "skinctl/testing/ur5_clearance.hpp"
 #include "tests/support/grouped_scene.hpp"
+#include "tests/support/ur5_clearance.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

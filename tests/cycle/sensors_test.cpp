@@ -14,8 +14,8 @@
 #include "skinctl/tactile/motor_touch.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/mujoco_plant.hpp"
+#include "tests/support/robots.hpp"
 #include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;

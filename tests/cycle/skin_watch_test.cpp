@@ -9,8 +9,8 @@
 
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/testing/plant.hpp"
-#include "skinctl/testing/scene.hpp"
-#include "skinctl/testing/simulated_joints.hpp"
+#include "tests/support/scene.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

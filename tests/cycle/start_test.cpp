@@ -6,8 +6,8 @@
 
 #include "skinctl/cycle/configurations.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/scene.hpp"
 #include "tests/support/grouped_scene.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

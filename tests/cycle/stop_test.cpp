@@ -10,8 +10,8 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/ur5_clearance.hpp"
 #include "tests/support/grouped_scene.hpp"
+#include "tests/support/ur5_clearance.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

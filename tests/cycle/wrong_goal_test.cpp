@@ -11,7 +11,7 @@
 #include "skinctl/control/operational_control.hpp"
 #include "skinctl/control/reactive_control.hpp"
 #include "skinctl/control/spline_operational.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

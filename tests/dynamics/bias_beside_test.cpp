@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/digits.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

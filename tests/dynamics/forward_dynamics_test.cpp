@@ -3,10 +3,10 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

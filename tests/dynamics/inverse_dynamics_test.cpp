@@ -5,11 +5,11 @@
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/euler_lagrange.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -4,9 +4,9 @@
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "tests/support/euler_lagrange.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 
 #include "skinctl/kinematics/damped_inverse.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

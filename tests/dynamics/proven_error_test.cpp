@@ -11,7 +11,7 @@
 #include "bench/studies/bounds/sign_symmetries.hpp"
 #include "bench/studies/proofs/traced_output.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::bounds;

@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

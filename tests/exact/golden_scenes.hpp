@@ -24,7 +24,7 @@
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/skills/library.hpp"
-#include "skinctl/testing/ur5_clearance.hpp"
+#include "tests/support/ur5_clearance.hpp"
 
 namespace skinctl::golden {
 

@@ -12,7 +12,7 @@
 #if defined(SKINCTL_EXACT_WHOLE)
 #include <memory>
 
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 #endif
 
 using namespace skinctl;

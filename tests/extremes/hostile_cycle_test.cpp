@@ -14,7 +14,7 @@
 #include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/recording/cycle_bytes.hpp"
 #include "skinctl/recording/each_number.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -15,7 +15,7 @@
 
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/tanh.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,8 +5,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "skinctl/testing/digits50.hpp"
-#include "skinctl/testing/random_frames.hpp"
+#include "tests/support/digits50.hpp"
+#include "tests/support/random_frames.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

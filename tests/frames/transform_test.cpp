@@ -10,8 +10,8 @@
 
 #include "skinctl/core/lane.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/digits50.hpp"
-#include "skinctl/testing/random_frames.hpp"
+#include "tests/support/digits50.hpp"
+#include "tests/support/random_frames.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 

@@ -4,7 +4,7 @@
 
 #include "skinctl/recording/recording.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

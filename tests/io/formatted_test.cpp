@@ -9,7 +9,7 @@
 #include <random>
 #include <sstream>
 
-#include "skinctl/testing/comma_locale.hpp"
+#include "tests/support/comma_locale.hpp"
 
 using namespace skinctl;
 using skinctl::testing::CommaLocale;

@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "skinctl/testing/comma_locale.hpp"
-#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "support/wrong_text.hpp"
+#include "tests/support/comma_locale.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -10,7 +10,7 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/tactile/contact_skin.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 #include "tests/support/urdf_robots.hpp"
 
 using namespace skinctl;

@@ -3,9 +3,9 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/testing/comma_locale.hpp"
 #include "skinctl/testing/skin_faults.hpp"
 #include "skinctl/testing/skin_signals.hpp"
+#include "tests/support/comma_locale.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -7,9 +7,9 @@
 
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/robots/universal_robots.hpp"
-#include "skinctl/testing/robot_table.hpp"
 #include "support/wrong_text.hpp"
 #include "tests/support/digits.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using testing::replaced;

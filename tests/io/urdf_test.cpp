@@ -9,10 +9,10 @@
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
 #include "tests/support/urdf_robots.hpp"
 #include "tests/support/worst_torque.hpp"
 

@@ -11,7 +11,7 @@
 #include "skinctl/robots/universal_robots.hpp"
 #include "skinctl/robots/ur5_allegro.hpp"
 #include "skinctl/robots/ur5_links.hpp"
-#include "skinctl/testing/comma_locale.hpp"
+#include "tests/support/comma_locale.hpp"
 
 using namespace skinctl;
 

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "skinctl/testing/robots.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

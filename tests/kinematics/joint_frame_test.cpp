@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "skinctl/testing/robots.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

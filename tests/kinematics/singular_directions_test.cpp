@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/SVD>
 
-#include "skinctl/testing/robots.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "skinctl/kinematics/detail/determinant_rate.hpp"
-#include "skinctl/testing/robots.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

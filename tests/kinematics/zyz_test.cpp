@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "skinctl/testing/robots.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -17,8 +17,8 @@
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
-#include "skinctl/testing/scene.hpp"
 #include "tests/support/governor_alone.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

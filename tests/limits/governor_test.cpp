@@ -13,9 +13,9 @@
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/robot_table.hpp"
-#include "skinctl/testing/scene.hpp"
 #include "tests/support/governor_alone.hpp"
+#include "tests/support/robot_table.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -6,7 +6,7 @@
 #include <string>
 #include <type_traits>
 
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

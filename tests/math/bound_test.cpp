@@ -10,9 +10,9 @@
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/tanh.hpp"
-#include "skinctl/testing/digits50.hpp"
-#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/digits50.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;

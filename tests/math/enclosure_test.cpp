@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "bench/studies/proofs/lane_form.hpp"
-#include "skinctl/testing/digits50.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/digits50.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "skinctl/testing/digits50.hpp"
+#include "tests/support/digits50.hpp"
 
 namespace skinctl::testing {
 

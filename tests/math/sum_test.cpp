@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "skinctl/core/lane.hpp"
-#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "skinctl/testing/digits50.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/digits50.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;

@@ -7,9 +7,9 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/model/mounted.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
 #include "tests/support/worst_torque.hpp"
 
 using namespace skinctl;

@@ -7,8 +7,8 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/attached.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/digits.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

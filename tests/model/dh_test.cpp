@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/testing/robots.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;

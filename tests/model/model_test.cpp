@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "skinctl/testing/robots.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using P = LinkParameter;

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/testing/robots.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "skinctl/testing/digits50.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/digits50.hpp"
 #include "tests/support/euler_lagrange.hpp"
+#include "tests/support/robot_table.hpp"
 
 namespace oracle {
 

@@ -11,9 +11,9 @@
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/robots/universal_robots.hpp"
 #include "skinctl/robots/ur5_allegro.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
 #include "tests/support/table_of.hpp"
 
 using namespace skinctl;

@@ -1,4 +1,4 @@
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 #include <doctest/doctest.h>
 

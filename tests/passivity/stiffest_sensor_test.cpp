@@ -14,7 +14,7 @@
 #include "skinctl/tactile/motor_touch.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/wrist_sensor.hpp"
-#include "skinctl/testing/simulated_joints.hpp"
+#include "tests/support/simulated_joints.hpp"
 #include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;

@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/robot_table.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/robot_table.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

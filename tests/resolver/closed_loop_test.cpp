@@ -1,4 +1,4 @@
-#include "skinctl/testing/closed_loop.hpp"
+#include "tests/support/closed_loop.hpp"
 
 #include <doctest/doctest.h>
 

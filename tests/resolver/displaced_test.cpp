@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "skinctl/testing/closed_loop.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
+#include "tests/support/closed_loop.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

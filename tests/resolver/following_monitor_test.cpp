@@ -2,9 +2,9 @@
 
 #include <doctest/doctest.h>
 
-#include "skinctl/testing/closed_loop.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
+#include "tests/support/closed_loop.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

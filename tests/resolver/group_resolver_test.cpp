@@ -6,8 +6,8 @@
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/simulated_joints.hpp"
 #include "tests/support/arm_with_finger.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -8,7 +8,7 @@
 
 #include "skinctl/resolver/detail/velocity_step.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/digits50.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;

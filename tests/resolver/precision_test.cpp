@@ -1,9 +1,9 @@
 // not sanitized: fifty digits take minutes there
 #include <doctest/doctest.h>
 
-#include "skinctl/testing/closed_loop.hpp"
-#include "skinctl/testing/digits50.hpp"
+#include "tests/support/closed_loop.hpp"
 #include "tests/support/digits.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

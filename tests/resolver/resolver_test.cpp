@@ -8,8 +8,8 @@
 
 #include "skinctl/guard/guard.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
-#include "skinctl/testing/closed_loop.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/closed_loop.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

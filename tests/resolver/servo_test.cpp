@@ -5,7 +5,7 @@
 #include <random>
 #include <type_traits>
 
-#include "skinctl/testing/simulated_joints.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 using namespace skinctl;
 using testing::SimulatedJoints;

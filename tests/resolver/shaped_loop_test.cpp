@@ -8,7 +8,7 @@
 
 #include "skinctl/passivity/contact_stability.hpp"
 #include "skinctl/robot/tool_shape.hpp"
-#include "skinctl/testing/closed_loop.hpp"
+#include "tests/support/closed_loop.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -9,9 +9,9 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/governor.hpp"
-#include "skinctl/testing/closed_loop.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/ur5_clearance.hpp"
+#include "tests/support/closed_loop.hpp"
+#include "tests/support/ur5_clearance.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

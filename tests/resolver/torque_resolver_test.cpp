@@ -5,7 +5,7 @@
 #include <string>
 
 #include "skinctl/resolver/resolver_of.hpp"
-#include "skinctl/testing/closed_loop.hpp"
+#include "tests/support/closed_loop.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

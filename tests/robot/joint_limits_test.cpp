@@ -8,8 +8,8 @@
 
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

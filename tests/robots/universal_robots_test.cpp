@@ -6,9 +6,9 @@
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/poses.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -3,9 +3,9 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
 #include "tests/support/worst_torque.hpp"
 
 using namespace skinctl;

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "skinctl/testing/random_skin.hpp"
+#include "tests/support/random_skin.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

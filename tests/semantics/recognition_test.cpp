@@ -1,5 +1,5 @@
 // A sample of the study `recognition`: bounds as the issue demands them, on a few runs.
-#include "skinctl/testing/recognition.hpp"
+#include "examples/worlds/recognition.hpp"
 
 #include <doctest/doctest.h>
 

@@ -9,8 +9,8 @@
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/euler_lagrange.hpp"
+#include "tests/support/robots.hpp"
 
 namespace skinctl::testing {
 

@@ -3,7 +3,7 @@
 
 #include "skinctl/cycle/apart.hpp"
 #include "skinctl/cycle/configurations.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 namespace skinctl::testing {
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 namespace oracle {
 

@@ -7,7 +7,7 @@
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/math/ldlt.hpp"
-#include "skinctl/testing/simulated_joints.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 namespace skinctl::testing {
 

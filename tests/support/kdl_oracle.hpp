@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 namespace oracle {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 namespace oracle {
 

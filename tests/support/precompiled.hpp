@@ -21,8 +21,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/digits50.hpp"
 
 // Under the sanitizers a case that runs in float, double and 50 digits runs in double: the same templates walk the same paths.
 // core/, math/, tactile/ and clearance/ keep float, which has lanes and kernels of its own there.

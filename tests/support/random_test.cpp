@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "skinctl/core/joint.hpp"
-#include "skinctl/testing/digits50.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

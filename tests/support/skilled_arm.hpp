@@ -16,7 +16,7 @@
 #include "skinctl/skills/library.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 namespace skinctl::testing {
 

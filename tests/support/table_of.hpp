@@ -2,7 +2,7 @@
 #pragma once
 
 #include "skinctl/model/model.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 namespace skinctl::testing {
 

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "skinctl/core/joint.hpp"
-#include "skinctl/testing/digits50.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

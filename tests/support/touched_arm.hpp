@@ -9,7 +9,7 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
-#include "skinctl/testing/simulated_joints.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 namespace skinctl::testing {
 

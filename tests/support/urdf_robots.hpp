@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 namespace skinctl::testing {
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robots.hpp"
 
 namespace skinctl::testing {
 

@@ -8,8 +8,8 @@
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/robot_table.hpp"
 #include "tests/support/mujoco_oracle.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "skinctl/tactile/detail/cell_table.hpp"
-#include "skinctl/testing/random_skin.hpp"
+#include "tests/support/random_skin.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/random_frames.hpp"
+#include "tests/support/random_frames.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

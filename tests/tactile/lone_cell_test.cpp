@@ -7,7 +7,7 @@
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/testing/random_skin.hpp"
+#include "tests/support/random_skin.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

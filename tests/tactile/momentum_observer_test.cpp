@@ -4,8 +4,8 @@
 
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/mujoco_plant.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

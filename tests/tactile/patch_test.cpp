@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "skinctl/testing/random_skin.hpp"
+#include "tests/support/random_skin.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -9,7 +9,7 @@
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/random_skin.hpp"
+#include "tests/support/random_skin.hpp"
 #include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;

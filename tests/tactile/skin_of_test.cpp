@@ -13,8 +13,8 @@
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/random_skin.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/random_skin.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -11,8 +11,8 @@
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/random_skin.hpp"
-#include "skinctl/testing/robots.hpp"
+#include "tests/support/random_skin.hpp"
+#include "tests/support/robots.hpp"
 #include "tests/tactile/skin_oracle.hpp"
 
 using namespace skinctl;

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "skinctl/dynamics/mass_matrix.hpp"
-#include "skinctl/testing/random_skin.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "tests/support/kdl_oracle.hpp"
+#include "tests/support/random_skin.hpp"
+#include "tests/support/robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -8,7 +8,7 @@
 
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
-#include "skinctl/testing/random_skin.hpp"
+#include "tests/support/random_skin.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

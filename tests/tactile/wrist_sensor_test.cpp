@@ -16,7 +16,7 @@
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/contact.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/simulated_joints.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/simulated_joints.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 using namespace skinctl::testing;
 

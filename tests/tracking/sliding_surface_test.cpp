@@ -4,9 +4,9 @@
 
 #include <type_traits>
 
-#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/tracking/joint_space.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -5,9 +5,9 @@
 #include <limits>
 #include <type_traits>
 
-#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/tracking/joint_space.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

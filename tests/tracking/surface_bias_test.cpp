@@ -5,8 +5,8 @@
 #include <cmath>
 #include <type_traits>
 
-#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -11,9 +11,9 @@
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
-#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -4,8 +4,8 @@
 
 #include <type_traits>
 
-#include "skinctl/testing/digits50.hpp"
 #include "skinctl/testing/random.hpp"
+#include "tests/support/digits50.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -14,7 +14,7 @@
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 
 namespace skinctl::bounds {
 

@@ -9,8 +9,8 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/scene.hpp"
 #include "skinctl/testing/undeclared_joints.hpp"
+#include "tests/support/scene.hpp"
 
 namespace skinctl::testing {
 

@@ -11,7 +11,7 @@
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 #include "tests/support/skilled_arm.hpp"
 
 namespace skinctl::testing {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "skinctl/testing/scene.hpp"
+#include "tests/support/scene.hpp"
 #include "tests/support/skilled_arm.hpp"
 
 namespace skinctl::testing {

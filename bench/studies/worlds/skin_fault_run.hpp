@@ -15,9 +15,9 @@
 #include "skinctl/tactile/lone_cell.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
-#include "skinctl/testing/robots.hpp"
 #include "skinctl/testing/skin_faults.hpp"
 #include "skinctl/testing/skin_signals.hpp"
+#include "tests/support/robots.hpp"
 
 namespace skinctl::testing {
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "skinctl/testing/skin_network.hpp"
+#include "examples/worlds/skin_network.hpp"
 
 namespace skinctl::testing {
 

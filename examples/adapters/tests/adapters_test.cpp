@@ -7,8 +7,8 @@
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/socket.hpp"
 #include "examples/adapters/ur5/driver.hpp"
-#include "skinctl/testing/comma_locale.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/comma_locale.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace adapters;
 

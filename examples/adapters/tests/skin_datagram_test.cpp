@@ -11,7 +11,7 @@
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/socket.hpp"
 #include "skinctl/core/contract.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace adapters;
 using namespace std::chrono_literals;

@@ -6,8 +6,8 @@
 
 #include "examples/adapters/ur5/panel.hpp"
 #include "examples/adapters/ur5/rtde_client.hpp"
-#include "skinctl/testing/robot_table.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/robot_table.hpp"
 
 using namespace adapters;
 using namespace adapters::ur5;

@@ -15,7 +15,7 @@
 #include "skinctl/io/contact_cloud.hpp"
 #include "skinctl/io/skin_cloud.hpp"
 #include "skinctl/recording/mcap_file.hpp"
-#include "skinctl/testing/comma_locale.hpp"
+#include "tests/support/comma_locale.hpp"
 
 using namespace skinctl;
 using nlohmann::json;

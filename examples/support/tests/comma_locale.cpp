@@ -1,5 +1,5 @@
 // A library for LD_PRELOAD: the program runs in a locale that writes commas.
-#include "skinctl/testing/comma_locale.hpp"
+#include "tests/support/comma_locale.hpp"
 
 namespace {
 const skinctl::testing::CommaLocale comma;

@@ -35,7 +35,7 @@ struct Obstacle {
 inline constexpr std::size_t most_exposed_capsules = 12;
 
 /// At most `Most` obstacles at an instant: the part `around` of a cycle's input, if its scene has a
-/// `ClearanceAround`, and what a robot tells others (`Cycle::occupied`), in the `World` that they share.
+/// `ClearanceAround`, and what a robot tells others (`occupied`), in the `World` that they share.
 template <std::size_t Most, Frame F = Base, Real T = double>
 struct Surroundings {
   static constexpr std::size_t most = Most;

@@ -10,8 +10,8 @@
 #include "skinctl/model/placement.hpp"
 #include "skinctl/robots/allegro.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/digits50.hpp"
-#include "skinctl/testing/robot_table.hpp"
+#include "tests/support/digits50.hpp"
+#include "tests/support/robot_table.hpp"
 
 namespace skinctl::testing {
 

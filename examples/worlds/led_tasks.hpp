@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "skinctl/testing/led_hand.hpp"
+#include "examples/worlds/led_hand.hpp"
 
 namespace skinctl::testing {
 

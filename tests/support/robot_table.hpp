@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "skinctl/testing/random_robots.hpp"
-#include "skinctl/testing/robot_table_types.hpp"
+#include "tests/support/random_robots.hpp"
+#include "tests/support/robot_table_types.hpp"
 
 namespace oracle {
 

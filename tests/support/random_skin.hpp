@@ -11,7 +11,7 @@
 
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/tactile/patch.hpp"
-#include "skinctl/testing/random_frames.hpp"
+#include "tests/support/random_frames.hpp"
 
 namespace skinctl::testing {
 

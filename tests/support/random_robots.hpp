@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "skinctl/testing/robot_table_types.hpp"
+#include "tests/support/robot_table_types.hpp"
 
 namespace oracle {
 

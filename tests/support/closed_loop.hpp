@@ -7,7 +7,7 @@
 
 #include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/simulated_joints.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 namespace skinctl::testing {
 

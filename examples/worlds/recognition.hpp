@@ -5,8 +5,8 @@
 #include <deque>
 #include <span>
 
+#include "examples/worlds/led_tasks.hpp"
 #include "skinctl/semantics/recogniser.hpp"
-#include "skinctl/testing/led_tasks.hpp"
 
 namespace skinctl::testing {
 
