@@ -64,8 +64,8 @@ class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin>,
       constexpr auto together = detail::fault_between_parts<Resolver, Skin, All>();
       static_assert(sizeof(detail::SayParts<together>) > 0);
       if constexpr (together == detail::PartsFault::none) {
-        return Cycle<Resolver, L, Skin, All>(resolver_, skin_, law_,
-                                             std::tuple_cat(parts_, std::tuple(given...)));
+        const auto all = detail::in_list_order<Resolver>(std::tuple_cat(parts_, std::tuple(given...)));
+        return Cycle<Resolver, L, Skin, std::remove_const_t<decltype(all)>>(resolver_, skin_, law_, all);
       } else {
         return *this;
       }

@@ -130,6 +130,27 @@ template <class Parts>
 inline constexpr bool each_kind_once = false;
 template <class... Parts>
 inline constexpr bool each_kind_once<std::tuple<Parts...>> = ((count_of_kind<Parts, Parts...> <= 1) && ...);
+/// The place of a part in the list of a scene: that of its limit, and of contacts of several links that of the link.
+template <class Robot, class Part>
+[[nodiscard]] consteval std::size_t place_in_list() {
+  if constexpr (GivenGuardSettings<Part>) {
+    return 0;
+  } else {
+    using Limit = decltype(limit_of(std::declval<const Robot&>(), std::declval<const Part&>()));
+    std::size_t place = (static_cast<std::size_t>(Limit::precedence) + 1) << 16;
+    if constexpr (requires { typename Part::Family; }) place += Part::link;
+    return place;
+  }
+}
+/// The list in the order of its limits, so that the order in which parts were given is in no type.
+template <class Robot, class... Parts>
+[[nodiscard]] auto in_list_order(const std::tuple<Parts...>& parts) {
+  constexpr std::array<std::size_t, sizeof...(Parts)> order =
+      order_of(std::array<std::size_t, sizeof...(Parts)>{place_in_list<Robot, Parts>()...});
+  return [&]<std::size_t... K>(std::index_sequence<K...>) {
+    return std::tuple<std::tuple_element_t<order[K], std::tuple<Parts...>>...>(std::get<order[K]>(parts)...);
+  }(std::index_sequence_for<Parts...>{});
+}
 /// `parts` without those of the kind.
 template <class Kind, class... Parts>
 [[nodiscard]] auto without_kind(const std::tuple<Parts...>& parts) {

@@ -7,6 +7,7 @@
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/limits/detail/limit_list.hpp"
 #include "skinctl/limits/limit.hpp"
 #include "skinctl/limits/link_contact.hpp"
 #include "skinctl/tactile/cell_mass.hpp"
@@ -293,16 +294,7 @@ template <Real T = double, RobotModel M, std::size_t... I>
 /// The limit of a robot that contacts of links make together, in the order of the links.
 template <RobotModel M, std::size_t N, Real T, std::size_t... I>
 [[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>&, const LinkContact<I>&... link) {
-  constexpr auto order = [] {
-    std::array<std::size_t, sizeof...(I)> links{I...}, out{};
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      std::size_t before = 0;
-      for (const std::size_t other : links)
-        if (other < links[i]) ++before;
-      out[before] = i;
-    }
-    return out;
-  }();
+  constexpr auto order = detail::order_of(std::array<std::size_t, sizeof...(I)>{I...});
   const std::tuple<const LinkContact<I>&...> given(link...);
   return [&]<std::size_t... K>(std::index_sequence<K...>) {
     return contact_limits<T>(model, std::get<order[K]>(given)...);

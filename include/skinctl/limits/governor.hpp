@@ -274,7 +274,7 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
 template <class Sets, RobotModel M, std::size_t N, Real T, class... Limits>
 [[nodiscard]] auto make_governor(const M& model, const JointLimits<N, T>& limits, const Limits&... given) {
   const std::tuple<const Limits&...> all(given...);
-  constexpr auto order = detail::in_order<Limits...>();
+  constexpr auto order = detail::order_of(std::array<Precedence, sizeof...(Limits)>{Limits::precedence...});
   return [&]<std::size_t... K>(std::index_sequence<K...>) {
     return Governor<M, T, Sets, std::remove_cvref_t<decltype(std::get<order[K]>(all))>...>(
         model, limits, std::get<order[K]>(all)...);

@@ -49,16 +49,14 @@ template <std::size_t Mover, class... Limits>
     return NoMover{};
   }
 }
-/// The places of limits in the order of their precedence; equal ones stay as they are.
-template <class... Limits>
-[[nodiscard]] consteval auto in_order() {
-  constexpr std::size_t n = sizeof...(Limits);
-  const std::array<Precedence, n> of{Limits::precedence...};
-  std::array<std::size_t, n> out{};
-  for (std::size_t i = 0; i < n; ++i) {
+/// The indices of `keys` in rising order; equal ones stay as they are.
+template <class Key, std::size_t N>
+[[nodiscard]] constexpr std::array<std::size_t, N> order_of(const std::array<Key, N>& keys) {
+  std::array<std::size_t, N> out{};
+  for (std::size_t i = 0; i < N; ++i) {
     std::size_t before = 0;
-    for (std::size_t j = 0; j < n; ++j)
-      if (of[j] < of[i] || (of[j] == of[i] && j < i)) ++before;
+    for (std::size_t j = 0; j < N; ++j)
+      if (keys[j] < keys[i] || (keys[j] == keys[i] && j < i)) ++before;
     out[before] = i;
   }
   return out;
