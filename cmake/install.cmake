@@ -3,8 +3,10 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_DATADIR}/cmake/skinctl")
-install(TARGETS skinctl skinctl_exact skinctl_quick skinctl_io skinctl_calibration skinctl_skin_network skinctl_semantics EXPORT skinctl FILE_SET HEADERS FILE_SET io)
-install(FILES "${PROJECT_SOURCE_DIR}/source/io.cpp" DESTINATION "${CMAKE_INSTALL_DATADIR}/skinctl")
+install(
+  TARGETS skinctl skinctl_exact skinctl_quick skinctl_io skinctl_calibration skinctl_skin_network skinctl_semantics
+  EXPORT skinctl FILE_SET HEADERS FILE_SET io)
+install(FILES "${PROJECT_SOURCE_DIR}/include/skinctl/io/io.cpp" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/skinctl/io")
 install(EXPORT skinctl NAMESPACE skinctl:: FILE skinctlTargets.cmake DESTINATION "${package_dir}")
 
 configure_package_config_file(

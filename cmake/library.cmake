@@ -55,5 +55,5 @@ set_target_properties(skinctl_io PROPERTIES EXPORT_NAME io)
 target_link_libraries(skinctl_io INTERFACE skinctl $<TARGET_NAME_IF_EXISTS:tinyxml2::tinyxml2>)
 target_compile_definitions(skinctl_io INTERFACE SKINCTL_COMPILED_IO
   $<$<TARGET_EXISTS:tinyxml2::tinyxml2>:SKINCTL_HAS_TINYXML2>)
-target_sources(skinctl_io INTERFACE "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/source/io.cpp>"
-  "$<INSTALL_INTERFACE:${CMAKE_INSTALL_DATADIR}/skinctl/io.cpp>")
+target_sources(skinctl_io INTERFACE "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include/skinctl/io/io.cpp>"
+  "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/skinctl/io/io.cpp>")
