@@ -86,7 +86,7 @@ void contact(benchmark::State& state) {
     const auto& s = states.next();
     measured.q = s.q;
     measured.dq = s.dq;
-    benchmark::DoNotOptimize(limits.look(memory, measured, s.dq, touch, {T(1)}, T(0.002)));
+    benchmark::DoNotOptimize(limits.judge(memory, measured, s.dq, touch, {T(1)}, T(0.002)));
   }
 }
 

@@ -63,8 +63,8 @@ TEST_CASE(
     for (auto& q : at.q) q = uniform(rng, -2.5, 2.5);
     for (auto& x : u) x = uniform(rng, -3.0, 3.0);
     ContactMemory<1, double> memory;
-    const auto scale = limits.look(memory, at, u, Touched{}, {0.0}, 0.002).scale;
-    faster += scale / bound.look(memory, at, u, Touched{}, {0.0}, 0.002).scale / cases;
+    const auto scale = limits.judge(memory, at, u, Touched{}, {0.0}, 0.002).scale;
+    faster += scale / bound.judge(memory, at, u, Touched{}, {0.0}, 0.002).scale / cases;
     const MassFactors<ur5::Model> mass(mass_matrix(ur5::Model{}, at.q));
     double peak = 0;
     for (const CellPlace& c : cells()) {
@@ -138,7 +138,7 @@ TEST_CASE(
           const Xyz<double> f = -F * hit.normal;
           touch.set<forearm>({f, cross(hit.place, f)});
           at.dq = (speed / fastest) * u;
-          const auto verdict = limits.look(memory, at, u, touch, {0.0}, 0.002);
+          const auto verdict = limits.judge(memory, at, u, touch, {0.0}, 0.002);
           allowed.push_back(verdict.scale * fastest);
           slowest_allowed = std::min(slowest_allowed, F > 0 ? 1 : verdict.scale * fastest);
         } else {

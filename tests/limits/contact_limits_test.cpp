@@ -37,7 +37,7 @@ struct Scene {
   Touched touch{};
   std::array<double, 2> distance{0, 0};
   Scene() { at.q = JointPosition<6>{0.3, -1.2, 1.4, -1.8, -1.57, 0.3}; }
-  auto look() { return limits.look(memory, at, u, touch, distance, 0.002); }
+  auto look() { return limits.judge(memory, at, u, touch, distance, 0.002); }
 };
 
 std::string refusal(const LinkContact<2>& c) {
@@ -152,14 +152,14 @@ TEST_CASE("ContactLimits: a skin that sees nobody lets the arm be faster") {
   double last = 0;
   for (const double proximity : {1.0, 0.8, 0.5, 0.2, 0.0}) {
     const auto verdict =
-        limits.look(memory, scene.at, scene.u, nothing, limits.distances({proximity}), 0.002);
+        limits.judge(memory, scene.at, scene.u, nothing, limits.distances({proximity}), 0.002);
     CHECK(verdict.scale >= last);
     last = verdict.scale;
     if (proximity == 1.0) CHECK(verdict.scale * verdict.blow == doctest::Approx(200));
   }
   CHECK(last > 0.5);
   scene.u[0] = std::nan("");
-  CHECK(limits.look(memory, scene.at, scene.u, nothing, {0.0}, 0.002).scale == 0);
+  CHECK(limits.judge(memory, scene.at, scene.u, nothing, {0.0}, 0.002).scale == 0);
 }
 
 // Nobody near, so that only the contact slows the arm; the promise is checked by operational space.
@@ -184,7 +184,7 @@ TEST_CASE("ContactLimits: into a contact no faster than its energy, its reaction
     change(c);
     const auto touch = pressed(F / c.newton);
     ContactMemory<1, double> memory;
-    return v * ContactLimits(scene.model, c).look(memory, scene.at, scene.u, touch, {100.0}, 0.002).scale;
+    return v * ContactLimits(scene.model, c).judge(memory, scene.at, scene.u, touch, {100.0}, 0.002).scale;
   };
   const auto as_expected = [](double x) { return doctest::Approx(x).epsilon(1e-10); };
   const double by_energy = std::sqrt((200 * 200 - F * F) * (1 / 4.0 + give) / 5e4);
@@ -208,7 +208,7 @@ TEST_CASE("ContactLimits: a robot that reacts is as fast as it can stop before t
     const auto V = jacobian<4>(link_poses(scene.model, scene.at.q)) * scene.u;
     scene.u[0] = v / (std::sqrt(dot(V.linear, V.linear)) + 0.45 * std::sqrt(dot(V.angular, V.angular)));
     ContactMemory<1, double> memory;
-    return limits.look(memory, scene.at, scene.u, nothing, {0.0}, 0.002);
+    return limits.judge(memory, scene.at, scene.u, nothing, {0.0}, 0.002);
   };
   const double most = std::sqrt(0.06 * 0.06 + 6 * 200 / 5e4) - 0.06;  // v reaction + v^2 / (2 a) = F_t / k
   CHECK(look(most * (1 - 1e-9)).scale == 1);
@@ -253,7 +253,7 @@ TEST_CASE("ContactLimits: of several contacts the worst counts, on whichever lin
     ContactMemory<2, double> memory;
     ContactVerdict<double> verdict;
     for (int k = 0; k < 260; ++k) {
-      verdict = scene.limits.look(memory, scene.at, scene.u, areas, {0, 0}, 0.002);
+      verdict = scene.limits.judge(memory, scene.at, scene.u, areas, {0, 0}, 0.002);
       CHECK(verdict.force == doctest::Approx(120).epsilon(1e-6));
       if (k < 249) CHECK_FALSE(verdict.status.has(Reason::contact_force));
     }
@@ -275,7 +275,7 @@ TEST_CASE("ContactLimits: what is felt and is no number, or beyond all numbers, 
   const float up[6] = {0, 0, 1, 0, 0, 0};
   areas.add(2, {0, 0, -0.05}, up, 1e200);  // its square overflows
   ContactMemory<2, double> memory;
-  const auto verdict = scene.limits.look(memory, scene.at, scene.u, areas, {0, 0}, 0.002);
+  const auto verdict = scene.limits.judge(memory, scene.at, scene.u, areas, {0, 0}, 0.002);
   CHECK(verdict.status.has(Reason::contact_force));
   // Nor does a velocity that nobody knows say that a contact takes little power.
   scene.touch = {};

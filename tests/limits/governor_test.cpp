@@ -339,6 +339,32 @@ TEST_CASE("governor: whatever bits come in, commands stay finite, within limits 
   }
 }
 
+TEST_CASE("governor: a contact lasts by the clock, whatever time its command has") {
+  // 4 N above 3 N for longer than 100 ms: at 40 ms a cycle that is the third, though each command has 8 ms.
+  const auto limits = ur5_test_limits<double>();
+  auto region = contact(3, 1e6);
+  region.newton = 1;
+  const auto g = governor_alone<Interface::position, Arm>(limits, contact_limits(Arm{}, region));
+  using Alone = std::remove_const_t<decltype(g)>;
+  JointCommand<6> last;
+  last.valid = true;
+  last.position = home_position();
+  State<6> measured;
+  measured.q = home_position();
+  LinkWrenches<Arm, link_bit<forearm>> touch;
+  touch.data[0][0] = 4;
+  const std::array<double, 1> near{1};
+  const TouchOf<decltype(touch), std::array<double, 1>> seen{touch, near};
+  Alone::Memory memory{};
+  int cycles = 0;
+  for (bool stopped = false; !stopped && cycles < 50; ++cycles) {
+    const auto out = g.Alone::Base::step(
+        memory, {.last = last, .measured = measured, .spans = {0.008}, .dt = 0.04}, last, {}, seen);
+    stopped = out.status.has(Reason::contact_force);
+  }
+  CHECK(cycles == 3);
+}
+
 TEST_CASE("governor: what is no command, or comes from none, passes to the bit: the guard refuses it") {
   const auto limits = ur5_test_limits<double>();
   const auto g = governor_alone<Interface::position, Arm>(
@@ -366,6 +392,21 @@ TEST_CASE("governor: what is no command, or comes from none, passes to the bit: 
     CHECK(out.command.valid == wish.valid);
   };
   passes(0);
+  for (const double span : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    CAPTURE(span);
+    using Alone = std::remove_const_t<decltype(g)>;
+    Alone::Memory memory{};
+    State<6> measured;
+    measured.q = home_position();
+    const LinkWrenches<Arm, link_bit<forearm>> untouched{};
+    const std::array<double, 1> near{1};
+    const auto out = g.Alone::Base::step(
+        memory, {.last = last, .measured = measured, .spans = {span}, .dt = 0.008}, wish, {},
+        TouchOf<LinkWrenches<Arm, link_bit<forearm>>, std::array<double, 1>>{untouched, near});
+    CHECK_FALSE(out.altered);
+    CHECK(out.command.velocity == wish.velocity);
+    CHECK(out.command.position == wish.position);
+  }
   last.valid = false;
   passes();
   last.valid = true, wish.valid = false;

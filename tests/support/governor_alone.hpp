@@ -23,6 +23,7 @@ template <class Governor>
 struct GovernorAlone : Governor {
   static constexpr std::size_t N = Governor::joints;
   using T = typename Governor::scalar;
+  using Base = Governor;
   using typename Governor::Memory;
   explicit GovernorAlone(const Governor& governor) : Governor(governor) {}
 

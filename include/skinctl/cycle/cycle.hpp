@@ -39,8 +39,7 @@ class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin>,
   /// @param robot  a description (`by_position(...)`), or a resolver.
   /// Throws `ConfigurationError` where settings of the law differ from the robot's description.
   template <class Robot>
-  Cycle(const Robot& robot, Skin skin, const L& law)
-      : Loop(Whole{}, robot, std::move(skin), law, detail::default_parts<Parts>()) {}
+  Cycle(const Robot& robot, Skin skin, const L& law) : Loop(Whole{}, robot, std::move(skin), law, Parts{}) {}
   /// With its list of parts.
   template <class Robot>
   Cycle(const Robot& robot, Skin skin, const L& law, const Parts& parts)
@@ -48,8 +47,7 @@ class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin>,
   /// Without skin.
   template <class Robot>
     requires std::is_same_v<Skin, NoSkin>
-  Cycle(const Robot& robot, const L& law)
-      : Loop(Whole{}, robot, NoSkin{}, law, detail::default_parts<Parts>()) {}
+  Cycle(const Robot& robot, const L& law) : Loop(Whole{}, robot, NoSkin{}, law, Parts{}) {}
 
   /// The same scene with more limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`,
   /// `Clearance`, `ClearanceAround`, `SkinWatch`) or with settings of its guard (`GuardSettings`). The order and the
@@ -57,18 +55,12 @@ class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin>,
   /// `LinkContact` one for each link. Throws `ConfigurationError` for a number out of its range.
   template <class... Given>
   [[nodiscard]] auto with(const Given&... given) const {
-    using All = decltype(std::tuple_cat(parts_, std::tuple(given...)));
-    constexpr auto alone = detail::fault_in_parts<Resolver, Given...>();
-    static_assert(sizeof(detail::SayParts<alone>) > 0);
-    if constexpr (alone == detail::PartsFault::none) {
-      constexpr auto together = detail::fault_between_parts<Resolver, Skin, All>();
-      static_assert(sizeof(detail::SayParts<together>) > 0);
-      if constexpr (together == detail::PartsFault::none) {
-        const auto all = detail::in_list_order<Resolver>(std::tuple_cat(parts_, std::tuple(given...)));
-        return Cycle<Resolver, L, Skin, std::remove_const_t<decltype(all)>>(resolver_, skin_, law_, all);
-      } else {
-        return *this;
-      }
+    constexpr auto fault = detail::fault_of_parts<Resolver, Skin, Parts, Given...>();
+    static_assert(sizeof(detail::SayParts<fault>) > 0);
+    static_assert(((sizeof(detail::SayLimit<detail::fault_of_part<Resolver, Given>(), Given>) > 0) && ...));
+    if constexpr (fault == detail::PartsFault::none && detail::parts_are_whole<Resolver, Given...>) {
+      const auto all = detail::in_list_order<Resolver>(std::tuple_cat(parts_, std::tuple(given...)));
+      return Cycle<Resolver, L, Skin, std::remove_const_t<decltype(all)>>(resolver_, skin_, law_, all);
     } else {
       return *this;
     }

@@ -117,12 +117,6 @@ template <class Robot>
 using DefaultParts = std::conditional_t<Robot::has_driven,
                                         std::tuple<WithinJointLimits<typename Robot::Driven>>, std::tuple<>>;
 
-/// The default value of such a list.
-template <class Parts>
-[[nodiscard]] Parts default_parts() {
-  return {};
-}
-
 template <class Part, class... All>
 inline constexpr int count_of_kind = (0 + ... + int(of_kind<Part, All>));
 /// Whether there is at most one part of each kind.

@@ -45,7 +45,6 @@ class ClearanceLimits {
   using Kind = Clearance;
   static constexpr Precedence precedence = Precedence::clearance;
   static constexpr Reason reason = Reason::clearance_kept;
-  static constexpr bool stands_off = true;
   using Velocity = JointVelocity<joints, T>;
   using Position = JointPosition<joints, T>;
 

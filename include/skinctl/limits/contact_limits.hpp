@@ -2,12 +2,11 @@
 #pragma once
 
 #include <array>
-#include <tuple>
+#include <bit>
 
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/limits/detail/limit_list.hpp"
 #include "skinctl/limits/limit.hpp"
 #include "skinctl/limits/link_contact.hpp"
 #include "skinctl/tactile/cell_mass.hpp"
@@ -98,8 +97,8 @@ class ContactLimits {
   template <class Going, class Seen>
   [[nodiscard]] SKINCTL_INLINE SpeedShare<T> share(Memory& memory, const Going& going, const Seen& seen,
                                                    const JointVelocity<joints, T>& u) const noexcept {
-    const auto verdict =
-        look(memory, going.measured, u, seen.pressed(), distances({seen.template nearest<I>()...}), going.dt);
+    const auto verdict = judge(memory, going.measured, u, seen.pressed(),
+                               distances({seen.template nearest<I>()...}), going.passed);
     return {verdict.scale, verdict.status};
   }
 
@@ -110,9 +109,9 @@ class ContactLimits {
   /// @param dt        seconds since the last call.
   /// A NaN in a wrench counts as too much force, a NaN distance as zero.
   template <class Touch>
-  [[nodiscard]] SKINCTL_NOINLINE Verdict look(Memory& memory, const State<joints, T>& measured,
-                                              const JointVelocity<joints, T>& u, const Touch& touch,
-                                              const Distances& distance, const T& dt) const noexcept {
+  [[nodiscard]] SKINCTL_NOINLINE Verdict judge(Memory& memory, const State<joints, T>& measured,
+                                               const JointVelocity<joints, T>& u, const Touch& touch,
+                                               const Distances& distance, const T& dt) const noexcept {
     static_assert((Touch::links & links) == links, "contact limits for a link without skin: nothing is felt");
     Verdict out;
     const JointAngles<M, T> angles(model_, measured.q);
@@ -291,14 +290,10 @@ template <Real T = double, RobotModel M, std::size_t... I>
   if constexpr (detail::distinct_links<I...>) return ContactLimits<M, T, I...>(model, link...);
 }
 
-/// The limit of a robot that contacts of links make together, in the order of the links.
+/// The limit of a robot that contacts of links make together.
 template <RobotModel M, std::size_t N, Real T, std::size_t... I>
 [[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>&, const LinkContact<I>&... link) {
-  constexpr auto order = detail::order_of(std::array<std::size_t, sizeof...(I)>{I...});
-  const std::tuple<const LinkContact<I>&...> given(link...);
-  return [&]<std::size_t... K>(std::index_sequence<K...>) {
-    return contact_limits<T>(model, std::get<order[K]>(given)...);
-  }(std::make_index_sequence<sizeof...(I)>{});
+  return contact_limits<T>(model, link...);
 }
 
 SKINCTL_END_NAMESPACE

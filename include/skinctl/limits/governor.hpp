@@ -122,7 +122,8 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   }
   [[nodiscard]] static SKINCTL_INLINE bool usable(const Input& in, const Command& wish,
                                                   const JointTorque<joints, T>& hold) noexcept {
-    const bool good = wish.valid && detail::is_plausible(wish) && in.dt > T(0);
+    bool good = wish.valid && detail::is_plausible(wish) && in.dt > T(0);
+    for (const T& span : in.spans) good = good && span > T(0);
     return good && (!has_motion || in.last.valid) && (!has_driven || detail::is_finite(hold));
   }
   SKINCTL_INLINE void forget(Memory& m) const noexcept {

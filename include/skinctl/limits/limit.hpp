@@ -26,6 +26,7 @@ struct Going {
   JointRoom<N, T> room;         ///< from `q` to the ends of the joints [rad]
   const State<N, T>& measured;  ///< the last good state of the robot
   T dt;                         ///< time to the end of the command [s], > 0
+  T passed;                     ///< time since the last cycle [s], > 0
   T ahead;                      ///< time in which joints by torque brake [s]
   bool slides;                  ///< whether a motion that would end may turn aside: no stop was requested
 
@@ -63,27 +64,28 @@ enum class Precedence : unsigned char {
 /// In place of what a limit adds to the input of a cycle.
 struct NoInput {};
 
-// A limit is made of its settings, an argument of `Cycle::with`, by `part_for(model, limits, settings)` beside them.
+// A limit is made of its settings, an argument of `Cycle::with`, by `part_for(model, limits, settings)` beside them. A
+// member that is named and has another signature than here does not compile (`limits/detail/limit_fault.hpp`).
 //
-// | member of a limit                       |                                                             | without it |
-// | `Kind`                                  | a type: a scene has one part of each kind; its settings have the same | - |
-// | `Memory`                                | trivially copyable; `Memory{}` at the start                  | -         |
-// | `precedence`                            | its place                                                    | -         |
-// | `share(m, going, seen, u) -> SpeedShare`     | slows all joints alike from the velocity `u`; or:            | -         |
-// | `within(m, going, u, also) -> KeptVelocity`     | another velocity, reached from `going.from`; `also(v)`: whether earlier limits keep v | - |
-// | `reason`                                | status where `within` acts                                   | -         |
-// | `keeps(m, going, v, moved)`             | whether a motion that ends at v, by `moved`, keeps it: else a smooth motion gives way | true |
-// | `of_the_drive`                          | by torque it judges what the drive does, not what the world adds | false |
-// | `holds_on`                              | reasons after which joints by torque are held with damping   | none      |
-// | `look(m, seen, dt) -> Status`           | before the laws, `dt` seconds since the last cycle           | nothing   |
-// | `stays(m)`                              | whether the robot is to brake and hold                       | false     |
-// | `Input`, `see(m, input, q, now)`        | what it adds to the input of a cycle, and takes from it      | nothing   |
-// | `stand_off(m, off)`                     | the robot stands off its commands by `off`                   | nothing   |
-// | `links`                                 | links whose touch it reads: the scene's skin covers them     | none      |
-// | `reads_coverage`                        | whether it asks how much of the skin feels                   | false     |
-// | `check(resolver)`                       | throws for a robot that it does not suit                     | nothing   |
-// | `set<S>()`                              | it decides how the joints of S move: `move`, `brake`, `exceeded` of `JerkLimits` | limits of the joints alone |
-// | `observe`, `resistance`, `torques`      | it limits torques: see `MotionLimits`                        | nothing   |
+// | member of a limit                        |                                                              | without it |
+// | `Kind`                                   | a type: a scene has one part of each kind; its settings have the same | - |
+// | `Memory`                                 | trivially copyable; `Memory{}` at the start                  | -         |
+// | `precedence`                             | its place                                                    | -         |
+// | `share(m, going, seen, u) -> SpeedShare` | slows all joints alike from the velocity `u`: give the share that leads to a speed, a constant one compounds; or: | - |
+// | `within(m, going, u, also) -> KeptVelocity` | another velocity, reached from `going.from`; `also(v)`: whether earlier limits keep v | - |
+// | `reason`                                 | status where `within` acts                                   | -         |
+// | `keeps(m, going, v, moved) -> bool`      | whether a motion that ends at v, by `moved`, keeps it: else a smooth motion gives way | true |
+// | `of_the_drive`                           | by torque it judges what the drive does, not what the world adds | false |
+// | `holds_on`                               | reasons after which joints by torque are held with damping   | none      |
+// | `look(m, seen, dt) -> Status`            | before the laws, `dt` seconds since the last cycle           | nothing   |
+// | `stays(m) -> bool`                       | whether the robot is to brake and hold                       | false     |
+// | `Input`, `see(m, input, q, now)`         | what it adds to the input of a cycle, and takes from it      | nothing   |
+// | `stand_off(m, off)`                      | the robot stands off its commands by `off`                   | nothing   |
+// | `links`                                  | links whose touch it reads: the scene's skin covers them     | none      |
+// | `reads_coverage`                         | whether it asks how much of the skin feels                   | false     |
+// | `check(resolver)`                        | throws for a robot that it does not suit                     | nothing   |
+// | `decides_motion`, `set<S>()`             | it decides how the joints of S move: `move`, `brake`, `exceeded` of `JerkLimits` | limits of the joints alone |
+// | `limits_torque`                          | it limits torques: `observe`, `forget`, `resistance`, `box`, `within` of `MotionLimits` | nothing |
 namespace detail {
 
 template <class L>
@@ -104,10 +106,16 @@ template <class L>
 concept HoldsOn = requires {
   { L::holds_on } -> std::convertible_to<Status>;
 };
+template <class L, class Q>
+concept StandsOff =
+    requires(const L& limit, typename L::Memory& m, const Q& off) { limit.stand_off(m, off); };
 template <class L>
-concept StandsOff = requires { requires L::stands_off; };
+concept NamesInput = requires { typename L::Input; };
 template <class L>
-concept LimitWithInput = requires { requires !std::is_same_v<typename L::Input, NoInput>; };
+concept LimitWithInput = NamesInput<L> && !std::is_same_v<typename L::Input, NoInput>;
+template <class L, class Q>
+concept Sees = requires(const L& limit, typename L::Memory& m, const typename L::Input& input, const Q& q,
+                        Nanoseconds now) { limit.see(m, input, q, now); };
 template <class L>
 concept ReadsTouch = requires {
   { L::links } -> std::convertible_to<LinkMask>;
@@ -142,6 +150,7 @@ template <class L, class Going, class U, class Q>
 concept Keeps =
     requires(const L& limit, const typename L::Memory& m, const Going& going, const U& u, const Q& moved) {
       { limit.keeps(m, going, u, moved) } -> std::convertible_to<bool>;
+      { L::reason } -> std::convertible_to<Reason>;
     };
 
 }  // namespace detail

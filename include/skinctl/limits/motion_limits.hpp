@@ -76,6 +76,8 @@ class MotionLimits {
     m.dq = dq;
     m.known = true;
   }
+  /// What resisted is no longer known: a state was missing.
+  static SKINCTL_INLINE void forget(Memory& m) noexcept { m.known = false; }
   /// r: the least of the last cycles that resists or pushes, 0 if it did both.
   [[nodiscard]] SKINCTL_INLINE Torque resistance(const Memory& m) const noexcept {
     Torque r;

@@ -5,6 +5,7 @@
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/scene_parts.hpp"
+#include "skinctl/limits/detail/limit_fault.hpp"
 #include "skinctl/tactile/detail/touch_fault.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -20,56 +21,67 @@ inline constexpr bool feels = [] {
     return false;
   }
 }();
-/// What is wrong with parts that are given to a scene.
-enum class PartsFault { none, no_part, no_memory, heavy_memory, moves_torques, twice, not_felt, no_cells };
+/// Faults of the parts that are given to a scene.
+enum class PartsFault { none, no_part, moves_torques, twice, two_movers, not_felt, no_cells };
 template <PartsFault F>
 struct SayParts {
   using enum PartsFault;
   static_assert(F != no_part,
                 "with: takes settings of limits (limits/limit.hpp) and of the guard, and this is neither");
-  static_assert(F != no_memory, "a limit has a Memory, if only an empty one");
-  static_assert(F != heavy_memory, "the Memory of a limit is trivially copyable");
   static_assert(F != moves_torques,
                 "a torque interface has no motion whose jerk could be limited: leave MaxJerk out");
   static_assert(F != twice,
                 "with: the scene has a part of this kind already: take it out first, scene.without<Kind>()");
+  static_assert(F != two_movers, "with: two limits decide how joints move: leave one out");
   static_assert(F != not_felt,
                 "contact limits need a skin on each link that they name: what is not felt cannot be limited");
   static_assert(F != no_cells, "SkinWatch: this scene has no skin whose cells could fall silent");
 };
+/// Whether it is settings of the guard, or a limit or its settings.
 template <class Robot, class Part>
-consteval PartsFault fault_in_part() {
-  if constexpr (GivenGuardSettings<Part>) {
-    return PartsFault::none;
-  } else if constexpr (!LimitWithKind<Part> || !(MakesLimit<Part, Robot> || LimitWithPrecedence<Part>)) {
-    return PartsFault::no_part;
+inline constexpr bool is_part = GivenGuardSettings<Part> || MakesLimit<Part, Robot> || LimitWithKind<Part>;
+/// The limit that a part makes, which is one already or settings; of the guard's settings a limit without fault.
+template <class Robot, class Part>
+struct LimitMade {
+  using type = decltype(limit_of(std::declval<const Robot&>(), std::declval<const Part&>()));
+};
+template <class Robot, class Part>
+consteval LimitFault fault_of_part() {
+  if constexpr (GivenGuardSettings<Part> || !is_part<Robot, Part>) {
+    return LimitFault::none;
   } else {
-    using Limit = decltype(limit_of(std::declval<const Robot&>(), std::declval<const Part&>()));
-    if constexpr (!LimitWithMemory<Limit>) {
-      return PartsFault::no_memory;
-    } else if constexpr (!std::is_trivially_copyable_v<typename Limit::Memory>) {
-      return PartsFault::heavy_memory;
-    } else {
-      return DecidesMotion<Limit> && !Robot::has_virtual ? PartsFault::moves_torques : PartsFault::none;
-    }
+    using Going =
+        skinctl::Going<Robot::joints, typename Robot::scalar, Robot::has_virtual, Robot::has_driven>;
+    return fault_in_limit<typename LimitMade<Robot, Part>::type, Going, Robot::joints,
+                          typename Robot::scalar>();
   }
 }
-/// The first fault of the parts `Given` to a scene, each by itself; and between `All` that it has with them.
-template <class Robot, class... Given>
-consteval PartsFault fault_in_parts() {
-  PartsFault first = PartsFault::none;
-  for (const PartsFault fault : {PartsFault::none, fault_in_part<Robot, Given>()...})
-    if (first == PartsFault::none) first = fault;
-  return first;
-}
+/// The first fault of a list of parts on a robot with a skin.
 template <class Robot, class Skin, class All>
-consteval PartsFault fault_between_parts() {
+consteval PartsFault fault_in_list() {
   if constexpr (!each_kind_once<All>) {
     return PartsFault::twice;
   } else {
     using Made = GovernorOf<Robot, All>;
+    if (Made::movers > 0 && !Robot::has_virtual) return PartsFault::moves_torques;
+    if (Made::movers > 1) return PartsFault::two_movers;
     if (!feels<Made, Skin>) return PartsFault::not_felt;
     return Made::reads_coverage && !TouchTable<Skin>::has_coverage ? PartsFault::no_cells : PartsFault::none;
+  }
+}
+/// Whether each of the parts is free of faults by itself.
+template <class Robot, class... Given>
+inline constexpr bool parts_are_whole = ((fault_of_part<Robot, Given>() == LimitFault::none) && ...);
+/// The first fault of the parts `Given` to a scene that has `Parts`, beside those of single limits.
+template <class Robot, class Skin, class Parts, class... Given>
+consteval PartsFault fault_of_parts() {
+  if constexpr (!(is_part<Robot, Given> && ...)) {
+    return PartsFault::no_part;
+  } else if constexpr (!parts_are_whole<Robot, Given...>) {
+    return PartsFault::none;  // the other fault is said
+  } else {
+    return fault_in_list<
+        Robot, Skin, decltype(std::tuple_cat(std::declval<Parts>(), std::declval<std::tuple<Given...>>()))>();
   }
 }
 /// What the limits of a scene see of its touch in a cycle.

@@ -41,8 +41,9 @@ class LimitsOfScene {
   static constexpr bool acts = count > 0;
   static constexpr std::size_t groups = std::tuple_size_v<typename Sets::StiffGroups>;
   static constexpr bool has_driven = Sets::Driven::count > 0, has_motion = groups > 0;
-  /// Whether one of the limits decides how joints move.
-  static constexpr bool smooth = (DecidesMotion<Limits> || ...);
+  /// The number of limits that decide how joints move, and whether one does.
+  static constexpr int movers = (0 + ... + int(DecidesMotion<Limits>));
+  static constexpr bool smooth = movers > 0;
   /// Whether one of them asks for contacts, and for the skin's coverage.
   static constexpr bool reads_touch = (ReadsTouch<Limits> || ...);
   static constexpr bool reads_coverage = (ReadsCoverage<Limits> || ...);
@@ -59,6 +60,8 @@ class LimitsOfScene {
   }();
   /// The number of cycles of the prediction of torques, and of braking by them.
   static constexpr int braking_cycles = 4;
+  /// And the shortest such time [s]: a guard turns a torque over its whole range in 20 ms.
+  static constexpr double shortest_braking = 0.01;
   using Input = GovernorInput<joints, T, groups>;
 
  protected:
@@ -158,10 +161,10 @@ class LimitsOfScene {
   /// The robot stands off its commands: measured less expected positions.
   SKINCTL_INLINE void stand_off(Memory& m, const Position& off) const noexcept {
     each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
-      if constexpr (StandsOff<Limit<K>>) part<K>().stand_off(own<K>(m), off);
+      if constexpr (StandsOff<Limit<K>, Position>) part<K>().stand_off(own<K>(m), off);
     });
   }
-  static constexpr bool stands_off = (StandsOff<Limits> || ...);
+  static constexpr bool stands_off = (StandsOff<Limits, Position> || ...);
 
  protected:
   template <class Kind>
@@ -197,16 +200,15 @@ class LimitsOfScene {
     Position q = in.last.position;
     Velocity from = in.last.velocity;
     if constexpr (has_driven) {
-      // A guard turns a torque over its whole range in 20 ms: at high rates braking begins earlier than that.
       ahead = T(braking_cycles) * in.dt;
-      if (ahead < T(0.01)) ahead = T(0.01);
+      if (ahead < T(shortest_braking)) ahead = T(shortest_braking);
       Driven::put(Driven::of(in.measured.q), q);
       Driven::put(Driven::of(in.stale ? Velocity{} : in.measured.dq), from);
     }
-    return {q, from, limits_.room(q), in.measured, dt, ahead, !in.stops};
+    return {q, from, limits_.room(q), in.measured, dt, in.dt, ahead, !in.stops};
   }
   SKINCTL_INLINE static void forget_torque(Memory& m) noexcept {
-    if constexpr (of_torque < count) own<of_torque>(m).known = false;
+    if constexpr (of_torque < count) Limit<of_torque>::forget(own<of_torque>(m));
   }
   /// The velocity in the time of the motion: what was asked for is within the limits of the joints, what is slowed may
   /// not be.
