@@ -1,4 +1,5 @@
-// 21 Your robot, your skin, by velocity: an arm read from a URDF, cells placed by hand on its links by name.
+// 21 Your robot, your skin, by velocity: an arm read from a URDF, cells placed by hand on its links by name, numbers from
+// a text file, which change without a compiler.
 //
 //   X_NC   pose of a cell in the link of the file, as a drawing or a viewer shows it; z is the outward normal
 //   tau    torque of skin and gravity on the virtual robot, whose velocity is the command
@@ -11,43 +12,59 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/io/scene_numbers.hpp"
 #include "skinctl/io/urdf.hpp"
 #include "skinctl/tactile/skin.hpp"
 
 using namespace skinctl;
 
 using Arm = CalibratedModel<Chain<7>>;
-constexpr double newtons_per_reading = 20;
+
+struct Numbers {
+  CellGains gains{.force = 20};
+  double acceleration = 10, virtual_damping = 4;
+  Nanoseconds delay = 8ms;
+};
+Numbers numbers_of(const std::string& file) {
+  auto given = SceneNumbers::of_file(file);
+  Numbers out;
+  given.set("skin.force", out.gains.force);
+  given.set("limits.acceleration", out.acceleration);
+  given.set("robot.delay", out.delay);
+  given.set("robot.virtual_damping", out.virtual_damping);
+  given.finish();
+  return out;
+}
 
 // The forearm's tube runs along y of forearm_link; the normal of the palm is z of hand_link.
 constexpr Rotation<double> looks_along_x{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
 constexpr Rotation<double> looks_along_z{};
 
-auto make_skin(const Urdf& urdf) {
+auto make_skin(const Urdf& urdf, const CellGains& gains) {
   const auto forearm = patch_on<3, "forearm_link">(urdf,
                                                    {{1, {looks_along_x, {-0.03, 0.10, 0}}},
                                                     {2, {looks_along_x, {-0.03, 0.13, 0}}},
                                                     {3, {looks_along_x, {-0.03, 0.16, 0}}}},
-                                                   {.force = newtons_per_reading});
-  const auto hand = patch_on<6, "hand_link">(urdf, {{4, {looks_along_z, {0, 0.03, 0.066}}}},
-                                             {.force = newtons_per_reading});
+                                                   gains);
+  const auto hand = patch_on<6, "hand_link">(urdf, {{4, {looks_along_z, {0, 0.03, 0.066}}}}, gains);
   return Skin<Arm, double, Patch<3, 3>, Patch<6, 1>>(forearm, hand);
 }
 
-auto make_cycle(const Urdf& urdf) {
+auto make_cycle(const Urdf& urdf, const Numbers& numbers) {
   const auto arm =
-      by_velocity(calibrated_from<Chain<7>>(urdf), {.limits = limits_of<7>(urdf, /*acceleration*/ 10.0),
+      by_velocity(calibrated_from<Chain<7>>(urdf), {.limits = limits_of<7>(urdf, numbers.acceleration),
                                                     .period = 4ms,
-                                                    .delay = 8ms,
-                                                    .virtual_damping = 4});
-  return Cycle(arm, make_skin(urdf), SkinJointControl{} + GravityControl{});
+                                                    .delay = numbers.delay,
+                                                    .virtual_damping = numbers.virtual_damping});
+  return Cycle(arm, make_skin(urdf, numbers.gains), SkinJointControl{} + GravityControl{});
 }
 
 int main(int argc, char** argv) {
   const std::string file = argc > 1 ? argv[1] : EXAMPLES_DATA "/arm7.urdf";
   const Urdf urdf = read_urdf(file, {.tip = "hand_link"});  // without the fingers' joints
   for (const std::string& warning : urdf.warnings) std::printf("%s\n", warning.c_str());
-  const auto cycle = make_cycle(urdf);
+  const Numbers numbers = numbers_of(argc > 2 ? argv[2] : EXAMPLES_DATA "/arm7_numbers.txt");
+  const auto cycle = make_cycle(urdf, numbers);
   const Arm& model = cycle.resolver().model();
 
   State<7> measured;
@@ -72,7 +89,7 @@ int main(int argc, char** argv) {
       measured.q = integrate(measured.q, measured.dq, 0.004);
       under_way.pop_front();
       const double newtons = k <= 250 ? force : 0;  // a finger for a second
-      const auto f = static_cast<float>(newtons / (3 * newtons_per_reading));
+      const auto f = static_cast<float>(newtons / (3 * numbers.gains.force));
       const CellSample sample{.time = measured.time - 1ms, .cell = cell, .force = {f, f, f}};
       decltype(cycle)::Input input;
       input.now = measured.time;
