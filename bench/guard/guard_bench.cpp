@@ -21,8 +21,10 @@ void pass(benchmark::State& state) {
   auto memory = guard.start(wish, measured);
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
-    wish.time = measured.time = wish.time + 2ms;
-    const auto out = guard.step(memory, wish, measured, wish.time);
+    const Nanoseconds last = wish.time;
+    wish.time = measured.time = last + 2ms;
+    const Interval interval{.from = last, .to = wish.time, .substeps = 1, .seen = wish.time};
+    const auto out = guard.step(memory, wish, measured, interval);
     benchmark::DoNotOptimize(out);
   }
 }

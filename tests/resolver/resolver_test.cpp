@@ -10,6 +10,7 @@
 #include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/guard_alone.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -120,7 +121,7 @@ TEST_CASE_TEMPLATE("Resolver: no limit is ever crossed, and the guard has nothin
     if (scene % 5 == 0) c.coulomb_friction = JointTorque<6, T>::constant(T(1));
     if (scene % 7 == 0) c.viscous_friction = {};
     ClosedLoop<I, T> loop(c, pose, 0.008 + 0.004 * unit(rng), 0.008);
-    const JointGuard<I, 6, T> guard(c);
+    const GuardAlone<I, 6, T> guard(c);
     auto guarded = guard.start(loop.memory.command(), loop.measure(0ns));
     loop.noise = 1e-4;
     std::array<double, 6> push{}, impulse{};
@@ -461,7 +462,7 @@ TEST_CASE_TEMPLATE("Resolver: whatever comes in, what goes out is finite and wit
   auto c = configuration<T>();
   const bool ok = rc::check([&] {
     ClosedLoop<C::interface, T> loop(c, pose, 0.008, 0.008);
-    const JointGuard<C::interface, 6, T> guard(c);
+    const GuardAlone<C::interface, 6, T> guard(c);
     auto guarded = guard.start(loop.memory.command(), loop.measure(0ns));
     auto before = loop.memory.command();
     Nanoseconds now{};

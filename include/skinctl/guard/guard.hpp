@@ -83,18 +83,19 @@ class Guard {
     return m;
   }
 
-  /// The command that may leave at `now`, as `JointGuard::step`.
+  /// The command that may leave at the end of the interval, as `JointGuard::step`.
   SKINCTL_INLINE Guarded<joints, T> step(Memory& m, const Command& wish, const State<joints, T>& measured,
-                                         Nanoseconds now, const JointTorque<joints, T>& fallback = {},
+                                         const Interval& interval,
+                                         const JointTorque<joints, T>& fallback = {},
                                          Status found = {}) const noexcept {
     if constexpr (is_one) {
-      return only().step(only(m), wish, measured, now, fallback, found);
+      return only().step(only(m), wish, measured, interval, fallback, found);
     } else {
       Guarded<joints, T> out{wish, {}, false};
       out.command.valid = true;
       each(m, [&]<class S>(S, const auto& guard, auto& memory) {
         const auto one =
-            guard.step(memory, part_of<S>(wish), part_of<S>(measured), now, S::of(fallback), found);
+            guard.step(memory, part_of<S>(wish), part_of<S>(measured), interval, S::of(fallback), found);
         out.status |= one.status;
         out.altered = out.altered || one.altered;
         out.command.time = one.command.time;

@@ -17,8 +17,6 @@ struct GuardPart {};
 template <std::size_t N, Real T = double>
 struct GuardSettings {
   using Kind = GuardPart;
-  /// Age of the robot's newest state at which the command begins to brake; default: 25 periods.
-  std::optional<Nanoseconds> stale_after = {};
   /// Largest distance [rad] of a start from the first measured position, and by position of every command from the
   /// measured one. Default: the largest lead and the dead band, e_max + r_tol; for commands, which have to be able to
   /// stop within it, the way of a stop from top speed more.
@@ -45,7 +43,6 @@ struct GuardSettings {
                                      .overspeed = overspeed,
                                      .brakes_on = brakes_on,
                                      .consent = consent};
-    if (stale_after) out.stale_after = *stale_after;  // GCC 12 takes a copy of an empty one for a use
     if (lead) out.lead = Set::of(*lead);
     return out;
   }
@@ -62,11 +59,9 @@ struct Abrupt {
 /// The memory of a guard: the last command that it passed. Trivially copyable.
 template <std::size_t N, Real T = double>
 struct GuardMemory {
-  Nanoseconds time{};
-  Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
-  JointCommand<N, T> command;         ///< the last one; not valid after a start that is refused
-  Status latched;                     ///< faults that wait for the user's consent
-  bool begun = false;                 ///< a measured state has shown the robot where it was started
+  JointCommand<N, T> command;  ///< the last command; not valid after a start that is refused
+  Status latched;              ///< faults that wait for the user's consent
+  bool begun = false;          ///< whether a measured state has shown the robot where it was started
 };
 
 /// The command that the guard passes; `altered` means that it differs from the one given (the resolver must

@@ -47,12 +47,12 @@ class JointGuard : public detail::GuardReach<I, N, T> {
 
   /// Throws `ConfigurationError` for a number out of its range.
   ///
-  /// @param robot    limits, period and longest interval are read.
+  /// @param robot    limits, period, longest interval and `stale_after` are read.
   /// @param braking  the same limits of the joints with limits of jerk, if the guard has them.
   explicit JointGuard(const RobotConfiguration<N, T>& robot, const Settings& c = {},
                       const Smooth& braking = Smooth())
       : Reach(robot.limits, robot.period, robot.longest()),
-        stale_after_(c.stale_after.value_or(robot.period < 400ms ? 25 * robot.period : Nanoseconds(10s))),
+        stale_after_(robot.stale()),
         settings_(c),
         start_distance_(c.lead.value_or(robot.largest_distance())),
         dead_band_(robot.tolerance_of_lag()),
@@ -87,40 +87,37 @@ class JointGuard : public detail::GuardReach<I, N, T> {
                                           const State<N, T>& measured) const noexcept {
     Memory m;
     m.command = command;
-    m.time = command.time;
     m.command.valid = command.valid && detail::is_plausible(command) && detail::is_plausible(measured) &&
                       believes(measured) && detail::is_plausible(command.time) &&
                       detail::is_plausible(measured.time);
     return m;
   }
 
-  /// The command that may leave at `now`.
+  /// The command that may leave at the end of the interval of this cycle.
   ///
+  /// @param interval  of the robot's clock, as its resolver judges it.
   /// @param measured  the last good state of the robot, as its resolver keeps it, or `take_measurement`.
   /// @param fallback  torque interface: the torque without a valid one, such as gravity compensation with
   ///                  damping. Not finite: zero.
   /// @param found     reasons of other stages in this cycle, and of the loop before it.
   SKINCTL_INLINE Guarded<N, T> step(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured,
-                                    Nanoseconds now, const JointTorque<N, T>& fallback = {},
+                                    const Interval& interval, const JointTorque<N, T>& fallback = {},
                                     Status found = {}) const noexcept {
     m.latched |= found & consent_;
     if (!m.begun) [[unlikely]]
-      if (const auto refused = begin(m, measured, now, found); !m.begun) return refused;
+      if (const auto refused = begin(m, measured, interval.seen, found); !m.begun) return refused;
     SKINCTL_EXPECTS(detail::is_plausible(measured), "the last good state: see take_measurement");
     Status status;
-    if (now == m.time) [[unlikely]] {
-      if (m.latched.any()) status |= Reason::consent_awaited;
-      return {m.command, status | Reason::interval_empty, !(wish.time == now)};
-    }
-    const Interval interval = detail::interval_since(true, m.time, m.odd, now, longest_);
-    m.odd = detail::odd_time_of(interval);
     status |= interval.status;
+    if (status.has(Reason::interval_empty)) [[unlikely]] {
+      if (m.latched.any()) status |= Reason::consent_awaited;
+      return {m.command, status, !(wish.time == interval.to)};
+    }
     Nanoseconds elapsed = period_;
     if (!status.has(Reason::time_backwards)) [[likely]] {
       // A clock that was just set vouches for no more than a period.
       elapsed = interval.clock_set ? period_ : interval.to - interval.from;
-      m.time = now;
-      if (now - measured.time > stale_after_) status |= Reason::state_stale;
+      if (interval.to - measured.time > stale_after_) status |= Reason::state_stale;
     }
     const bool good = !status.has(Reason::time_backwards) && !status.has(Reason::state_stale) &&
                       !(found & acts_on_).any() && !((status & consent_) | m.latched).any();
@@ -128,14 +125,14 @@ class JointGuard : public detail::GuardReach<I, N, T> {
     if (!finite) status |= Reason::command_not_finite;
     const T dt = seconds<T>(elapsed);
     if constexpr (I == Interface::torque) {
-      return let_out(m, turn_torque(m, wish, measured, good && finite, fallback, dt, status));
+      return let_out(m, interval.to, turn_torque(m, wish, measured, good && finite, fallback, dt, status));
     } else {
-      if (good && finite && wish.time == now && this->can_send(m.command, wish, measured, dt, status))
+      if (good && finite && wish.time == interval.to && this->can_send(m.command, wish, measured, dt, status))
           [[likely]] {
         m.command.assign(wish);
         return {wish.copy(), status, false};
       }
-      return let_out(m, brake(m, measured, dt, status));
+      return let_out(m, interval.to, brake(m, measured, dt, status));
     }
   }
 
@@ -189,11 +186,11 @@ class JointGuard : public detail::GuardReach<I, N, T> {
     return all((magnitude(at - q) <= most) & (magnitude(next - q) <= most) &
                (magnitude(u - dq) <= R(speed_change_)));
   }
-  SKINCTL_INLINE Guarded<N, T> let_out(Memory& m, Guarded<N, T> out) const noexcept {
+  SKINCTL_INLINE Guarded<N, T> let_out(Memory& m, Nanoseconds at, Guarded<N, T> out) const noexcept {
     m.latched |= out.status & consent_;
     if (m.latched.any()) [[unlikely]]
       out.status |= Reason::consent_awaited;
-    out.command.time = m.time;
+    out.command.time = at;
     out.command.valid = true;
     m.command.assign(out.command);
     return out;

@@ -57,7 +57,7 @@ struct RobotConfiguration {
   /// periods. The velocity interface keeps a distance for this time at the present speed before every
   /// position limit.
   std::optional<Nanoseconds> longest_interval = {};
-  /// Age of the last good measurement at which the virtual robot begins to brake. Default: 5 T.
+  /// Age of the last good measurement at which the robot brakes: resolver and guard alike. Default: 5 T.
   std::optional<Nanoseconds> stale_after = {};
   /// Time after which a blocked robot that is still pushed the same way tries again.
   Nanoseconds retry = 1s;

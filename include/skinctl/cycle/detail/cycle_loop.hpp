@@ -125,7 +125,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
         if constexpr (requires { given.hold; }) resolved.fallback = given.hold;
       }
     }
-    const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured(), input.now,
+    const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured(), interval,
                                      resolved.fallback, found | status);
     status |= guarded.status | input.observed;
     if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);

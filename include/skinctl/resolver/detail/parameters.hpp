@@ -72,7 +72,8 @@ struct ResolverParameters {
             .lag = lag_of_robot_,
             .dead_band = dead_band,
             .max_lead = lead_of_robot_,
-            .longest_interval = longest_interval};
+            .longest_interval = longest_interval,
+            .stale_after = stale_after};
   }
 
  private:

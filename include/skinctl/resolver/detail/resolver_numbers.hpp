@@ -91,7 +91,8 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
             .delay = driven_delay_,
             .lag = driven_lag_,
             .max_lead = driven_lead_,
-            .longest_interval = longest_interval_};
+            .longest_interval = longest_interval_,
+            .stale_after = stale_after_};
   }
   /// The time for which a law's torque is held in a punctual cycle [s]: a sub-step, or by torque a period.
   [[nodiscard]] T planned_step() const noexcept {

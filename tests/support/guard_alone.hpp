@@ -1,0 +1,32 @@
+// A guard without a resolver: with a clock of its own.
+#pragma once
+
+#include "skinctl/guard/joint_guard.hpp"
+
+namespace skinctl::testing {
+
+/// A guard whose memory holds the time of the last cycle, judged as a resolver judges it.
+template <Interface I, std::size_t N, class T = double, class Smooth = Abrupt>
+struct GuardAlone : JointGuard<I, N, T, Smooth> {
+  using Base = JointGuard<I, N, T, Smooth>;
+  using Base::Base;
+  struct Memory : GuardMemory<N, T> {
+    Nanoseconds time{};
+    Nanoseconds odd = detail::no_time;
+  };
+
+  [[nodiscard]] Memory start(const JointCommand<N, T>& command, const State<N, T>& measured) const noexcept {
+    return {Base::start(command, measured), command.time};
+  }
+  Guarded<N, T> step(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured, Nanoseconds now,
+                     const JointTorque<N, T>& fallback = {}, Status found = {}) const noexcept {
+    const Interval interval = detail::interval_since(true, m.time, m.odd, now, this->longest_interval());
+    const auto out = Base::step(m, wish, measured, interval, fallback, found);
+    if (!m.begun) return out;
+    m.odd = detail::odd_time_of(interval);
+    m.time = interval.to;
+    return out;
+  }
+};
+
+}  // namespace skinctl::testing
