@@ -48,7 +48,7 @@ struct Simulated {
     sample.force = {f, f, f};
     return {&sample, 1};
   }
-  void send(const JointCommand<6>& command) { under_way = command.position; }
+  void send(const PositionCommand<6>& command) { under_way = command.position; }
   [[nodiscard]] bool presses() const { return cycle > 50 && cycle < 120; }
 };
 

@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
       arm.ask(set.start_skill<behaviour::Putting>(PoseGoal<Tool>{{start.axes(), box}, 3s}));
       puts = true;
     }
-    const auto tau = arm.step().command.torque;
+    const auto tau = arm.step().planned.torque;
     double most = 0;
     for (std::size_t i = 0; i < 6; ++i)
       most = std::fmax(most, arm.time() > 0.1 ? std::abs(tau[i] - last[i]) : 0);

@@ -78,7 +78,7 @@ double run(const C& cycle, bool told, Curve& bent, Curve& torque, Curve& carried
     input.measured = world.robot;
     if (told) input.configuration = t > 1 && t < 3 ? 1 : t > 5 ? 2 : 0;
     const auto out = cycle.step(*memory, input);
-    recording.add(input, out.command);
+    recording.add(input, out.planned);
     if ((t > 1 && t < 1.2) || (t > 3 && t < 3.2) || (t > 5 && t < 5.2))
       step = std::max(step, std::abs(out.command.torque[1] - sent[1]));
     sent = out.command.torque;

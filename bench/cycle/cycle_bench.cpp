@@ -92,7 +92,7 @@ void run(benchmark::State& state, const Scene& scene, std::size_t cells, std::si
     input.samples = batch;
     const auto out = scene.step(*memory, input);
     measured.q = out.command.position;
-    measured.dq = out.command.velocity;
+    measured.dq = out.planned.velocity;
     benchmark::DoNotOptimize(measured);
   }
 }

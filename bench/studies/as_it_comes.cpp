@@ -123,7 +123,7 @@ int one(std::uint64_t seed) {
     std::printf("%7.3f  q", t);
     for (std::size_t i = 0; i < 6; ++i) std::printf(" %8.4f", joints.q()[i] - c.pose[i]);
     std::printf("  command");
-    for (std::size_t i = 0; i < 6; ++i) std::printf(" %8.4f", out.command.position[i] - c.pose[i]);
+    for (std::size_t i = 0; i < 6; ++i) std::printf(" %8.4f", out.planned.position[i] - c.pose[i]);
     std::printf("  N %6.1f %6.1f ", forces[0], forces[1]);
     out.status.for_each([](Reason reason) { std::printf(" %d", static_cast<int>(reason)); });
     std::printf("\n");

@@ -48,7 +48,7 @@ struct Paced {
     state.q = home_position();
     return Heard::state;
   }
-  bool send(const JointCommand<6>&) noexcept { return true; }
+  bool send(const PositionCommand<6>&) noexcept { return true; }
   void stop() noexcept {}
 };
 struct Cells {

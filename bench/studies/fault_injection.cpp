@@ -83,9 +83,9 @@ int replay(char** argv) {
   const auto skill = static_cast<std::uint8_t>(std::strtoul(argv[4], nullptr, 10));
   injection.watch = [](int k, bool faulty, const auto& out) {
     std::printf("%4d %c", k, faulty ? '!' : ' ');
-    for (const double x : I == Interface::position ? out.command.position.data : out.command.torque.data)
+    for (const double x : I == Interface::position ? out.planned.position.data : out.planned.torque.data)
       std::printf(" %8.4f", x);
-    for (const double x : out.command.velocity.data) std::printf(" %7.4f", x);
+    for (const double x : out.planned.velocity.data) std::printf(" %7.4f", x);
     out.status.for_each([](Reason r) { std::printf(", %s", describe(r)); });
     std::printf("\n");
   };

@@ -124,9 +124,9 @@ Path run(const SceneSettings& s, const Disturbed& d, double duration) {
     const CellSample touch{.time = now - 1ms, .cell = 60, .force = {f, f, f}};
     input.samples = std::span(&touch, 1);
     const auto out = scene.step(*memory, input);
-    robot.take(now, out.command);
-    path.command.push_back(out.command.position);
-    path.rate.push_back(out.command.velocity);
+    robot.take(now, out.planned);
+    path.command.push_back(out.planned.position);
+    path.rate.push_back(out.planned.velocity);
     path.real.push_back(robot.state.q);
     path.time.push_back(t);
   }

@@ -51,7 +51,7 @@ class Loop {
     valid_ = valid_ && out.command.valid;
     status_ = out.status;
     state_.q = out.command.position;
-    state_.dq = out.command.velocity;
+    state_.dq = out.planned.velocity;
   }
   const State<6, T>& state() const { return state_; }
   bool valid() const { return valid_; }

@@ -70,7 +70,7 @@ class Day {
   void step(Watch&& watch) {
     const auto out = scene_.step(*memory_, input_, watch);
     state_.q = out.command.position;
-    state_.dq = out.command.velocity;
+    state_.dq = out.planned.velocity;
   }
   double checksum() const { return state_.q[0]; }
 

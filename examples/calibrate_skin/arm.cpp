@@ -73,7 +73,7 @@ struct Arm::Parts {
     }
   }
   void tell(const std::array<double, 6>& q) {
-    JointCommand<6> command;
+    PositionCommand<6> command;
     command.valid = true;
     command.time = state.time;
     command.position = JointPosition<6>(q);

@@ -60,7 +60,7 @@ double following_error(const RobotMasses& truth, const FoundModel* model, const 
                 friction.coulomb[i] * std::tanh(dq[i] / 0.02) + stiffness[i] * (e + damping * de);
       if (t > 1) squares += e * e, count += 1;
     }
-    JointCommand<6> command;
+    TorqueCommand<6> command;
     command.torque = tau;
     if (!driver.send(command)) throw std::runtime_error("the robot takes no torques: " + driver.error());
     hear();

@@ -77,7 +77,7 @@ struct JobDriver {
 
   Heard wait(State<6>& state) noexcept { return heard = driver.wait(state); }
   JointPosition<6> told() noexcept { return driver.told(); }
-  bool send(const JointCommand<6>& command) noexcept {
+  bool send(const auto& command) noexcept {
     if (by_torque && heard == Heard::silent) return true;
     return driver.send(command);
   }
@@ -262,7 +262,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     for (std::size_t i = 0; i < 6; ++i) {
       entry.q[i] = static_cast<float>(input.measured.q[i]);
       entry.target[i] = static_cast<float>(target[i]);
-      entry.velocity[i] = static_cast<float>(out.command.velocity[i]);
+      entry.velocity[i] = static_cast<float>(out.planned.velocity[i]);
       entry.deflection = std::max(entry.deflection, std::abs(input.measured.q[i] - target[i]));
       for (std::size_t k = 0; k < out.shares.size(); ++k)
         entry.shares[k][i] = static_cast<float>(out.shares[k][i]);
@@ -275,16 +275,16 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
         continue;  // no motion is commanded
       }
       largest.step_velocity =
-          std::max(largest.step_velocity, std::abs(out.command.velocity[i]) / limit.velocity()[i]);
+          std::max(largest.step_velocity, std::abs(out.planned.velocity[i]) / limit.velocity()[i]);
       if (dt > 0) {
-        const double a = (out.command.velocity[i] - last_velocity[i]) / dt;
+        const double a = (out.planned.velocity[i] - last_velocity[i]) / dt;
         entry.acceleration[i] = static_cast<float>(a);
         largest.step_acceleration =
             std::max(largest.step_acceleration, std::abs(a) / limit.acceleration()[i]);
       }
     }
     entry.status = out.status.bits();
-    last_velocity = out.command.velocity;
+    last_velocity = out.planned.velocity;
     last_time = out.command.time;
     if (log.entries.size() < log.entries.capacity()) log.entries.push_back(entry);
     if (progress.due(t))

@@ -93,9 +93,9 @@ struct FollowingArm {
     out = state;
     return Heard::state;
   }
-  bool send(const JointCommand<6>& command) noexcept {
+  bool send(const PositionCommand<6>& command) noexcept {
+    state.dq = (command.position - state.q) * (1 / 0.008);
     state.q = command.position;
-    state.dq = command.velocity;
     return true;
   }
   void stop() noexcept {}

@@ -80,7 +80,7 @@ Log move(const std::string& host, double rate, const ResponseMotion<6>::Settings
     }
     if (progress.due(t)) progress.show("%4.0f of %.0f s", t, settings.duration);
     const auto q = motion.at(t);
-    skinctl::JointCommand<6> command;
+    skinctl::PositionCommand<6> command;
     command.valid = true;
     command.time = state.time;
     command.position = skinctl::JointPosition<6>(q);

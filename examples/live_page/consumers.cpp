@@ -80,7 +80,7 @@ struct Paced {
     state.q = home;
     return Heard::state;
   }
-  bool send(const JointCommand<6>&) noexcept { return true; }
+  bool send(const PositionCommand<6>&) noexcept { return true; }
   void stop() noexcept {}
 };
 /// Every eighth of the skin in turn; a hand presses some of it.

@@ -412,7 +412,7 @@ int study(int number, std::uint64_t seed, bool sees) {
             mover[a]->step(world.joints(a), sees ? &filled : nullptr, at[a], around,
                            mover[1 - a]->waits() && (mover[a]->reached() || mover[1 - a]->gives_way()),
                            mover[1 - a]->gives_way() && mover[1 - a]->kept() && !mover[1 - a]->pressed());
-        if (out.command.valid) world.command(a, out.command.position, out.command.velocity);
+        if (out.planned.valid) world.command(a, out.planned.position, out.planned.velocity);
         if (mover[a]->kept() && !mover[a]->reached()) kept += 0.008;
         ++cycles;
       }

@@ -397,7 +397,7 @@ class Person {
     const WrenchSample pulled{.time = world_.now(), .force = {w.x, w.y, w.z}, .moment = {0, 0, 0}};
     input.sensed.wrenches = {&pulled, 1};
     const auto out = scene_.step(*memory_, input);
-    if (out.command.valid) world_.command(0, out.command.position, out.command.velocity);
+    if (out.planned.valid) world_.command(0, out.planned.position, out.planned.velocity);
     record(X, touch);
     if (hand_) push_fingers();
     for (int i = 0; i < 8; ++i, ++tick_) {

@@ -163,7 +163,7 @@ TEST_CASE("OwnViewSkin: an arm that sees its own table does not flee from it, an
       sample.proximity = proximity;
       if (k < 3) input.samples = std::span(&sample, 1);  // silent from then on: its reading is constant
       const auto out = scene.step(*memory, input);
-      state.q = out.command.position, state.dq = out.command.velocity;
+      state.q = out.planned.position, state.dq = out.planned.velocity;
     }
     double most = 0;
     for (std::size_t i = 0; i < 6; ++i) most = std::max(most, std::abs(state.q[i] - q[i]));

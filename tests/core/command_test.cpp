@@ -42,3 +42,18 @@ TEST_CASE_TEMPLATE("JointCommand: copies hold every number", T, float, double) {
   CHECK(same(other, c));
   CHECK(other.torque[4] == T(20));
 }
+
+TEST_CASE_TEMPLATE("RobotCommand: holds what the interfaces take, and nothing else", T, float, double) {
+  const auto planned = numbered<5, T>();
+  const PositionCommand<5, T> q(planned);
+  const VelocityCommand<5, T> dq(planned);
+  const RobotCommand<5, T, Interface::position, Interface::torque> both(planned);
+  CHECK(q.position == planned.position);
+  CHECK(dq.velocity == planned.velocity);
+  CHECK(both.position == planned.position);
+  CHECK(both.torque == planned.torque);
+  CHECK(both.time == planned.time);
+  CHECK(both.valid);
+  CHECK_FALSE(TorqueCommand<5, T>().valid);
+  static_assert(sizeof(PositionCommand<5, T>) < sizeof(both));
+}

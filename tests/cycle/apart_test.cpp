@@ -33,7 +33,7 @@ struct TouchedRobot {
     state = joints.run_to(now);
     return Heard::state;
   }
-  bool send(const JointCommand<6>& command) noexcept {
+  bool send(const PositionCommand<6>& command) noexcept {
     joints.command(command.time, command.position);
     return true;
   }

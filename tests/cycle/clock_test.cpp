@@ -47,19 +47,19 @@ Seen run(Clock&& clock, bool samples_leap) {
     REQUIRE(out.command.valid);
     if (I == Interface::position && k > 1)
       for (std::size_t i = 0; i < 6; ++i)
-        seen.fastest = std::max(seen.fastest, std::abs(out.command.position[i] - before[i]) / 0.008);
-    before = out.command.position;
+        seen.fastest = std::max(seen.fastest, std::abs(out.planned.position[i] - before[i]) / 0.008);
+    before = out.planned.position;
     if constexpr (I == Interface::velocity) {
       state.q = integrate(state.q, out.command.velocity, 0.008);
       state.dq = out.command.velocity;
     }
-    robot.command(truth, out.command.position);
+    robot.command(truth, out.planned.position);
     if (out.status.has(Reason::time_backwards)) {
       ++seen.refused;
       if (since > 2) ++seen.refused_after;
     }
     for (std::size_t i = 0; i < 6; ++i) {
-      const double x = I == Interface::torque ? out.command.torque[i] : state.q[i];
+      const double x = I == Interface::torque ? out.planned.torque[i] : state.q[i];
       if (k == 400) begun[i] = x;
       if (k == 600) seen.yielded += std::abs(x - begun[i]);
     }

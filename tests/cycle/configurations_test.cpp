@@ -177,7 +177,7 @@ Seen run(const C& cycle, const typename C::Goal& goal, const Course& course,
       auto same = input;
       same.goal.reset();
       auto probe = commanded;
-      without = probe(cycle.step(*other, same).command);
+      without = probe(cycle.step(*other, same).planned);
       if (course.changes) {
         input.configuration = there ? 1 : 0;
       }
@@ -188,9 +188,9 @@ Seen run(const C& cycle, const typename C::Goal& goal, const Course& course,
     plant.arm.carry(scaled(course.load, up - down));
     const auto count = guard.count();
     const auto out = cycle.step(*memory, input);
-    if (recording != nullptr) recording->add(input, out.command);
+    if (recording != nullptr) recording->add(input, out.planned);
     seen.allocated += guard.count() - count;
-    sent = out.command;
+    sent = out.planned;
     const auto now = commanded(sent);
     if (there || back) seen.apart = std::max(seen.apart, distance(now, without));
     if ((k >= at(1s) && k < at(1200ms)) || (back || (k >= at(3s) && k < at(3200ms))))
@@ -369,12 +369,12 @@ TEST_CASE("Configurations: a number that there is not is refused, and the old co
     const auto expected = cycle.step(twin, input);
     CHECK(out.status.has(Reason::configuration_refused) == wrong);
     CHECK(out.command.position == expected.command.position);
-    CHECK(out.command.velocity == expected.command.velocity);
+    CHECK(out.planned.velocity == expected.planned.velocity);
     CHECK(memory.configuration == right);
     CHECK(out.status.has(Reason::bumpless_transfer) ==
           (k == 1 ? out.status.has(Reason::bumpless_transfer)
                   : expected.status.has(Reason::bumpless_transfer)));
-    sent = out.command;
+    sent = out.planned;
   }
 }
 
@@ -397,7 +397,7 @@ TEST_CASE("Configurations: by torque a change waits for the end of a stop") {
     CHECK(memory.configuration == (k < 500 ? 0 : 1));
     for (std::size_t i = 0; i < 6; ++i)
       jump = std::max(jump, std::abs(out.command.torque[i] - sent.torque[i]));
-    sent = out.command;
+    sent = out.planned;
   }
   CHECK(jump < 2);  // 3 kg at arm's length are some 20 N m
 }
@@ -425,7 +425,7 @@ TEST_CASE("Configurations: changes at random times, also while one is under way,
       input.samples = {&sample, 1};
       if (k < 1000 && random.index(10) == 0)
         input.configuration = static_cast<std::uint32_t>(random.index(3));
-      sent = cycle.step(memory, input).command;
+      sent = cycle.step(memory, input).planned;
       const auto now = commanded(sent);
       const bool touch_itself = (k > 58 && k < 66) || (k > 398 && k < 406);
       if (!touch_itself) jump = std::max(jump, distance(now, last));
@@ -495,8 +495,9 @@ TEST_CASE(
       state = plant.run(sent, plant.state.time + 8ms);
       return Heard::state;
     }
-    bool send(const JointCommand<6>& command) noexcept {
-      sent = command;
+    bool send(const PositionCommand<6>& command) noexcept {
+      sent.position = command.position;
+      sent.velocity = {};
       return true;
     }
     void stop() noexcept {}
@@ -537,7 +538,7 @@ TEST_CASE("Configurations: in float too, a change commands what would have been 
   const auto step = [&](const auto& c, auto& m) {
     input.now = input.measured.time = state.time;
     input.measured.q = state.q;
-    return c.step(m, input).command;
+    return c.step(m, input).planned;
   };
   for (int k = 1; k <= 60; ++k) {
     state.time = k * 8ms;

@@ -276,7 +276,7 @@ TEST_CASE_TEMPLATE(
     const auto out = scene.step(*memory, input);
     bad += !out.command.valid;
     for (std::size_t i = 0; i < 6; ++i) {
-      const T q = out.command.position[i], v = out.command.velocity[i];
+      const T q = out.planned.position[i], v = out.planned.velocity[i];
       bad += !(q - q == 0) || !(v - v == 0);
       outside += q < limits.lower()[i] || q > limits.upper()[i];
       outside += std::abs(v) > limits.velocity()[i] * T(1.0001);
@@ -284,7 +284,7 @@ TEST_CASE_TEMPLATE(
       last_velocity[i] = v;
     }
     state.q = out.command.position;
-    state.dq = out.command.velocity;
+    state.dq = out.planned.velocity;
   }
   const auto allocations = guard.count();
   MESSAGE(cycles << " cycles: " << allocations << " allocations, " << bad << " not finite, " << outside

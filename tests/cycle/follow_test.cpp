@@ -39,7 +39,7 @@ double lag_behind_a_sine(const L& law, Wrap&& wrap) {
     const auto out = cycle.step(memory, input);
     REQUIRE(out.command.valid);
     state.q = out.command.position;
-    state.dq = out.command.velocity;
+    state.dq = out.planned.velocity;
     if (t > 3) off = std::max(off, std::abs(out.command.position[1] - target.q_d[1]));
   }
   return off;

@@ -58,8 +58,8 @@ TEST_CASE("Groups: with all parts at once, whatever comes in, commands stay fini
       break;
     }
     if (k % 1000 == 999) CHECK_FALSE(out.status.has(Reason::consent_awaited));  // it goes on again
-    last = out.command;
-    run.plant.command(out.command);
+    last = out.planned;
+    run.plant.command(out.planned);
   }
   CHECK(allocated == 0);
   // A robot by torque has the damper too.

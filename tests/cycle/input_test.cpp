@@ -114,8 +114,8 @@ JointCommand<6, T> begun(const Scene& scene, typename Scene::Memory& memory, Sta
   input.measured = state;
   const auto out = scene.step(memory, input);
   state.q = out.command.position;
-  state.dq = out.command.velocity;
-  return out.command;
+  state.dq = out.planned.velocity;
+  return out.planned;
 }
 
 /// Runs a scene over the cycles and asserts what no input may change.
@@ -163,15 +163,15 @@ void survives(const std::vector<std::vector<Field>>& cycles) {
     allocated += guard.count();
     RC_ASSERT(out.command.valid);
     for (std::size_t i = 0; i < 6; ++i) {
-      const T q = out.command.position[i], v = out.command.velocity[i];
+      const T q = out.planned.position[i], v = out.planned.velocity[i];
       RC_ASSERT(q >= limits.lower()[i] && q <= limits.upper()[i]);
       RC_ASSERT(std::abs(v) <= limits.velocity()[i] * T(1.0001));
-      RC_ASSERT(std::abs(v - last.velocity[i]) <= largest_change(limits, i, last, out.command));
+      RC_ASSERT(std::abs(v - last.velocity[i]) <= largest_change(limits, i, last, out.planned));
       RC_ASSERT(std::abs(q - last.position[i]) <= limits.velocity()[i] * period * T(1.0001));
     }
-    last = out.command;
+    last = out.planned;
     state.q = out.command.position;
-    state.dq = out.command.velocity;
+    state.dq = out.planned.velocity;
   }
   RC_ASSERT(allocated == 0u);
 }
@@ -240,16 +240,16 @@ TEST_CASE_TEMPLATE(
       const auto out = scene.step(*memory, input);
       bad += !out.command.valid;
       for (std::size_t i = 0; i < 6; ++i) {
-        const T q = out.command.position[i], v = out.command.velocity[i];
+        const T q = out.planned.position[i], v = out.planned.velocity[i];
         bad += !(q >= limits.lower()[i] && q <= limits.upper()[i]);
         bad += !(std::abs(v) <= limits.velocity()[i] * T(1.0001));
-        steps += !(std::abs(v - last.velocity[i]) <= largest_change(limits, i, last, out.command));
+        steps += !(std::abs(v - last.velocity[i]) <= largest_change(limits, i, last, out.planned));
         // A command is carried out in a period, whatever time has passed.
         steps += !(std::abs(q - last.position[i]) <= limits.velocity()[i] * T(0.008 * 1.0001));
       }
-      last = out.command;
+      last = out.planned;
       state.q = out.command.position;
-      state.dq = out.command.velocity;
+      state.dq = out.planned.velocity;
     }
   }
   CHECK(bad == 0);

@@ -121,12 +121,12 @@ std::vector<unsigned char> commands(const Scene& scene, const State<6>& from) {
     const auto result = scene.step(*memory, input);
     for (std::size_t i = 0; i < 6; ++i)
       for (const double x :
-           {result.command.position[i], result.command.velocity[i], result.command.torque[i]}) {
+           {result.planned.position[i], result.planned.velocity[i], result.planned.torque[i]}) {
         unsigned char bytes[sizeof x];
         std::memcpy(bytes, &x, sizeof x);
         out.insert(out.end(), bytes, bytes + sizeof x);
       }
-    if (result.command.valid) now.q = result.command.position, now.dq = result.command.velocity;
+    if (result.planned.valid) now.q = result.planned.position, now.dq = result.planned.velocity;
   }
   return out;
 }

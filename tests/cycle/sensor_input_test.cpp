@@ -167,7 +167,7 @@ TEST_CASE("Sensors: a loop takes a robot's wrenches, and keeps those of the wors
       measured = state;
       return Heard::state;
     }
-    bool send(const JointCommand<6>& command) noexcept {
+    bool send(const PositionCommand<6>& command) noexcept {
       next = command.position;
       return true;
     }

@@ -203,7 +203,7 @@ TEST_CASE("MotorTouch: an arm without any tactile sensor is led by its forearm, 
       if (t > 4.8) resting = std::max(resting, std::abs(plant.q()[i] - home[i]));
     }
     const auto out = scene.step(*memory, input);
-    recording.add(input, out.command);
+    recording.add(input, out.planned);
     REQUIRE(out.command.valid);
     plant.command(out.command.position.data);
   }

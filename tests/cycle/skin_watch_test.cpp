@@ -98,15 +98,15 @@ class Run {
         const double most = 50 * largest_torque_[i] * dt * (1 + 1e-9);
         if (sent_any_) CHECK(std::abs(out.command.torque[i] - last_.torque[i]) <= most);
       } else {
-        CHECK(std::abs(out.command.velocity[i] - last_.velocity[i]) <= 15 * dt * (1 + 1e-9));
-        const double moved = out.command.position[i] - last_.position[i];
+        CHECK(std::abs(out.planned.velocity[i] - last_.velocity[i]) <= 15 * dt * (1 + 1e-9));
+        const double moved = out.planned.position[i] - last_.position[i];
         if (sent_any_ && I == Interface::position)
           CHECK(std::abs(moved) <= ur5::Description::max_velocity * dt * (1 + 1e-9));
       }
     }
-    last_ = out.command;
+    last_ = out.planned;
     sent_any_ = true;
-    send(out.command);
+    send(out.planned);
   }
   [[nodiscard]] double time() const { return seconds<double>(state_.time); }
   [[nodiscard]] double moved() const {

@@ -81,7 +81,7 @@ struct Robot {
   const Status& step(const typename Scene::Input& input) {
     out = scene.step(memory, input);
     seen |= out.status;
-    const auto& c = out.command;
+    const auto& c = out.planned;
     if (!c.valid) return out.status;
     for (std::size_t i = 0; i < 3; ++i) {
       const bool by_torque = (sets.torque >> i & 1) != 0, by_velocity = (sets.velocity >> i & 1) != 0;
@@ -344,7 +344,7 @@ TEST_CASE("start: a goal that comes with the request to resume counts") {
     if (k == 6)
       for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(out.command.position[i] - home[i]) < 1e-3);
     state.q = out.command.position;
-    state.dq = out.command.velocity;
+    state.dq = out.planned.velocity;
   }
   CHECK(std::abs(state.q[0] - home[0] - 0.3) < 1e-2);
 }

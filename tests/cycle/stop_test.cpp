@@ -114,11 +114,11 @@ Ending end_of(std::uint64_t seed, Ends ends, bool held) {
     input.measured = measured;
     if (t > end && !stopped) input.request = CycleRequest::stop, stopped = true;
     const auto result = scene.step(memory, input);
-    const auto& v = result.command.velocity;
+    const auto& v = result.planned.velocity;
     (t > end ? out.during : out.before) |= result.status;
     Joints::Row sent{};
     for (std::size_t i = 0; i < 6; ++i) {
-      sent[i] = I == Interface::position ? result.command.position[i] : v[i];
+      sent[i] = I == Interface::position ? result.planned.position[i] : v[i];
       out.keeps_limits = out.keeps_limits && std::abs(v[i]) <= 1.0001 * c.limits.velocity()[i] &&
                          std::abs(v[i] - last[i]) <= 1.0001 * c.limits.acceleration()[i] * dt;
       if (t > end + rest_after) out.speed = std::max(out.speed, std::abs(v[i]));

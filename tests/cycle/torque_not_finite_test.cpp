@@ -41,11 +41,11 @@ double torque_step(const Scene& scene, std::size_t moved, Reason expected, Statu
     REQUIRE(out.command.valid);
     seen |= out.status;
     for (std::size_t i = 0; i < moved; ++i) {
-      if (k > 1) most = std::max(most, std::abs(out.command.torque[i] - last[i]));
-      state.q[i] = out.command.position[i];
-      state.dq[i] = out.command.velocity[i];
+      if (k > 1) most = std::max(most, std::abs(out.planned.torque[i] - last[i]));
+      state.q[i] = out.planned.position[i];
+      state.dq[i] = out.planned.velocity[i];
     }
-    last = out.command.torque;
+    last = out.planned.torque;
   }
   CHECK(seen.has(expected));
   CHECK(std::abs(last[0]) > 1);  // it says something

@@ -30,7 +30,7 @@ SceneSettings scene_settings(Interface i) {
 /// All that robots take of a command.
 template <class Output>
 auto numbers(const Output& out) {
-  const auto& c = out.command;
+  const auto& c = out.planned;
   return std::make_tuple(c.valid, c.position, c.velocity, c.acceleration, c.torque);
 }
 

@@ -96,9 +96,9 @@ Told tell(const char* name, const Scene& scene, std::array<Interface, Scene::joi
     own(k, *run);
     const auto out = run->cycle();
     std::vector<double> row;
-    for (std::size_t i = 0; i < Scene::joints; ++i) row.push_back(run->asked(out.command, i));
+    for (std::size_t i = 0; i < Scene::joints; ++i) row.push_back(run->asked(out.planned, i));
     for (const double x : row) commands.add(x);
-    commands.add(std::uint64_t(out.command.valid));
+    commands.add(std::uint64_t(out.planned.valid));
     statuses.add(out.status.bits());
     if (k % 50 == 0) told.rows.push_back(row);
   }

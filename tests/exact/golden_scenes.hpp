@@ -60,8 +60,8 @@ class Run {
     if (!holds_samples) press();
     input.samples = samples_;
     const auto out = scene_.step(memory_, input);
-    if (out.command.valid)
-      for (std::size_t i = 0; i < joints; ++i) under_way_[i] = sent_[i], sent_[i] = asked(out.command, i);
+    if (out.planned.valid)
+      for (std::size_t i = 0; i < joints; ++i) under_way_[i] = sent_[i], sent_[i] = asked(out.planned, i);
     input.request = {};
     forget_goal(input);
     break_state = nullptr;

@@ -90,7 +90,7 @@ void attack(const Scene& scene, const JointLimits<6, T>& limits, int cycles, uns
     if (out.command.valid) {
       ++valid;
       for (std::size_t i = 0; i < 6; ++i) {
-        const T q = out.command.position[i], dq = out.command.velocity[i];
+        const T q = out.planned.position[i], dq = out.planned.velocity[i];
         REQUIRE(std::isfinite(q));
         REQUIRE(std::isfinite(dq));
         CHECK(std::abs(dq) <= limits.velocity()[i] * T(1.0001));
@@ -98,7 +98,7 @@ void attack(const Scene& scene, const JointLimits<6, T>& limits, int cycles, uns
         CHECK(std::abs(q - last[i]) <= limits.velocity()[i] * T(0.04 * 1.001));  // five periods at most
       }
       last = out.command.position;
-      state.q = out.command.position, state.dq = out.command.velocity;
+      state.q = out.planned.position, state.dq = out.planned.velocity;
     }
     for (const auto& share : out.shares)
       for (const T tau : share) REQUIRE_FALSE(std::isnan(tau));

@@ -63,7 +63,7 @@ std::vector<double> commanded(int cycles) {
     REQUIRE(step.command.valid);
     for (std::size_t i = 0; i < 6; ++i) out.push_back(static_cast<double>(step.command.position[i]));
     state.q = step.command.position;
-    state.dq = step.command.velocity;
+    state.dq = step.planned.velocity;
   }
   return out;
 }

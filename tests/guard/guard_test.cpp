@@ -125,7 +125,7 @@ TEST_CASE("Guard of groups: bad news of a part, and a stop, hold both without a 
     for (std::size_t i = 0; i < 2; ++i)
       CHECK(std::abs(out.command.velocity[i] - last.velocity[i]) <= 40 * 0.004 * (1 + 1e-9));
     CHECK(std::abs(out.command.torque[2] - last.torque[2]) <= 50 * 0.7 * 0.004 * (1 + 1e-9));
-    last = out.command;
+    last = out.planned;
   };
   // News of a joint that cannot be: the finger alone.
   const double finger = run.measured.q[2];

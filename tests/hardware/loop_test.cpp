@@ -27,7 +27,7 @@ struct FastRobot {
     state = joints.run_to(now);
     return Heard::state;
   }
-  bool send(const JointCommand<6>& command) noexcept {
+  bool send(const PositionCommand<6>& command) noexcept {
     joints.command(command.time, command.position);
     return ++sends <= refuses_after;
   }
@@ -63,7 +63,7 @@ Run run(FastRobot robot, LoopOptions options) {
 
 }  // namespace
 
-static_assert(RobotDriver<FastRobot, 6, double>);
+static_assert(RobotDriver<FastRobot, PositionCommand<6>, 6, double>);
 static_assert(SkinSource<OneTouch> && SkinSource<NoSkin>);
 
 TEST_CASE(
@@ -122,7 +122,7 @@ struct StandingRobot {
   FastRobot robot;
   int stands_from = 60;
   Nanoseconds back{}, stamp{};
-  JointVelocity<6> last{};
+  JointPosition<6> sent{}, last{};  ///< the last command, and by how much it differs from the one before
   Heard wait(State<6>& state) noexcept {
     const Heard heard = robot.wait(state);
     if (robot.waits < stands_from) {
@@ -135,8 +135,9 @@ struct StandingRobot {
     }
     return heard;
   }
-  bool send(const JointCommand<6>& command) noexcept {
-    last = command.velocity;
+  bool send(const PositionCommand<6>& command) noexcept {
+    for (std::size_t i = 0; i < 6; ++i) last[i] = command.position[i] - sent[i];
+    sent = command.position;
     return robot.send(command);
   }
   void stop() noexcept { robot.stop(); }
@@ -161,7 +162,7 @@ TEST_CASE(
         },
         [&](const auto&, const auto& out, const auto&) {
           last = out.status;
-          for (std::size_t i = 0; i < 6; ++i) fastest = std::max(fastest, std::abs(out.command.velocity[i]));
+          for (std::size_t i = 0; i < 6; ++i) fastest = std::max(fastest, std::abs(out.planned.velocity[i]));
         });
     CHECK(report.stood > 150);
     CHECK(fastest > 0.05);
@@ -181,7 +182,7 @@ struct DroopingRobot {
     state.q[0] -= droop;
     return heard;
   }
-  bool send(const JointCommand<6>& command) noexcept {
+  bool send(const PositionCommand<6>& command) noexcept {
     if (robot.sends == 0) sent = command.position;
     return robot.send(command);
   }
@@ -219,7 +220,7 @@ struct LeapingRobot {
     if (robot.waits == 1) state.q = first;
     return heard;
   }
-  bool send(const JointCommand<6>& command) noexcept { return robot.send(command); }
+  bool send(const PositionCommand<6>& command) noexcept { return robot.send(command); }
   void stop() noexcept { robot.stop(); }
 };
 }  // namespace
@@ -252,7 +253,7 @@ struct NumberedRobot : FastRobot {
   }
   [[nodiscard]] std::uint32_t packet() const noexcept { return number; }
 };
-static_assert(RobotDriver<NumberedRobot, 6, double>);
+static_assert(RobotDriver<NumberedRobot, PositionCommand<6>, 6, double>);
 }  // namespace
 
 TEST_CASE("loop: cycles over their budget skip optional work, then stop until there is consent") {
@@ -340,7 +341,7 @@ struct PacedRobot {
     std::this_thread::sleep_for(2ms);
     return robot.wait(state);
   }
-  bool send(const JointCommand<6>& command) noexcept {
+  bool send(const PositionCommand<6>& command) noexcept {
     sent.push_back(command.position);
     return robot.send(command);
   }
@@ -387,7 +388,7 @@ Replayed recorded(Robot robot, FastRobot& joints, bool by_loop) {
           input.goal = {home_position() + JointPosition<6>::constant(0.1), 0s};
         return true;
       },
-      [&](const auto& input, const auto& out, const auto&) { late.add(input, out.command); }, recording);
+      [&](const auto& input, const auto& out, const auto&) { late.add(input, out.planned); }, recording);
   CHECK(report.cycles == 500);
   CHECK(recording.cycles() == 500);
   return replay(scene, by_loop ? recording : late);
@@ -396,7 +397,7 @@ template <class Robot>
 struct Reference {
   Robot& robot;
   Heard wait(State<6>& state) noexcept { return robot.wait(state); }
-  bool send(const JointCommand<6>& command) noexcept { return robot.send(command); }
+  bool send(const PositionCommand<6>& command) noexcept { return robot.send(command); }
   void stop() noexcept { robot.stop(); }
   [[nodiscard]] auto told() const noexcept
     requires requires(Robot& r) { r.told(); }

@@ -9,19 +9,20 @@ using namespace skinctl;
 namespace {
 struct Complete {
   Heard wait(State<6>&) noexcept { return Heard::state; }
-  bool send(const JointCommand<6>&) noexcept { return true; }
+  bool send(const PositionCommand<6>&) noexcept { return true; }
   void stop() noexcept {}
 };
 struct Throws {
   Heard wait(State<6>&) { return Heard::state; }
-  bool send(const JointCommand<6>&) noexcept { return true; }
+  bool send(const PositionCommand<6>&) noexcept { return true; }
   void stop() noexcept {}
 };
 }  // namespace
 
-static_assert(RobotDriver<Complete, 6, double>);
-static_assert(!RobotDriver<Complete, 7, double>, "another number of joints");
-static_assert(!RobotDriver<Throws, 6, double>, "a driver that may throw in the loop");
+static_assert(RobotDriver<Complete, PositionCommand<6>, 6, double>);
+static_assert(!RobotDriver<Complete, PositionCommand<7>, 7, double>, "another number of joints");
+static_assert(!RobotDriver<Complete, VelocityCommand<6>, 6, double>, "another interface");
+static_assert(!RobotDriver<Throws, PositionCommand<6>, 6, double>, "a driver that may throw in the loop");
 static_assert(SkinSource<NoSkin> && !SkinSource<Complete>);
 
 TEST_CASE("drivers: a robot without skin has no samples") {

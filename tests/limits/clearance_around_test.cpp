@@ -353,7 +353,7 @@ TEST_CASE("Cycle: an arm whose base is held beside its commands keeps its cleara
       if (n == 10) input.goal = {beside, 800ms};
       if (n == 150) input.goal = {low, 1500ms};
       const auto out = scene.step(*memory, input);
-      if (out.command.valid) last = out.command;
+      if (out.planned.valid) last = out.planned;
       auto real = last.position;
       if (held) real[0] = start[0];
       told = std::min(told, nearest(last.position)), least = std::min(least, nearest(real));

@@ -187,8 +187,8 @@ TEST_CASE("ClearanceLimits: a hand that folds an arm whose tank is empty does no
       const auto out = s.step(*memory, input);
       kept = kept || out.status.has(Reason::clearance_kept);
       for (std::size_t i = 0; i < 6; ++i)
-        step = std::max(step, std::abs(out.command.velocity[i] - state.dq[i]) / 0.008);
-      state.q = out.command.position, state.dq = out.command.velocity;
+        step = std::max(step, std::abs(out.planned.velocity[i] - state.dq[i]) / 0.008);
+      state.q = out.planned.position, state.dq = out.planned.velocity;
       least = std::min(least, nearest(given, state.q));
     }
   };

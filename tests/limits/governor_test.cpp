@@ -70,7 +70,7 @@ void run(const Scene& scene, double duration, Push&& push, Each&& each) {
     const auto out = scene.step(*memory, input);
     each(t, out);
     state.q = out.command.position;
-    state.dq = out.command.velocity;
+    state.dq = out.planned.velocity;
   }
 }
 /// Speed of the tool's flange by differences of poses: independent of Jacobians.
@@ -143,15 +143,15 @@ TEST_CASE("governor: jerk, tool speed and blow of a pushed arm stay below their 
       scene, 6, [](double t) { return std::fmod(t, 2) < 0.7 ? 0.5 : 0; },
       Overloaded{nothing, [&](double, const auto& out) {
                    seen |= out.status;
-                   fastest = std::max(fastest, tool.at(out.command.position).speed(out.command.velocity));
+                   fastest = std::max(fastest, tool.at(out.planned.position).speed(out.planned.velocity));
                    const bool gave_way = out.status.has(Reason::jerk_exceeded);
                    given_way += gave_way;
                    for (std::size_t i = 0; i < 6; ++i) {
-                     const double j = std::abs(out.command.acceleration[i] - last[i]) / 0.008;
+                     const double j = std::abs(out.planned.acceleration[i] - last[i]) / 0.008;
                      if (!gave_way) jerk = std::max(jerk, j);
                      moved = std::max(moved, std::abs(out.command.position[i] - home[i]));
                    }
-                   last = out.command.acceleration;
+                   last = out.planned.acceleration;
                  }});
   CHECK(seen.has(Reason::tool_speed_limited));
   CHECK(fastest <= 0.15 * 1.001);
@@ -230,8 +230,8 @@ TEST_CASE("governor: a jerk limit alone is kept by every command") {
                    gave_way += out.status.has(Reason::jerk_exceeded);
                    altered += out.status.has(Reason::step_limited) || out.status.has(Reason::outside_limits);
                    for (std::size_t i = 0; i < 6; ++i)
-                     jerk = std::max(jerk, std::abs(out.command.acceleration[i] - last[i]) / 0.008);
-                   last = out.command.acceleration;
+                     jerk = std::max(jerk, std::abs(out.planned.acceleration[i] - last[i]) / 0.008);
+                   last = out.planned.acceleration;
                  }});
   CHECK(gave_way == 0);
   CHECK(altered == 0);  // the guard agrees
@@ -255,7 +255,7 @@ TEST_CASE("governor: a contact above its limit stops the arm, and only consent l
                    seen |= out.status;
                    slowed += out.status.has(Reason::contact_slowed);
                    speed = 0;
-                   for (const double u : out.command.velocity) speed = std::max(speed, std::abs(u));
+                   for (const double u : out.planned.velocity) speed = std::max(speed, std::abs(u));
                    const bool waits = out.status.has(Reason::consent_awaited);
                    if (t > 0.7 && t < 2) {
                      CHECK(waits);
@@ -317,15 +317,15 @@ TEST_CASE("governor: whatever bits come in, commands stay finite, within limits 
         continue;
       }
       for (std::size_t i = 0; i < 6; ++i) {
-        const double q = out.command.position[i], v = out.command.velocity[i];
+        const double q = out.planned.position[i], v = out.planned.velocity[i];
         bad += !(q >= limits.lower()[i] && q <= limits.upper()[i]);
         bad += !(std::abs(v) <= limits.velocity()[i] * 1.0001);
         steps += !(std::abs(v - last.velocity[i]) <= limits.acceleration()[i] * 0.0801);
         steps += !(std::abs(q - last.position[i]) <= limits.velocity()[i] * 0.0801);
       }
-      last = out.command;
+      last = out.planned;
       state.q = out.command.position;
-      state.dq = out.command.velocity;
+      state.dq = out.planned.velocity;
     }
   }
   CHECK(bad == 0);

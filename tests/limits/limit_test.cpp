@@ -68,8 +68,8 @@ std::pair<double, double> run(const Scene& scene, double nearest) {
     if constexpr (requires { input.around; }) input.around.time = input.now;
     input.nearest = nearest;
     const auto out = scene.step(*memory, input);
-    at.q = out.command.position, at.dq = out.command.velocity;
-    last = std::abs(out.command.velocity[0]);
+    at.q = out.planned.position, at.dq = out.planned.velocity;
+    last = std::abs(out.planned.velocity[0]);
     fastest = std::max(fastest, last);
   }
   return {fastest, last};

@@ -46,7 +46,7 @@ Recording<Scene> recorded_run(const Scene& scene, std::size_t bytes = std::size_
     input.request = k == 1200 ? CycleRequest::stop : k == 1300 ? CycleRequest::resume : CycleRequest::none;
     const auto before = guard.count();
     const auto out = scene.step(*memory, input);
-    recording.add(input, out.command);
+    recording.add(input, out.planned);
     allocated += guard.count() - before;
     robot.command(input.now, out.command.position);
   }
@@ -72,7 +72,7 @@ TEST_CASE("recording: the start of a robot that stands beside where it was told 
     input.now = k * 8ms;
     input.measured = drooping(robot.run_to(input.now));
     const auto out = scene.step(*memory, input);
-    recording.add(input, out.command);
+    recording.add(input, out.planned);
     robot.command(input.now, out.command.position);
   }
   const auto path = (std::filesystem::temp_directory_path() / "skinctl_recording_told_test.bin").string();
@@ -138,7 +138,7 @@ TEST_CASE("recording: a replay says how the recorded start and the first state d
     Scene::Input input;
     input.now = k * 8ms;
     input.measured = {input.now, home_position(), {}};
-    recording.add(input, scene.step(*memory, input).command);
+    recording.add(input, scene.step(*memory, input).planned);
   }
   const auto differs = replay(scene, recording);
   CHECK(differs.different == 98);

@@ -128,7 +128,7 @@ struct SmallScene {
     auto out = robot.step(memory, law, law_memory, measured, robot.interval(memory, now),
                           std::span<const Pushes<3, T>>(touches));
     SimulatedJoints<2>::Row row;
-    const auto stiff = Robot::stiff(out.command);
+    const auto stiff = part_of<typename Robot::Stiff>(out.command);
     for (std::size_t i = 0; i < 2; ++i)
       row[i] = double(I == Interface::position ? stiff.position[i] : stiff.velocity[i]);
     arm.command(seconds<double>(now), row);

@@ -65,12 +65,12 @@ Run held_up(const Scene& scene, std::uint64_t seed, Nanoseconds hold) {
     run.end = 0;
     for (std::size_t i = 0; i < 6; ++i) {
       const double d = out.command.position[i] - goal[i], a = start[i] - goal[i];
-      u = std::max(u, std::abs(out.command.velocity[i]));
+      u = std::max(u, std::abs(out.planned.velocity[i]));
       run.end = std::max(run.end, std::abs(d));
-      run.change = std::max(run.change, std::abs(out.command.velocity[i] - last.velocity[i]) / 0.008);
+      run.change = std::max(run.change, std::abs(out.planned.velocity[i] - last.velocity[i]) / 0.008);
       if (free) run.beyond = std::max(run.beyond, a > 0 ? -d : d);
     }
-    last = out.command;
+    last = out.planned;
     if (out.status.has(Reason::clearance_kept)) {
       run.kept += 0.008;
       if (first < 0ns) first = at.time;

@@ -72,8 +72,8 @@ Seen run(const Robot& arm, const L& law) {
     seen.limited += out.status.has(Reason::torque_limited);
     for (std::size_t i = 0; k > 1 && i < 6; ++i)
       seen.fastest = std::max(
-          seen.fastest, std::abs(out.command.torque[i] - last[i]) / (50 * 0.002 * arm.limits().torque()[i]));
-    last = out.command.torque;
+          seen.fastest, std::abs(out.planned.torque[i] - last[i]) / (50 * 0.002 * arm.limits().torque()[i]));
+    last = out.planned.torque;
   }
   return seen;
 }

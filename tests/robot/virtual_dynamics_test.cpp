@@ -41,7 +41,7 @@ std::pair<double, double> tracking_error(const SceneSettings& s, bool law_knows)
     }
     const auto out = scene.step(*memory, input);
     state.q = out.command.position;
-    state.dq = out.command.velocity;
+    state.dq = out.planned.velocity;
     const double r = std::min(1.0, (k - 1) * 0.008);
     const double spline = home[4] + 0.3 * r * r * r * (10 - 15 * r + 6 * r * r);
     last = std::abs(state.q[4] - spline);

@@ -76,9 +76,9 @@ class Run {
     asks_ = false;
     input.gripper = reported_[2];
     const auto out = cycle_.step(*memory_, input);
-    recording.add(input, out.command);
+    recording.add(input, out.planned);
     measured_.q = out.command.position;
-    measured_.dq = out.command.velocity;
+    measured_.dq = out.planned.velocity;
     move_fingers(out.gripper);
     return out;
   }

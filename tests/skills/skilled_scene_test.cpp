@@ -34,7 +34,7 @@ TEST_CASE(
     const AllocationGuard guard;
     const auto out = day.step();
     allocated += guard.count();
-    if (k < (sanitized ? 5'000 : 20'000)) recording.add(day.last(), out.command);
+    if (k < (sanitized ? 5'000 : 20'000)) recording.add(day.last(), out.planned);
     integrals = std::max(integrals, day.integrals());
     bad += !out.command.valid;
     changes += day.memory().law.skill != skill;

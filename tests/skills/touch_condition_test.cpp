@@ -73,7 +73,7 @@ TEST_CASE("SkillSet: waits for a contact on a region, with a force and for a tim
       input.now = now, input.measured = state, input.measured.time = now, input.samples = samples;
       if (ask) input.goal = Set::start_skill<Wait>(), ask = false;
       const auto out = scene.step(*m, input);
-      state.q = out.command.position, state.dq = out.command.velocity;
+      state.q = out.planned.position, state.dq = out.planned.velocity;
     }
     return std::string(set.now(m->law).name);
   };

@@ -104,7 +104,7 @@ struct Run {
     const AllocationGuard guard;
     out = scene.step(memory, input);
     allocated += guard.count();
-    plant.command(out.command);
+    plant.command(out.planned);
     seen |= out.status;
     return out;
   }

@@ -144,7 +144,7 @@ TEST_CASE("ContactSkin: limits of a scene see each side of a squeezed arm, and e
       input.samples = samples;
       const auto out = scene.step(*m, input);
       seen |= out.status;
-      state.q = out.command.position, state.dq = out.command.velocity;
+      state.q = out.planned.position, state.dq = out.planned.velocity;
     }
     return seen.has(Reason::contact_force);
   };

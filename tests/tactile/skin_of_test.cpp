@@ -198,10 +198,10 @@ TEST_CASE("SkinOf: a scene takes it in place of a Skin") {
     const auto same_out = loose.step(*b, other);
     for (std::size_t j = 0; j < 6; ++j) {
       equal = equal && out.command.position[j] == same_out.command.position[j];
-      moved = std::max(moved, std::abs(out.command.velocity[j]));
+      moved = std::max(moved, std::abs(out.planned.velocity[j]));
     }
     state.q = out.command.position;
-    state.dq = out.command.velocity;
+    state.dq = out.planned.velocity;
   }
   CHECK(equal);
   CHECK(moved > 1e-4);

@@ -114,9 +114,9 @@ TEST_CASE(
       input.samples = samples;
       input.sensed.patch_weights.proximity = {proximity, proximity};
       const auto out = cycle.step(*memory, input);
-      recording.add(input, out.command);
+      recording.add(input, out.planned);
       x.q = out.command.position;
-      x.dq = out.command.velocity;
+      x.dq = out.planned.velocity;
     }
     double way = 0;
     for (std::size_t i = 0; i < 6; ++i) way = std::max(way, std::abs(x.q[i] - from[i]));

@@ -286,7 +286,7 @@ class LedArm {
     input.measured = measured_;
     input.sensed.wrenches = samples;
     const auto out = scene_.step(*memory_, input);
-    recorded(input, out.command);
+    recorded(input, out.planned);
     joints_.command(seconds<double>(measured_.time), std::to_array(out.command.position.data));
     return out.status;
   }

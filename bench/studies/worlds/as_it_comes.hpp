@@ -210,7 +210,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     waits = asks ? waits + seconds<double>(c.period) : 0;
     if (asks && out.asked_at < 0) out.asked_at = t;
     for (std::size_t i = 0; i < 6; ++i)
-      sent[i] = c.interface == Interface::position ? result.command.position[i] : result.command.velocity[i];
+      sent[i] = c.interface == Interface::position ? result.planned.position[i] : result.planned.velocity[i];
     joints.command(settled + t, sent);
     trace(t, joints, result, forces);
   }

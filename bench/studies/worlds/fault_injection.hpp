@@ -223,12 +223,12 @@ class FaultInjection {
       if (watch) watch(k, faulty, out);
       how = How::not_at_all;
       Skills::torque_added = 0;
-      if (twin) fits.left_out &= same(scene_.step(*twin_, twin_input).command, out.command);
+      if (twin) fits.left_out &= same(scene_.step(*twin_, twin_input).planned, out.planned);
       if (!faulty) last_good = input.measured;
       skin_torque = {};
       for (std::size_t i = 0; i < Skills::Fusion::terms; ++i)
         if (Skills::Fusion::roles[i] == LawRole::reactive) skin_torque += out.shares[i];
-      if (input.now > last.time) check_limits(last, out.command, input.now, sum);
+      if (input.now > last.time) check_limits(last, out.planned, input.now, sum);
 
       const bool here = out.status.has(f.reason);
       // A blocked virtual robot ignores its laws, and a robot slowed by contact limits does not leap.
@@ -238,13 +238,13 @@ class FaultInjection {
       const bool waits = out.status.has(Reason::consent_awaited);
       // The resolver reports `state_stale` earlier, and brakes in its own way.
       if (here && faulty && (f.reason != Reason::state_stale || k - from > 27))
-        fits.look(*this, last, out.command, input.now, k - from, input.measured);
-      if (k > over && k < resumed) fits.stop &= waits && at_rest(out.command, k > over + 23, input.measured);
+        fits.look(*this, last, out.planned, input.now, k - from, input.measured);
+      if (k > over && k < resumed) fits.stop &= waits && at_rest(out.planned, k > over + 23, input.measured);
       if (!latches) awaited |= waits;
       if (k > resumed + 1) sum.came_back &= !waits;
       calm |= k > resumed && (!out.status.has(f.reason) || f.reason == Reason::sample_stale);
-      last = out.command;
-      plant.command(now, out.command);
+      last = out.planned;
+      plant.command(now, out.planned);
     }
     const auto& law = memory_->law;
     const std::uint8_t next = scene_.law().skill(skill).next;

@@ -90,7 +90,7 @@ class Driver {
     return Heard::state;
   }
 
-  bool send(const skinctl::JointCommand<16>& command) noexcept {
+  bool send(const skinctl::TorqueCommand<16>& command) noexcept {
     if (!running_) return false;
     sent_ = scale_.encode(command.torque);
     if (link_.send(sent_)) return true;

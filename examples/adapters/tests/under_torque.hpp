@@ -37,7 +37,7 @@ class Arm {
   }
   /// Sends the torque and waits for the next state.
   bool step(const JointTorque<6>& torque) {
-    JointCommand<6> command;
+    TorqueCommand<6> command;
     command.torque = torque;
     return driver_.send(command) && driver_.wait(state) != Heard::lost;
   }

@@ -38,7 +38,7 @@ DriverConfig driver_config(const SimulatedUr5& robot) {
 /// Holds the arm where it is for so many cycles; the last state.
 Heard hold(Driver& driver, int cycles) {
   skinctl::State<6> state;
-  skinctl::JointCommand<6> command;
+  skinctl::PositionCommand<6> command;
   Heard heard = Heard::state;
   for (int k = 0; k < cycles && heard != Heard::lost; ++k) {
     heard = driver.wait(state);

@@ -62,7 +62,16 @@ class Driver {
   void connect();
 
   skinctl::Heard wait(skinctl::State<6>& state) noexcept;
-  bool send(const skinctl::JointCommand<6>& command) noexcept;
+  /// A command of the interface that the configuration names; false for another.
+  bool send(const skinctl::PositionCommand<6>& c) noexcept {
+    return send(skinctl::Interface::position, c.position.data);
+  }
+  bool send(const skinctl::VelocityCommand<6>& c) noexcept {
+    return send(skinctl::Interface::velocity, c.velocity.data);
+  }
+  bool send(const skinctl::TorqueCommand<6>& c) noexcept {
+    return send(skinctl::Interface::torque, c.torque.data);
+  }
   void stop() noexcept;
   /// Where the arm was told to be at the newest report: a droop or an offset of the encoders lies between this
   /// and the measured position.
@@ -96,6 +105,7 @@ class Driver {
   void unlock_protective_stop();
 
  private:
+  bool send(skinctl::Interface interface, const double (&numbers)[6]) noexcept;
   void power_up();
   void refresh();
   void act(const char* dashboard_command, const char* rest_action);

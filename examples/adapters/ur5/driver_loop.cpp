@@ -141,15 +141,13 @@ skinctl::Nanoseconds Driver::clock() const noexcept {
   return skinctl::nanoseconds(report_.timestamp * 1e-3) * 1000;
 }
 
-bool Driver::send(const skinctl::JointCommand<6>& command) noexcept {
+bool Driver::send(skinctl::Interface interface, const double (&numbers)[6]) noexcept {
+  if (interface != config_.interface) return false;
   std::int32_t how = mode::servoj;
-  if (config_.interface == Interface::velocity) how = mode::speedj;
-  if (config_.interface == Interface::torque) how = mode::torque;
+  if (interface == Interface::velocity) how = mode::speedj;
+  if (interface == Interface::torque) how = mode::torque;
   sent_before_ = sent_;
-  for (std::size_t i = 0; i < 6; ++i)
-    sent_[i] = how == mode::servoj   ? command.position[i]
-               : how == mode::speedj ? command.velocity[i]
-                                     : command.torque[i];
+  std::copy(std::begin(numbers), std::end(numbers), sent_.begin());
   const auto patience = static_cast<std::int32_t>(config_.robot_patience.count());
   if (reverse_.write(message(patience, sent_, how), Timeout(20))) return true;
   // A program that has ended closes the socket, and the states may not have told yet why.

@@ -49,7 +49,7 @@ struct Driver {
     state = arm.state;
     return Heard::state;
   }
-  bool send(const JointCommand<6>& command) noexcept {
+  bool send(const PositionCommand<6>& command) noexcept {
     commands.push_back(command.position);
     arm.follow(command.position);
     return true;

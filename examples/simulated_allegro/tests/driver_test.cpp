@@ -38,8 +38,8 @@ HandOptions options(Generation g) {
 }
 constexpr DriverOptions patient{.give_up = adapters::Timeout(2000)};
 
-skinctl::JointCommand<16> command(const skinctl::JointTorque<16>& tau) {
-  skinctl::JointCommand<16> c;
+skinctl::TorqueCommand<16> command(const skinctl::JointTorque<16>& tau) {
+  skinctl::TorqueCommand<16> c;
   c.valid = true;
   c.torque = tau;
   return c;

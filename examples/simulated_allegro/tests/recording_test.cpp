@@ -88,7 +88,7 @@ TEST_CASE("A real hand's joints: positions to the step, velocities as they are s
     }
     skinctl::State<16> state;
     REQUIRE(driver.wait(state) == Heard::state);
-    skinctl::JointCommand<16> still;
+    skinctl::TorqueCommand<16> still;
     still.valid = true;
     REQUIRE(driver.send(still));
     for (int k = 0; k < 4; ++k) REQUIRE(hand.read(f, far) == adapters::Read::some);

@@ -95,7 +95,7 @@ void inside(const fs::path& modules) {
     for (int k = 0; k < 300; ++k) {
       if (driver.wait(state) != skinctl::Heard::state)
         throw std::runtime_error("no state: " + driver.error());
-      skinctl::JointCommand<16> c;
+      skinctl::TorqueCommand<16> c;
       c.valid = true;
       for (std::size_t i = 0; i < 16; ++i) c.torque[i] = 0.6 * (0.4 - state.q[i]);
       if (!driver.send(c)) throw std::runtime_error("not sent: " + driver.error());

@@ -1,4 +1,4 @@
-// The command for a robot: one number per joint, for one of three interfaces.
+// Commands: what leaves for a robot, and the motion and torque behind it.
 #pragma once
 
 #include "skinctl/core/detail/row.hpp"
@@ -14,12 +14,8 @@ enum class Interface : unsigned char {
   torque     ///< `torque`, held until the next command
 };
 
-/// A command at `time`. `position`, `velocity` and `acceleration` describe the commanded motion for every
-/// interface, so that a robot may take the others as feed-forward; `torque` is the fused torque, beside a motion the
-/// last finite one.
-///
-/// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet, or it
-/// shows the robot elsewhere than where it was started.
+/// What a cycle has planned for `time`, between its stages and for those who watch: the commanded motion, whatever the
+/// interface, and the fused torque, beside a motion the last finite one. A robot gets a `RobotCommand`.
 template <std::size_t N, Real T = double>
 struct JointCommand {
   Nanoseconds time{};
@@ -48,5 +44,53 @@ struct JointCommand {
             JointTorque<N, T>(Row(torque))};
   }
 };
+
+namespace detail {
+template <std::size_t N, Real T, Interface I>
+struct CommandedNumbers;
+template <std::size_t N, Real T>
+struct CommandedNumbers<N, T, Interface::position> {
+  JointPosition<N, T> position;  ///< [rad], [m]
+  SKINCTL_INLINE explicit CommandedNumbers(const JointCommand<N, T>& c) noexcept
+      : position(Row<N, T>(c.position)) {}
+  CommandedNumbers() = default;
+};
+template <std::size_t N, Real T>
+struct CommandedNumbers<N, T, Interface::velocity> {
+  JointVelocity<N, T> velocity;  ///< [rad/s], [m/s]
+  SKINCTL_INLINE explicit CommandedNumbers(const JointCommand<N, T>& c) noexcept
+      : velocity(Row<N, T>(c.velocity)) {}
+  CommandedNumbers() = default;
+};
+template <std::size_t N, Real T>
+struct CommandedNumbers<N, T, Interface::torque> {
+  JointTorque<N, T> torque;  ///< [N m], [N]
+  SKINCTL_INLINE explicit CommandedNumbers(const JointCommand<N, T>& c) noexcept
+      : torque(Row<N, T>(c.torque)) {}
+  CommandedNumbers() = default;
+};
+}  // namespace detail
+
+/// The command that a robot is sent: the numbers that its interfaces take, in members `position`, `velocity`, `torque`,
+/// and no others: what no limit has judged cannot be sent. Of a robot in groups, N counts all its joints:
+/// `Resolver::stiff(command)`, `Resolver::torque(command)` and `part_of<Set>(command)` are the parts for its devices.
+///
+/// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet, or it
+/// shows the robot elsewhere than where it was started.
+template <std::size_t N, Real T, Interface... I>
+struct RobotCommand : detail::CommandedNumbers<N, T, I>... {
+  Nanoseconds time{};
+  bool valid = false;
+
+  RobotCommand() = default;
+  SKINCTL_INLINE explicit RobotCommand(const JointCommand<N, T>& planned) noexcept
+      : detail::CommandedNumbers<N, T, I>(planned)..., time(planned.time), valid(planned.valid) {}
+};
+template <std::size_t N, Real T = double>
+using PositionCommand = RobotCommand<N, T, Interface::position>;
+template <std::size_t N, Real T = double>
+using VelocityCommand = RobotCommand<N, T, Interface::velocity>;
+template <std::size_t N, Real T = double>
+using TorqueCommand = RobotCommand<N, T, Interface::torque>;
 
 SKINCTL_END_NAMESPACE

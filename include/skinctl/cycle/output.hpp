@@ -10,9 +10,11 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The output of one cycle.
-template <std::size_t N, Scalar T, std::size_t Terms, class Gripper = NoGripper>
+/// @tparam Command  a `RobotCommand`.
+template <class Command, std::size_t N, Scalar T, std::size_t Terms, class Gripper = NoGripper>
 struct CycleOutput {
-  JointCommand<N, T> command;                   ///< the command to send, if it is valid
+  Command command;                              ///< what the robot is sent, if it is valid
+  JointCommand<N, T> planned;                   ///< the motion and torque behind it, to look at
   Status status;                                ///< reasons for limits, holds and refusals
   std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
   [[no_unique_address]] Gripper gripper{};      ///< what the gripper is asked for, where the law has one
@@ -21,7 +23,7 @@ struct CycleOutput {
   /// Each member once: GCC would zero all of them before they are written, by an instruction that starts slowly.
   SKINCTL_INLINE CycleOutput(const JointCommand<N, T>& given, Status found,
                              const std::array<JointTorque<N, T>, Terms>& parts) noexcept
-      : command(given.copy()), status(found), shares(parts) {}
+      : command(given), planned(given.copy()), status(found), shares(parts) {}
 };
 
 SKINCTL_END_NAMESPACE

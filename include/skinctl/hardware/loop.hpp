@@ -91,8 +91,8 @@ concept TellsPosition = requires(const C& cycle, typename C::Memory& memory, con
 template <class C, class Robot, class Source, class Before, class After, class... Recorders>
 LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot, Source& skin,
                        const LoopOptions& options, Before&& before, After&& after, Recorders&... recorders) {
-  static_assert(RobotDriver<Robot, C::joints, typename C::scalar>,
-                "a robot has wait, send and stop: see RobotDriver");
+  static_assert(RobotDriver<Robot, decltype(C::Output::command), C::joints, typename C::scalar>,
+                "a robot has wait, stop, and send for the interface of the scene: see RobotDriver");
   static_assert(SkinSource<Source>, "a skin has poll: see SkinSource");
   LoopReport<C> report;
   report.worst = std::make_unique<typename LoopReport<C>::Worst>();

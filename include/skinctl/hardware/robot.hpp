@@ -29,8 +29,10 @@ enum class Heard : unsigned char {
 /// - `told()`, optional, is where the robot's controller was told to be at the newest state. The loop asks a robot
 ///   by position for it once, at its start, so that a servo that droops does not step.
 /// - `stop()` brings the robot to rest by its own means; it must work at any time and not throw.
-template <class R, std::size_t N, class T>
-concept RobotDriver = requires(R& robot, State<N, T>& state, const JointCommand<N, T>& command) {
+///
+/// @tparam Command  what the scene sends: a `RobotCommand`.
+template <class R, class Command, std::size_t N, class T>
+concept RobotDriver = requires(R& robot, State<N, T>& state, const Command& command) {
   { robot.wait(state) } noexcept -> std::same_as<Heard>;
   { robot.send(command) } noexcept -> std::same_as<bool>;
   { robot.stop() } noexcept;

@@ -61,7 +61,7 @@ class CycleHandOver {
       for (std::size_t i = 0; i < C::joints; ++i) head.shares[k * C::joints + i] = out.shares[k][i];
     detail::BytePlace place(room.data());
     place.put(&head, sizeof head);
-    Format::write(place, input, out.command);
+    Format::write(place, input, out.planned);
     ring_.publish(place.size());
   }
 

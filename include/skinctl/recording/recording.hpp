@@ -50,7 +50,7 @@ class Recording {
   /// The same as `run_loop` hands a cycle over.
   template <class Output, class Watch>
   void operator()(const Input& input, const Output& output, const Watch&) noexcept {
-    add(input, output.command);
+    add(input, output.planned);
   }
   /// The start from bytes that `CycleBytes` wrote. Discards the earlier recording; false, and nothing is left of it,
   /// for bytes that are no start.
@@ -221,7 +221,7 @@ template <class C>
       }
     }
     const auto out = cycle.step(*memory, input);
-    if (!same_bits(out.command, command) && result.different++ == 0) result.first_different = result.cycles;
+    if (!same_bits(out.planned, command) && result.different++ == 0) result.first_different = result.cycles;
     ++result.cycles;
   });
   return result;

@@ -115,12 +115,18 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
       : Resolver(model, std::tuple(JointGroup<Base::interface, joints_between(0, joints), T>{configuration}),
                  keeper, tool) {}
 
+  using Sent = typename Base::Sent;
   /// The command of the stiff joints.
-  [[nodiscard]] static JointCommand<Stiff::count, T> stiff(const JointCommand<joints, T>& c) noexcept {
-    return part_of<Stiff>(c);
+  [[nodiscard]] static auto stiff(const Sent& c) noexcept {
+    typename detail::CommandOf<Stiff::count, T, Sets::template has<Interface::position>,
+                               Sets::template has<Interface::velocity>, false>::type out;
+    detail::take_part<Stiff>(c, out);
+    return out;
   }
   /// The command of the driven joints [N m].
-  [[nodiscard]] static JointTorque<Driven::count, T> torque(const JointCommand<joints, T>& c) noexcept {
+  [[nodiscard]] static JointTorque<Driven::count, T> torque(const Sent& c) noexcept
+    requires has_driven
+  {
     return Driven::of(c.torque);
   }
 

@@ -68,6 +68,9 @@ struct JointGroups {
   /// The groups of the stiff joints, and those of the driven ones, in tuples.
   using StiffGroups = decltype(detail::those_of<detail::IsStiffGroup>(std::declval<const Groups&>()...));
   using DrivenGroups = decltype(detail::those_of<detail::IsDrivenGroup>(std::declval<const Groups&>()...));
+
+  template <Interface I>
+  static constexpr bool has = ((Groups::interface == I) || ...);
 };
 
 /// The elements of `whole` that belong to the joints of `Subset`.
@@ -92,6 +95,51 @@ SKINCTL_INLINE void put_part(const JointCommand<Subset::count, T>& from, JointCo
   Subset::put(from.velocity, whole.velocity);
   Subset::put(from.acceleration, whole.acceleration);
   Subset::put(from.torque, whole.torque);
+}
+
+namespace detail {
+/// The command of joints with some interfaces, in one order.
+template <std::size_t N, Real T, bool Position, bool Velocity, bool Torque>
+struct CommandOf {
+  template <Interface... I>
+  struct List {};
+  template <Interface... I, Interface... J>
+  static List<I..., J...> both(List<I...>, List<J...>);
+  template <bool Has, Interface I>
+  using If = std::conditional_t<Has, List<I>, List<>>;
+  template <Interface... I>
+  static RobotCommand<N, T, I...> command(List<I...>);
+  using type =
+      decltype(command(both(both(If<Position, Interface::position>{}, If<Velocity, Interface::velocity>{}),
+                            If<Torque, Interface::torque>{})));
+};
+template <class Subset, std::size_t N, Real T, Interface I, class Out>
+SKINCTL_INLINE void take_numbers(const CommandedNumbers<N, T, I>& whole, Out& out) noexcept {
+  if constexpr (I == Interface::position) {
+    out.position = Subset::of(whole.position);
+  } else if constexpr (I == Interface::velocity) {
+    out.velocity = Subset::of(whole.velocity);
+  } else {
+    out.torque = Subset::of(whole.torque);
+  }
+}
+/// The numbers of the interfaces `I` of the joints of `Subset`.
+template <class Subset, std::size_t N, Real T, Interface... J, Interface... I>
+SKINCTL_INLINE void take_part(const RobotCommand<N, T, J...>& whole,
+                              RobotCommand<Subset::count, T, I...>& out) noexcept {
+  out.time = whole.time;
+  out.valid = whole.valid;
+  (take_numbers<Subset, N, T, I>(whole, out), ...);
+}
+}  // namespace detail
+
+/// The part of a robot's command for the joints of `Subset`.
+template <class Subset, std::size_t N, Real T, Interface... I>
+[[nodiscard]] SKINCTL_INLINE RobotCommand<Subset::count, T, I...> part_of(
+    const RobotCommand<N, T, I...>& whole) noexcept {
+  RobotCommand<Subset::count, T, I...> out;
+  detail::take_part<Subset>(whole, out);
+  return out;
 }
 
 /// The joints `Set` take positions.

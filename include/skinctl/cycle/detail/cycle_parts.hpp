@@ -46,8 +46,8 @@ class CycleParts {
   using Input = typename WithInputs<
       CycleInput<joints, scalar, Goal, Sensed, std::conditional_t<has_gripper, GripperState, NoGripper>>,
       Governor>::type;
-  using Output =
-      CycleOutput<joints, scalar, terms_of<L>, std::conditional_t<has_gripper, GripperCommand, NoGripper>>;
+  using Output = CycleOutput<typename Resolver::Sent, joints, scalar, terms_of<L>,
+                             std::conditional_t<has_gripper, GripperCommand, NoGripper>>;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
   static constexpr bool watches_contacts = detail::watches_contacts<Resolver> || Governor::reads_touch;

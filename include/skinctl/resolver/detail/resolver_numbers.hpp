@@ -41,6 +41,9 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   using scalar = T;
   using Configuration = RobotConfiguration<joints, T>;
   using JointSets = Sets;
+  /// What this robot is sent.
+  using Sent = typename CommandOf<joints, T, Sets::template has<Interface::position>,
+                                  Sets::template has<Interface::velocity>, has_driven>::type;
   using Memory = ResolverMemory<joints, T, Sets, History, Keeper>;
   static constexpr bool one_group = Memory::one_group;
   static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
