@@ -15,7 +15,6 @@
 #include "skinctl/core/known.hpp"
 #include "skinctl/core/lane.hpp"
 #include "skinctl/core/measurement.hpp"
-#include "skinctl/core/needs.hpp"
 #include "skinctl/core/real.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/core/state.hpp"

@@ -75,7 +75,7 @@ TEST_CASE("SkillSet: waits for a contact on a region, with a force and for a tim
       const auto out = scene.step(*m, input);
       state.q = out.command.position, state.dq = out.command.velocity;
     }
-    return std::string(set.now(m->law).name);
+    return std::string(set.active(m->law).name);
   };
   CHECK(run(0, 0, 0.1) == "rest");
   CHECK(run(0, 0, 0.4, true) == "wait");

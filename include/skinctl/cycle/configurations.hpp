@@ -232,7 +232,7 @@ class Configurations {
                     mass_ratio(told->resolver().model(), real->resolver().model(), shape.inertia);
                 ratio > terms.mass_ratio)
               terms.mass_ratio = ratio;
-          if constexpr (requires { told->law().check_for(terms); }) told->law().check_for(terms);
+          LawTable<typename C::law_type>::check_for(told->law(), terms);
         }
       }
     }

@@ -6,6 +6,7 @@
 #include "skinctl/core/gripper.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
+#include "skinctl/law/law_table.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/sample_span.hpp"
 #include "skinctl/tactile/touch.hpp"
@@ -18,9 +19,6 @@ enum class CycleRequest : unsigned char {
   stop,   ///< brake and hold, until `resume`
   resume  ///< go on after a stop, also where the guard waits for consent; after `start_refused`: start here
 };
-
-/// No law of the scene takes goals.
-struct NoGoal {};
 
 /// The input of one cycle. Any bit pattern is allowed in it: unusable values are refused with a reason.
 /// @tparam Sensed  what the sensors of the scene read besides cells, such as `WristInput`.

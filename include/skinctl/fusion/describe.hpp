@@ -42,12 +42,8 @@ class LawText {
 namespace detail {
 template <class L>
 void describe_to(LawText& out, const L&) noexcept {
-  if constexpr (is_gated<L>) out << (L::gate == TouchGate::touched ? "touched: " : "untouched: ");
-  if constexpr (requires { std::string_view(L::name); }) {
-    out << L::name;
-  } else {
-    out << "law";
-  }
+  if constexpr (LawTable<L>::is_gated) out << (L::gate == TouchGate::touched ? "touched: " : "untouched: ");
+  out << LawTable<L>::name;
 }
 template <std::size_t Link, class A, class B>
 void describe_to(LawText& out, const NullSpace<Link, A, B>& law) noexcept {

@@ -39,10 +39,10 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   static_assert(First::role == LawRole::tracking && Second::role != LawRole::gravity);
   static constexpr LawRole role = LawRole::tracking;
   static constexpr bool compensates_friction =
-      detail::compensates_friction<First> || detail::compensates_friction<Second>;
+      LawTable<First>::compensates_friction || LawTable<Second>::compensates_friction;
   static constexpr Needs needs =
       First::needs | Second::needs |
-      Needs{.jacobians = link_bit<Link_>, .gravity = detail::is_in_parts<First>, .mass_factors = true};
+      Needs{.jacobians = link_bit<Link_>, .gravity = LawTable<First>::lacks_gravity, .mass_factors = true};
   struct Memory {
     [[no_unique_address]] typename First::Memory first;
     [[no_unique_address]] typename Second::Memory second;
@@ -59,8 +59,8 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   /// Throws `ConfigurationError` where a law's settings are not those of the robot.
   template <class Terms>
   void check_for(const Terms& robot) const {
-    detail::check_law_for(first_, robot);
-    detail::check_law_for(second_, robot);
+    LawTable<First>::check_for(first_, robot);
+    LawTable<Second>::check_for(second_, robot);
   }
 
   template <class K>
@@ -70,7 +70,7 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   template <class K, class G>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known, const G& goal) const noexcept {
     Received<Memory> out{memory, {}};
-    if constexpr (requires { first_.receive(memory.first, known, goal); }) {
+    if constexpr (detail::Receives<First, K, G>) {
       const auto answer = follow_or_receive(first_, memory.first, known, goal);
       out.memory.first = answer.memory;
       out.status = answer.status;

@@ -79,7 +79,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
     return static_cast<std::uint8_t>(i);
   }
   /// The active skill, or the one to which the torque changes over.
-  [[nodiscard]] const Skill<controllers>& now(const Memory& m) const noexcept { return skills_[m.skill]; }
+  [[nodiscard]] const Skill<controllers>& active(const Memory& m) const noexcept { return skills_[m.skill]; }
   /// The commanded values of the discrete controls.
   [[nodiscard]] static const SkillSwitches& commanded(const Memory& m) noexcept { return m.commanded; }
 

@@ -1,8 +1,8 @@
 // The space in which Joint Control tracks: the joints themselves.
 #pragma once
 
-#include "skinctl/core/needs.hpp"
 #include "skinctl/core/status.hpp"
+#include "skinctl/law/needs.hpp"
 #include "skinctl/tracking/sliding_surface.hpp"
 #include "skinctl/trajectory/plan_clock.hpp"
 
@@ -18,7 +18,8 @@ struct JointGoal {
 /// The joints as the coordinates of a tracking law: the members that `Tracking` uses of a space, at no cost.
 ///
 /// A space has `joints` and `coordinates`, `Settings` (from which `tracking` picks the gains), a `Memory` of
-/// its own, `needs`, and `brief`: whether its surface costs so little that a call would show. For plans:
+/// its own, `needs`, `of_joints`: whether its coordinates are the joints, and `brief`: whether its surface costs so little
+/// that a call would show. For plans:
 /// - `Where`, `where`, `place`: a place, that of a state, that of a goal;
 /// - goals and their `shortest_time`, a `spline`;
 /// - `ahead` and `slow`: a reference later, and with its time slowed down; `stands`: whether it is at rest;
@@ -44,6 +45,7 @@ class JointSpace {
   static constexpr std::size_t coordinates = N;
   static constexpr Needs needs = {};
   static constexpr bool brief = true;
+  static constexpr bool of_joints = true;
   using scalar = T;
   using Settings = JointControlSettings<N, T>;
   template <class Robot>

@@ -34,6 +34,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   using Targets::coordinates;
   static constexpr Needs needs = {.jacobians = link_bit<I>};
   static constexpr bool brief = false;
+  static constexpr bool of_joints = false;
   using scalar = T;
   using Placement = Transform<Link<I>, P, T>;  ///< of the frame in its link
   using typename Targets::Errors;

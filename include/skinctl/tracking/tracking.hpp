@@ -128,17 +128,19 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
 
   /// The next sample of a target that moves smoothly: time base, surface and integrals go on. A sample is a
   /// new goal if it is further from the extrapolation of the last one than the largest speed covers in an
-  /// interval.
+  /// interval. A plan to a goal takes it as one.
   template <class K>
-  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known, const Goal& goal) const noexcept
-    requires(Plan::streams)
-  {
-    if (!detail::within_limits(known, goal) || !memory.plan.leads_to(goal, settings_))
-      return receive(memory, known, goal);
-    const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
-    Received<Memory> out{memory, planned.status};
-    out.memory.plan = planned.memory;
-    return out;
+  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known,
+                                        const Goal& goal) const noexcept {
+    if constexpr (Plan::streams) {
+      if (detail::within_limits(known, goal) && memory.plan.leads_to(goal, settings_)) {
+        const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
+        Received<Memory> out{memory, planned.status};
+        out.memory.plan = planned.memory;
+        return out;
+      }
+    }
+    return receive(memory, known, goal);
   }
 
   using Reset::now;

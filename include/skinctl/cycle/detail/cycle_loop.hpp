@@ -162,7 +162,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     m.skin = skin_.start(measured.time);
     m.guard = guard_.start(m.robot.command(), measured);
     m.governor = {};
-    if constexpr (StartsBlank<L>) {
+    if constexpr (LawTable<L>::starts_blank) {
       m.law = {};
     } else {
       const auto state = resolver_.state(m.robot);

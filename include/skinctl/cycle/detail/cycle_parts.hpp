@@ -40,7 +40,7 @@ class CycleParts {
   static constexpr std::size_t joints = Resolver::joints;
   using scalar = typename Resolver::scalar;
   using law_type = L;
-  using Goal = typename GoalType<L>::type;
+  using Goal = typename LawTable<L>::Goal;
   using Sensed = typename TouchTable<Skin>::Sensed;
   static constexpr bool has_gripper = detail::has_gripper<L>;
   using Input = typename WithInputs<

@@ -173,15 +173,6 @@ SKINCTL_INLINE Status receive_touch(const Skin& skin, typename Skin::Memory& mem
       skin, memory, TouchGiven{input.samples, input.sensed, state, interval.from, interval.to, parts},
       touches);
 }
-template <class L>
-struct GoalType {
-  using type = NoGoal;
-};
-template <class L>
-  requires requires { typename L::Goal; }
-struct GoalType<L> {
-  using type = typename L::Goal;
-};
 struct SkinBehindLaw {};
 /// The configuration is that of the last cycle.
 struct NoChange {
@@ -208,50 +199,29 @@ using ResolverFor = decltype(as_resolver(std::declval<const R&>()));
 template <class S>
 concept SkinLike = MeantAsTouch<S>;
 
-/// Whether a law compensates gravity: by a gravity law, or within `Y_r Theta`.
-template <class L>
-inline constexpr bool holds_gravity = [] {
-  if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws > 0 || L::role == LawRole::tracking;
-  } else {
-    return L::role != LawRole::reactive;
-  }
-}();
-/// Whether a gravity law is loaded that cannot leave gravity to the robot.
-template <class L>
-inline constexpr bool has_gravity_law = [] {
-  if constexpr (requires { L::complete_sum; }) {
-    return false;  // skills: their rows name the controller; without weight it gives zero
-  } else if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws > 0;
-  } else {
-    return L::role == LawRole::gravity;
-  }
-}();
-template <class L>
-inline constexpr bool law_compensates_friction = requires { requires L::compensates_friction; };
-
 /// Compares the robot's description with the law, at compile time: who compensates gravity and friction.
 template <class Robot, class L>
 constexpr void check_holders() {
   if constexpr (requires { Robot::robot_holds_gravity; }) {
-    static_assert(!Robot::robot_holds_gravity || !has_gravity_law<L>,
+    // Skills name the controller in their rows: without weight it gives zero.
+    constexpr bool has_gravity_law = LawTable<L>::gravity_laws > 0 && !LawTable<L>::is_complete_sum;
+    static_assert(!Robot::robot_holds_gravity || !has_gravity_law,
                   "gravity twice: the robot holds it, and so does the law: leave GravityControl out");
-    static_assert(Robot::robot_holds_gravity || holds_gravity<L>,
+    static_assert(Robot::robot_holds_gravity || LawTable<L>::holds_gravity,
                   "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
     if constexpr (Robot::interface == Interface::torque) {
       static_assert(
-          !(Robot::robot_compensates_friction && law_compensates_friction<L>),
+          !(Robot::robot_compensates_friction && LawTable<L>::compensates_friction),
           "friction twice: the robot compensates it, and so does the law: leave FrictionControl out");
-      static_assert(!(Robot::friction_uncompensated && law_compensates_friction<L>),
+      static_assert(!(Robot::friction_uncompensated && LawTable<L>::compensates_friction),
                     "friction: described as uncompensated, and a law compensates it: leave one of them out");
-      static_assert(
-          Robot::robot_compensates_friction || Robot::friction_uncompensated || law_compensates_friction<L>,
-          "friction nowhere: describe RobotCompensatesFriction or FrictionUncompensated, or add "
-          "FrictionControl");
+      static_assert(Robot::robot_compensates_friction || Robot::friction_uncompensated ||
+                        LawTable<L>::compensates_friction,
+                    "friction nowhere: describe RobotCompensatesFriction or FrictionUncompensated, or add "
+                    "FrictionControl");
     }
   } else {
-    static_assert(holds_gravity<L>, "gravity nowhere: add GravityControl to the law");
+    static_assert(LawTable<L>::holds_gravity, "gravity nowhere: add GravityControl to the law");
   }
 }
 /// Compares the law's settings with the robot's description; throws `ConfigurationError` with both numbers.
@@ -260,7 +230,7 @@ SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
   if constexpr (requires { robot.virtual_dynamics(); }) {
     const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics(),
                                                                 robot.loop_delay()};
-    if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
+    LawTable<L>::check_for(law, terms);
   }
 }
 /// Checks that the stiffest contact that a description names comes to rest on this skin.
