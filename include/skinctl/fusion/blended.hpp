@@ -124,6 +124,17 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...> {
     return out;
   }
 
+  /// The reasons of all laws that have a share, an opposition that lasts, and a change of weights.
+  [[nodiscard]] Status status(const Memory& memory) const noexcept {
+    Status out;
+    detail::each_index<terms>([&](auto i) {
+      if (loaded(memory, i))
+        out |= status_of(this->template law<i.value>(), detail::memory_of<i.value>(memory.laws));
+    });
+    if (memory.opposition.opposed) out |= Reason::opposed;
+    if (moves(memory)) out |= Reason::bumpless_transfer;
+    return out;
+  }
   /// The weights are constant, and all laws that have a share are settled.
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known,

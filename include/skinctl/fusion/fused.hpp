@@ -150,6 +150,13 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       const Memory& memory, const K& known) const noexcept {
     return evaluate(memory, known, known.dt()).torque;
   }
+  /// The reasons of all of its laws, and an opposition that lasts.
+  [[nodiscard]] Status status(const Memory& memory) const noexcept {
+    Status out;
+    each([&](auto i, const auto& law) { out |= status_of(law, detail::memory_of<i.value>(memory.laws)); });
+    if (memory.opposition.opposed) out |= Reason::opposed;
+    return out;
+  }
   /// All of its laws are settled.
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known,

@@ -40,6 +40,10 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   static constexpr LawRole role = LawRole::tracking;
   static constexpr bool compensates_friction =
       LawTable<First>::compensates_friction || LawTable<Second>::compensates_friction;
+  static constexpr bool presses = LawTable<First>::presses || LawTable<Second>::presses;
+  static constexpr bool starts_blank = LawTable<First>::starts_blank && LawTable<Second>::starts_blank;
+  static_assert(!LawTable<First>::is_gated && !LawTable<Second>::is_gated,
+                "task_priority: a gate opens in time, in blended(sum): put it around the whole");
   static constexpr Needs needs =
       First::needs | Second::needs |
       Needs{.jacobians = link_bit<Link_>, .gravity = LawTable<First>::lacks_gravity, .mass_factors = true};
@@ -80,6 +84,17 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
       out.status = answer.status;
     }
     return out;
+  }
+
+  /// Of the law that takes such a goal, if it tells.
+  template <class K, class G>
+    requires(detail::HasDistance<First, K, G> || detail::HasDistance<Second, K, G>)
+  [[nodiscard]] auto distance(const K& known, const G& goal) const noexcept {
+    if constexpr (detail::HasDistance<First, K, G>) {
+      return first_.distance(known, goal);
+    } else {
+      return second_.distance(known, goal);
+    }
   }
 
   template <GravityTerm G = GravityTerm::included, class K>
