@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/status.hpp"
+#include "skinctl/law/needs.hpp"
 #include "skinctl/tracking/pose_targets.hpp"
 #include "skinctl/tracking/singular_escape.hpp"
 #include "skinctl/tracking/singular_rest.hpp"
