@@ -44,10 +44,10 @@ class Apart {
   using law_type = typename Scene::law_type;
   using Goal = typename Scene::Goal;
   using Sensed = typename Scene::Sensed;
+  using Added = typename Scene::Added;
   using Memory = typename Scene::Memory;
   using Input = typename Scene::Input;
   using Output = typename Scene::Output;
-  static constexpr bool has_gripper = requires { requires Scene::has_gripper; };
 
   explicit Apart(Scene scene);
 

@@ -4,18 +4,16 @@
 #include <array>
 
 #include "skinctl/core/command.hpp"
-#include "skinctl/core/gripper.hpp"
 #include "skinctl/core/status.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The output of one cycle.
-template <std::size_t N, Scalar T, std::size_t Terms, class Gripper = NoGripper>
+/// The output of one cycle. A law of the scene may add to it, such as `gripper` of skills with a gripper.
+template <std::size_t N, Scalar T, std::size_t Terms>
 struct CycleOutput {
   JointCommand<N, T> command;                   ///< the command to send, if it is valid
   Status status;                                ///< reasons for limits, holds and refusals
   std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
-  [[no_unique_address]] Gripper gripper{};      ///< what the gripper is asked for, where the law has one
 
   CycleOutput() = default;
   /// Each member once: GCC would zero all of them before they are written, by an instruction that starts slowly.

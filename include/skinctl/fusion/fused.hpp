@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "skinctl/fusion/detail/law_parts.hpp"
-#include "skinctl/fusion/detail/memories.hpp"
+#include "skinctl/fusion/detail/seeing_laws.hpp"
 #include "skinctl/fusion/opposition.hpp"
 #include "skinctl/law/evaluate.hpp"
 
@@ -28,7 +28,9 @@ enum class Sum : unsigned char {
 ///   freezes and resets the tracking laws.
 /// - Quantities that torque and memory of a law share (`now`) are computed once.
 template <Sum Policy, LawMembers... L>
-class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
+class Fused : public Composable,
+              public detail::GoalOf<std::tuple<>, L...>,
+              public detail::SeeingLaws<Fused<Policy, L...>, L...> {
  public:
   using Laws = std::tuple<L...>;
   static constexpr std::size_t terms = sizeof...(L);
@@ -105,6 +107,12 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     return detail::memory_of<I>(m.laws);
   }
 
+  /// Calls `f(law, its memory)` for each law.
+  template <class Memory, class F>
+  SKINCTL_INLINE void each_law(Memory& memory, F&& f) const noexcept {
+    each([&](auto i, const auto& law)
+             SKINCTL_INLINE_LAMBDA { f(law, detail::memory_of<i.value>(memory.laws)); });
+  }
   /// The index of the law that takes goals of this type; `terms` if none or several do.
   template <class Goal>
   static constexpr std::size_t taker() noexcept {
@@ -153,7 +161,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   /// The reasons of all of its laws, and an opposition that lasts.
   [[nodiscard]] Status status(const Memory& memory) const noexcept {
     Status out;
-    each([&](auto i, const auto& law) { out |= status_of(law, detail::memory_of<i.value>(memory.laws)); });
+    each_law(memory, [&](const auto& law, const auto& m) { out |= status_of(law, m); });
     if (memory.opposition.opposed) out |= Reason::opposed;
     return out;
   }

@@ -32,7 +32,9 @@ struct NullSpaceSettings {
 /// - `Keeps::pose` needs a robot of six joints or more; with six of them the null space is empty except next
 ///   to a singularity, and `Keeps::point` leaves three dimensions.
 template <std::size_t Link_, LawMembers First, LawMembers Second>
-class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, Second> {
+class NullSpace : public Composable,
+                  public detail::GoalOf<std::tuple<>, First, Second>,
+                  public detail::SeeingLaws<NullSpace<Link_, First, Second>, First, Second> {
  public:
   using Laws = std::tuple<First, Second>;
   static constexpr std::size_t joints = detail::joints_of_laws<First, Second>();
@@ -60,6 +62,13 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   }
   [[nodiscard]] const First& first() const noexcept { return first_; }
   [[nodiscard]] const Second& second() const noexcept { return second_; }
+  [[nodiscard]] std::tuple<const First&, const Second&> laws() const noexcept { return {first_, second_}; }
+  /// Calls `f(law, its memory)` for each law.
+  template <class Memory, class F>
+  SKINCTL_INLINE void each_law(Memory& memory, F&& f) const noexcept {
+    f(first_, memory.first);
+    f(second_, memory.second);
+  }
   /// Throws `ConfigurationError` where a law's settings are not those of the robot.
   template <class Terms>
   void check_for(const Terms& robot) const {

@@ -188,8 +188,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
       if constexpr (requires { input.sensed.motor_torque = robot.motor_torque(); })
         input.sensed.motor_torque = robot.motor_torque();
     }
-    input.request = CycleRequest::none;
-    input.goal.reset();
+    clear_requests(input);
     input.observed = overrun;
     if constexpr (requires {
                     { robot.packet() } noexcept -> std::convertible_to<std::uint32_t>;

@@ -79,6 +79,18 @@ concept LawMembers = detail::HasMemory<L> && detail::HasNeeds<L> && detail::HasR
 /// | `complete_sum` | cannot be part of a sum | false | a blend is |
 /// | `gate` | acts only behind a gate: `when_touched` | always | each its own |
 ///
+/// A law that sees its scene, once in a cycle, before it is evaluated:
+///
+/// | member | meaning | default | of a sum |
+/// |---|---|---|---|
+/// | `see(memory, input, seen)` | takes in what the scene's input and its touch say: a `Status` | sees nothing | all see |
+/// | `Input` | what it adds to the input of the scene: a base of it | nothing | each once |
+/// | `Output`, `output(memory)` | what it adds to the output | nothing | each once |
+/// | `waits_for_contacts()` | a touch that finds no contacts is refused | false | one does |
+///
+/// `seen` has `now`, the end of the interval; `contacts()`, if `finds_contacts`: each a `Found` of the touch;
+/// `pressed()`, `nearest<I>()` and `coverage()`, as limits see them.
+///
 /// Optional, for speed alone; the results are the same:
 /// - `evaluate(memory, known, dt)`: torque, next memory, shares and status at once (`Evaluation`). Used in
 ///   place of `torque`, `advance` and `status` where the law is the only one of a scene.

@@ -7,6 +7,8 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// No law of the scene takes goals.
 struct NoGoal {};
+/// A law adds nothing to the input of a scene, or to its output.
+struct NothingAdded {};
 
 namespace detail {
 template <class L>
@@ -16,6 +18,22 @@ struct GoalTypeOf {
 template <HasGoal L>
 struct GoalTypeOf<L> {
   using type = typename L::Goal;
+};
+template <class L>
+struct InputTypeOf {
+  using type = NothingAdded;
+};
+template <HasLawInput L>
+struct InputTypeOf<L> {
+  using type = typename L::Input;
+};
+template <class L>
+struct OutputTypeOf {
+  using type = NothingAdded;
+};
+template <HasLawOutput L>
+struct OutputTypeOf<L> {
+  using type = typename L::Output;
 };
 template <class L, class T>
 struct ScalarTypeOf {
@@ -33,6 +51,9 @@ struct LawTable {
   static constexpr bool takes_goals = detail::HasGoal<L>;
   /// `NoGoal` if it takes none.
   using Goal = typename detail::GoalTypeOf<L>::type;
+  /// What it adds to the input of a scene, and to its output; `NothingAdded` or another empty type if nothing.
+  using Input = typename detail::InputTypeOf<L>::type;
+  using Output = typename detail::OutputTypeOf<L>::type;
   /// 0: any number.
   static constexpr std::size_t joints = [] {
     if constexpr (detail::HasJoints<L>) return std::size_t(L::joints);
@@ -89,6 +110,9 @@ struct LawTable {
       return out;
     }
   }();
+  [[nodiscard]] static constexpr LawRole role_of_part(std::size_t i) noexcept {
+    return i < terms ? roles[i] : role;
+  }
   /// The roles of its parts, and of a difference that is carried beside them.
   static constexpr std::array<LawRole, terms + 1> roles_with_carried = [] {
     std::array<LawRole, terms + 1> out{};
@@ -101,6 +125,30 @@ struct LawTable {
     return std::string_view("law");
   }();
 
+  /// @param input  of the whole scene, a base of which is `Input`.
+  template <class Memory, class In, class Seen>
+  static SKINCTL_INLINE Status see(const L& law, Memory& memory, const In& input, const Seen& seen) noexcept {
+    if constexpr (detail::SeesScene<L, In, Seen>) {
+      return law.see(memory, input, seen);
+    } else {
+      return {};
+    }
+  }
+  template <class Memory>
+  [[nodiscard]] static Output output(const L& law, const Memory& memory) noexcept {
+    if constexpr (detail::HasLawOutput<L>) {
+      return law.output(memory);
+    } else {
+      return {};
+    }
+  }
+  [[nodiscard]] static bool waits_for_contacts(const L& law) noexcept {
+    if constexpr (detail::TellsWaits<L>) {
+      return law.waits_for_contacts();
+    } else {
+      return false;
+    }
+  }
   /// Throws `ConfigurationError` where the law's settings are not those of the robot.
   template <class Terms>
   static void check_for(const L& law, const Terms& robot) {

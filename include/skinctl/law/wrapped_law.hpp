@@ -3,6 +3,9 @@
 
 #include "skinctl/law/evaluate.hpp"
 
+// A parameter may have the name of a member of the law that is wrapped.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
@@ -147,3 +150,4 @@ class WrappedLaw : public L {
 };
 
 SKINCTL_END_NAMESPACE
+#pragma GCC diagnostic pop

@@ -12,8 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Calls `f(number)` for each plain number of a value. For goals of your own laws, overload
-/// `each_number(goal, f)` in their namespace. A duration is a whole number of nanoseconds.
+/// Calls `f(number)` for each plain number of a value. For goals of your own laws, and for what laws and limits of your
+/// own add to the input, overload `each_number(value, f)` in their namespace. A duration is a whole number of nanoseconds.
 template <class F>
 void each_number(Nanoseconds& t, F&& f) {
   std::int64_t count = t.count();
@@ -69,6 +69,10 @@ void each_number(Surroundings<Most, A, T>& s, F&& f) {
     for (Xyz<T>* v : {&o.shape.from, &o.shape.to}) f(v->x), f(v->y), f(v->z);
     f(o.shape.radius), f(o.approach);
   }
+}
+template <class Near, class F>
+void each_number(AroundRobot<Near>& input, F&& f) {
+  each_number(input.around, f);
 }
 template <class F>
 void each_number(NoGoal&, F&&) {}

@@ -116,7 +116,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
     out.memory.plan = planned.memory;
-    if constexpr (requires { Plan::reacts; }) return out;
+    if constexpr (Plan::reacts) return out;
     out.memory.space = Space::renewed(memory.space);
     out.status |= begin_gain(out.memory, known);
     if (out.status.has(Reason::goal_refused)) return {memory, out.status};
@@ -219,7 +219,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   /// The memory with another target, for callers that move it smoothly and within the settings: nothing is
   /// checked, and there is no bumpless transfer.
   [[nodiscard]] static Memory with_target(Memory memory, const Goal& target) noexcept
-    requires requires { Plan::moved(target); }
+    requires(Plan::is_movable)
   {
     memory.plan = Plan::moved(target);
     return memory;

@@ -1,6 +1,7 @@
 // Compile-time traits of the parts of a scene: whether they fit, and who compensates gravity and friction.
 #pragma once
 
+#include "skinctl/core/detail/each_once.hpp"
 #include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
@@ -84,14 +85,20 @@ consteval PartsFault fault_of_parts() {
         Robot, Skin, decltype(std::tuple_cat(std::declval<Parts>(), std::declval<std::tuple<Given...>>()))>();
   }
 }
-/// What the limits of a scene see of its touch in a cycle.
+/// What the law and the limits of a scene see of its touch in a cycle.
 template <class Skin, class Pressed>
 struct Seen {
+  static constexpr bool finds_contacts = TouchTable<Skin>::finds_contacts;
   const Skin& skin;
   const typename Skin::Memory& memory;
-  const Pressed& contacts;
+  const Pressed& pressed_area;
+  Nanoseconds now;  ///< end of the interval
 
-  [[nodiscard]] SKINCTL_INLINE const Pressed& pressed() const noexcept { return contacts; }
+  [[nodiscard]] SKINCTL_INLINE const Pressed& pressed() const noexcept { return pressed_area; }
+  /// The contacts that skills wait for.
+  [[nodiscard]] SKINCTL_INLINE auto contacts() const noexcept {
+    return TouchTable<Skin>::contacts(skin, memory);
+  }
   /// The strongest proximity reading of link `I`, in [0, 1].
   template <std::size_t I>
   [[nodiscard]] SKINCTL_INLINE auto nearest() const noexcept {
@@ -128,34 +135,22 @@ template <bool Contacts, class Skin, class Touch>
     return TouchTable<Skin>::pressed(skin, memory, touch);
   }
 }
-/// Whether a law has a gripper: a `SkillSet` with `OneGripper`.
-template <class L>
-inline constexpr bool has_gripper = requires { requires L::has_gripper; };
-/// The input of a cycle, and what limits add to it, each once.
-template <class Own, class... Added>
-struct InputWith : Own, Added... {};
-template <class Own, class Governor>
-struct WithInputs;
-template <class Own, RobotModel M, Real T, class Sets, class... Limits>
-struct WithInputs<Own, Governor<M, T, Sets, Limits...>> {
-  template <class Limit>
-  static auto of() {
-    if constexpr (LimitWithInput<Limit>) {
-      return std::tuple<typename Limit::Input>();
-    } else {
-      return std::tuple<>();
-    }
-  }
-  template <class... Added>
-  static auto all(const std::tuple<Added...>&) {
-    if constexpr (sizeof...(Added) == 0) {
-      return Own{};
-    } else {
-      return InputWith<Own, Added...>{};
-    }
-  }
-  using type = decltype(all(std::tuple_cat(of<Limits>()...)));
+template <class Limit>
+struct LimitInput {
+  using type = NothingAdded;
 };
+template <LimitWithInput Limit>
+struct LimitInput<Limit> {
+  using type = typename Limit::Input;
+};
+/// What law and limits add to the input of a cycle, as a tuple: each once.
+template <class L, class Governor>
+struct AddedInputsOf;
+template <class L, RobotModel M, Real T, class Sets, class... Limits>
+struct AddedInputsOf<L, Governor<M, T, Sets, Limits...>>
+    : EachOnce<std::tuple<>, typename LawTable<L>::Input, typename LimitInput<Limits>::type...> {};
+template <class L, class Governor>
+using AddedInputs = typename AddedInputsOf<L, Governor>::type;
 /// Takes what was sensed in an interval, and gives the mean touch over each of its parts. `measured()` is the
 /// newest good state of the robot, for sensors that need one.
 template <class Skin, class Input, class Measured, class Touch>

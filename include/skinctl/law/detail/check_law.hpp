@@ -43,6 +43,9 @@ consteval LawFault fault_in_optional() {
   if (NamesStartsBlank<L> && !HasStartsBlank<L>) return blank_type;
   if (NamesGravityLaws<L> && !HasGravityLaws<L>) return gravity_laws_type;
   if (NamesCompleteSum<L> && !HasCompleteSum<L>) return complete_sum_type;
+  if (HasLawInput<L> && CanBeAsked<L> && !NamesLawSee<L>) return input_unseen;
+  if (NamesOutput<L> && !HasLawOutput<L>) return output_signature;
+  if (NamesWaits<L> && !TellsWaits<L>) return waits_signature;
   if ((NamesTerms<L> && !HasTerms<L>) || (NamesRoles<L> && !HasRoles<L>)) return terms_type;
   return none;
 }

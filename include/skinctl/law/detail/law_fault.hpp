@@ -46,7 +46,11 @@ enum class LawFault {
   blank_type,
   gravity_laws_type,
   complete_sum_type,
-  terms_type
+  terms_type,
+  see_signature,
+  input_unseen,
+  output_signature,
+  waits_signature
 };
 /// A law and its fault.
 template <LawFault F, class L>
@@ -117,6 +121,14 @@ struct Say {
   static_assert(F != blank_type, "starts_blank of this law is no `static constexpr bool`");
   static_assert(F != gravity_laws_type, "gravity_laws of this law is no `static constexpr std::size_t`");
   static_assert(F != complete_sum_type, "complete_sum of this law is no `static constexpr bool`");
+  static_assert(
+      F != see_signature,
+      "see(memory, input, seen) of this law is not const, does not take these, or returns no Status");
+  static_assert(F != input_unseen,
+                "this law has an Input, but lacks see(memory, input, seen), which reads it");
+  static_assert(F != output_signature,
+                "output(memory) of this law is not const, or does not return its Output");
+  static_assert(F != waits_signature, "waits_for_contacts() of this law is not const, or returns no bool");
   static_assert(
       F != terms_type,
       "terms of this law is no `static constexpr std::size_t`, or roles no array of as many LawRole");

@@ -129,6 +129,22 @@ concept HasDistance = requires(const L& law, const K& known, const G& goal) {
   law.distance(known, goal).joint;
 };
 
+// Of a law that sees its scene.
+template <class L>
+concept HasLawInput = requires { typename L::Input; };
+template <class L>
+concept HasLawOutput = requires(const L& law, const typename L::Memory& m) {
+  { law.output(m) } -> std::same_as<typename L::Output>;
+};
+template <class L, class In, class Seen>
+concept SeesScene = requires(const L& law, typename L::Memory& m, const In& input, const Seen& seen) {
+  { law.see(m, input, seen) } -> std::same_as<Status>;
+};
+template <class L>
+concept TellsWaits = requires(const L& law) {
+  { law.waits_for_contacts() } -> std::same_as<bool>;
+};
+
 // For speed.
 template <class L, class K>
 concept HasNow = requires(const L& law, const typename L::Memory& m, const K& known) { law.now(m, known); };
@@ -143,7 +159,8 @@ concept HasEvaluate =
 // Names, whatever their signature.
 struct NamesOfALaw {
   int start, torque, parts, advance, receive, follow, status, settled, distance, check_for, now, evaluate,
-      name, presses, compensates_friction, starts_blank, gravity_laws, complete_sum, terms, roles;
+      name, presses, compensates_friction, starts_blank, gravity_laws, complete_sum, terms, roles, see,
+      output, waits_for_contacts;
 };
 SKINCTL_NAMES(NamesStart, NamesOfALaw, start);
 SKINCTL_NAMES(NamesTorque, NamesOfALaw, torque);
@@ -165,6 +182,9 @@ SKINCTL_NAMES(NamesGravityLaws, NamesOfALaw, gravity_laws);
 SKINCTL_NAMES(NamesCompleteSum, NamesOfALaw, complete_sum);
 SKINCTL_NAMES(NamesTerms, NamesOfALaw, terms);
 SKINCTL_NAMES(NamesRoles, NamesOfALaw, roles);
+SKINCTL_NAMES(NamesLawSee, NamesOfALaw, see);
+SKINCTL_NAMES(NamesOutput, NamesOfALaw, output);
+SKINCTL_NAMES(NamesWaits, NamesOfALaw, waits_for_contacts);
 /// A torque that is weighted by its parts contains G(q) where no gravity law is loaded.
 template <class L>
 concept MayHaveParts = !CanBeAsked<L> || NamesParts<L>;

@@ -6,6 +6,9 @@
 #include "skinctl/law/wrapped_law.hpp"
 #include "skinctl/trajectory/ramp.hpp"
 
+// A parameter may have the name of a member of the law that is wrapped.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
@@ -71,3 +74,4 @@ class CarryingLaw : public WrappedLaw<CarryingLaw<N, L, T>, L> {
 
 }  // namespace detail
 SKINCTL_END_NAMESPACE
+#pragma GCC diagnostic pop
