@@ -106,11 +106,7 @@ concept Law =
       requires std::is_trivially_copyable_v<typename L::Memory>;
       { law.start(known) } -> std::same_as<typename L::Memory>;
       { law.advance(memory, known, dt, Opposition::none) } noexcept -> std::same_as<typename L::Memory>;
-    } && (requires(const L& law, const typename L::Memory& memory, const K& known) {
-      { law.torque(memory, known) } noexcept -> std::same_as<JointTorque<K::joints, typename K::scalar>>;
-    } || (detail::HasStatelessTorque<L, K> && requires(const L& law, const K& known) {
-            { law.torque(known) } noexcept -> std::same_as<JointTorque<K::joints, typename K::scalar>>;
-          }) || detail::HasParts<L, K> || detail::HasStatelessParts<L, K>);
+    } && (detail::GivesTorque<L, K> || detail::HasParts<L, K> || detail::HasStatelessParts<L, K>);
 
 /// A law of role `tracking`. It gives the parts of its torque separately, because a sum weights them
 /// differently:

@@ -13,6 +13,11 @@ template <std::size_t N, Scalar T = double>
 struct JointGoal {
   JointPosition<N, T> q_g;
   Nanoseconds duration{};  ///< from the moment of reception; 0: the shortest within `max_velocity`
+
+  template <class F>
+  friend void each_number(JointGoal& g, F&& f) {
+    each_number(g.q_g, f), each_number(g.duration, f);
+  }
 };
 
 /// The joints as the coordinates of a tracking law: the members that `Tracking` uses of a space, at no cost.
@@ -61,6 +66,7 @@ class JointSpace {
   using Spline = JointSpline<N, T>;
   using Row = detail::Row<N, T>;
   struct Memory {};
+  struct Placement {};  ///< joints have none
   struct Site {
     const JointPosition<N, T>& q;
     const JointVelocity<N, T>& dq;
@@ -80,6 +86,9 @@ class JointSpace {
   [[nodiscard]] static SKINCTL_INLINE const Where& where_of(const Reference& r) noexcept { return r.q_d; }
   [[nodiscard]] static SKINCTL_INLINE constexpr const Where& place(const Goal& goal) noexcept {
     return goal.q_g;
+  }
+  [[nodiscard]] static SKINCTL_INLINE constexpr const Where& place(const Reference& r) noexcept {
+    return r.q_d;
   }
   [[nodiscard]] static SKINCTL_INLINE constexpr Spline spline(const Where& from, const Where& to,
                                                               const T& tf) noexcept {

@@ -120,7 +120,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
         found |= given.status;
         slowed = given.altered;
         resolved.command.assign(given.command);
-        if constexpr (requires { given.hold; }) resolved.fallback = given.hold;
+        if constexpr (Resolver::has_driven) resolved.fallback = given.hold;
       }
     }
     const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured(), input.now,
@@ -150,7 +150,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   SKINCTL_NOINLINE auto resolve(Memory& m, const State<joints, scalar>& measured, const Interval& interval,
                                 std::span<const Touch> felt,
                                 [[maybe_unused]] const Pressed& pressed) const noexcept {
-    if constexpr (detail::watches_contacts<Resolver>) {
+    if constexpr (Resolver::watches_contacts) {
       return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_, pressed);
     } else {
       return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_);
@@ -209,15 +209,11 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   // difference of torque between the old configuration and this one.
   [[nodiscard]] bool may_change(const Memory& m, const Input& input) const noexcept {
     if (guard_.refuses_start(m.guard)) return false;
-    if constexpr (requires { resolver_.asks_law(m.robot, input.measured, input.now, guard_); }) {
-      auto robot = m.robot;
-      if (input.request == CycleRequest::stop) resolver_.stop(robot);
-      if (input.request == CycleRequest::resume) resolver_.resume(robot);
-      if (pauses(m)) resolver_.stop(robot);
-      return resolver_.asks_law(robot, input.measured, input.now, guard_);
-    } else {
-      return true;
-    }
+    auto robot = m.robot;
+    if (input.request == CycleRequest::stop) resolver_.stop(robot);
+    if (input.request == CycleRequest::resume) resolver_.resume(robot);
+    if (pauses(m)) resolver_.stop(robot);
+    return resolver_.asks_law(robot, input.measured, input.now, guard_);
   }
   SKINCTL_COLD void restart(Memory& m) const noexcept {
     if constexpr (takes_goals)
@@ -229,7 +225,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
                                const Interval& interval) const noexcept {
     using Asked = detail::Asked<Resolver, L, Wrenches>;
     const Wrenches touch_before = before.skin_.wrenches(m.skin), touch = skin_.wrenches(m.skin);
-    if constexpr (requires { resolver_.changed(m.robot); }) resolver_.changed(m.robot);
+    resolver_.changed(m.robot);
     L::drop(m.law);
     L::carry(m.law, resolver_.lacking(m.robot, measured, interval, guard_,
                                       Asked{before.resolver_, before.law_, law_before, touch_before},

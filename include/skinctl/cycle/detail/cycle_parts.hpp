@@ -48,7 +48,7 @@ class CycleParts {
                                  typename EachOnce<std::tuple<>, typename LawTable<L>::Output>::type>::type;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
-  static constexpr bool watches_contacts = detail::watches_contacts<Resolver> || Governor::reads_touch;
+  static constexpr bool watches_contacts = Resolver::watches_contacts || Governor::reads_touch;
   /// What the resolver takes: forces and proximities apart where they have to be told.
   using Touch = typename TouchFor<Resolver, Skin, watches_contacts>::type;
 

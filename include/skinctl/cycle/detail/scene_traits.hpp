@@ -108,10 +108,12 @@ struct Seen {
     return TouchTable<Skin>::coverage(skin, memory);
   }
 };
+/// A robot of one group that takes positions.
 template <class Resolver>
-inline constexpr bool watches_contacts = requires { requires Resolver::watches_contacts; };
-template <class Resolver>
-inline constexpr bool takes_positions = requires { requires Resolver::interface == Interface::position; };
+inline constexpr bool takes_positions = [] {
+  if constexpr (Resolver::is_one_group) return Resolver::interface == Interface::position;
+  return false;
+}();
 /// The touch that a resolver takes from a skin: forces and proximities apart where a tank has to tell them, and
 /// where contacts are asked for (`Contacts`) and not known otherwise.
 template <class Resolver, class Skin, bool Contacts>
@@ -197,7 +199,7 @@ concept SkinLike = MeantAsTouch<S>;
 /// Compares the robot's description with the law, at compile time: who compensates gravity and friction.
 template <class Robot, class L>
 constexpr void check_holders() {
-  if constexpr (requires { Robot::robot_holds_gravity; }) {
+  if constexpr (DescribedRobot<Robot>) {
     // Skills name the controller in their rows: without weight it gives zero.
     constexpr bool has_gravity_law = LawTable<L>::gravity_laws > 0 && !LawTable<L>::is_complete_sum;
     static_assert(!Robot::robot_holds_gravity || !has_gravity_law,
@@ -222,7 +224,7 @@ constexpr void check_holders() {
 /// Compares the law's settings with the robot's description; throws `ConfigurationError` with both numbers.
 template <class Robot, class L>
 SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
-  if constexpr (requires { robot.virtual_dynamics(); }) {
+  if constexpr (DescribedRobot<Robot>) {
     const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics(),
                                                                 robot.loop_delay()};
     LawTable<L>::check_for(law, terms);
@@ -231,13 +233,11 @@ SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
 /// Checks that the stiffest contact that a description names comes to rest on this skin.
 template <class Robot, class Skin>
 SKINCTL_COLD void check_contacts(const Robot& robot, const Skin& skin) {
-  if constexpr (requires { robot.parts(); }) {
-    const auto check = [&]<class Part>(const Part& given_part) {
-      if constexpr (std::is_same_v<typename Part::RobotPart, StiffestContactPart>)
-        given_part.check(robot, skin);
-    };
-    std::apply([&](const auto&... given_part) { (check(given_part), ...); }, robot.parts());
-  }
+  const auto check = [&]<class Part>(const Part& given_part) {
+    if constexpr (std::is_same_v<typename Part::RobotPart, StiffestContactPart>)
+      given_part.check(robot, skin);
+  };
+  std::apply([&](const auto&... given_part) { (check(given_part), ...); }, robot.parts());
 }
 }  // namespace detail
 SKINCTL_END_NAMESPACE

@@ -92,9 +92,6 @@ consteval LawFault fault_for_robot() {
 }
 
 template <class L, class K>
-concept TakesGoal = requires(const L& law, const typename L::Memory& m, const K& known,
-                             const typename L::Goal& goal) { law.receive(m, known, goal); };
-template <class L, class K>
 concept TakesParts = HasParts<L, K> || HasStatelessParts<L, K>;
 template <class L, class K>
 concept TakesTorque = HasTorque<L, K> || HasStatelessTorque<L, K>;

@@ -42,6 +42,16 @@ template <class L, class K>
 concept HasStatelessTorque =
     std::is_empty_v<typename L::Memory> && requires(const L& law, const K& known) { law.torque(known); };
 template <class L, class K>
+concept GivesTorqueByMemory = requires(const L& law, const typename L::Memory& m, const K& known) {
+  { law.torque(m, known) } noexcept -> std::same_as<JointTorque<K::joints, typename K::scalar>>;
+};
+template <class L, class K>
+concept GivesStatelessTorque = HasStatelessTorque<L, K> && requires(const L& law, const K& known) {
+  { law.torque(known) } noexcept -> std::same_as<JointTorque<K::joints, typename K::scalar>>;
+};
+template <class L, class K>
+concept GivesTorque = GivesTorqueByMemory<L, K> || GivesStatelessTorque<L, K>;
+template <class L, class K>
 concept HasParts =
     requires(const L& law, const typename L::Memory& m, const K& known) { law.parts(m, known); };
 template <class L, class K>
@@ -55,6 +65,10 @@ concept HasWeightedTorque = requires(const L& law, const typename L::Memory& m, 
 /// Its torque can be weighted in a sum.
 template <class L, class K>
 concept TakesShare = HasWeightedTorque<L, K> || HasParts<L, K> || HasStatelessParts<L, K>;
+
+/// What is known of a robot includes its limits; a law may be evaluated without them.
+template <class K>
+concept KnowsLimits = requires(const K& known) { known.limits(); };
 
 // Constants.
 template <class L>
@@ -114,6 +128,9 @@ template <class L, class Terms>
 concept ChecksTerms = requires(const L& law, const Terms& robot) { law.check_for(robot); };
 template <class L>
 concept HasGoal = requires { typename L::Goal; };
+template <class L, class K>
+concept TakesGoal = requires(const L& law, const typename L::Memory& m, const K& known,
+                             const typename L::Goal& goal) { law.receive(m, known, goal); };
 template <class L, class K, class G>
 concept Receives = requires(const L& law, const typename L::Memory& m, const K& known, const G& goal) {
   { law.receive(m, known, goal) } -> std::same_as<Received<typename L::Memory>>;
