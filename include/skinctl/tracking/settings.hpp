@@ -4,6 +4,7 @@
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/time.hpp"
 #include "skinctl/dynamics/mass_ratio.hpp"
+#include "skinctl/law/law.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/trajectory/gain_schedule.hpp"
 #include "skinctl/trajectory/pursuit.hpp"

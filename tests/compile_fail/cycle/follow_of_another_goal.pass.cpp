@@ -10,6 +10,8 @@ struct Reach : StatelessLaw<Reach> {
 };
 
 int main() {
-  const auto arm = by_position(ur5::Model{}, RobotConfiguration<6>{.limits = limits_of<ur5::Description>()});
+  const auto arm = by_position(
+      ur5::Model{},
+      RobotConfiguration<6>{.limits = limits_of<ur5::Description>(), .period = 8ms, .delay = 8ms});
   static_cast<void>(Cycle(arm, Reach{} + GravityControl{}));
 }

@@ -3,6 +3,7 @@
 
 #include <tuple>
 
+#include "skinctl/core/time.hpp"
 #include "skinctl/law/detail/law_fault.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -122,6 +123,18 @@ consteval LawFault fault_in_torque(const L* law, const typename L::Memory* m, co
   }
 }
 
+/// The input and the touch of any scene, as laws see them.
+template <class T>
+struct AnyTouchSeen {
+  struct Found;
+  static constexpr bool finds_contacts = false;
+  Nanoseconds now;
+  [[nodiscard]] const Found& contacts() const noexcept;
+  [[nodiscard]] const Found& pressed() const noexcept;
+  [[nodiscard]] const Found& coverage() const noexcept;
+  template <std::size_t>
+  [[nodiscard]] T nearest() const noexcept;
+};
 /// Whether a law takes its goals.
 template <class L, class K>
 consteval LawFault fault_in_goals() {
@@ -162,6 +175,9 @@ consteval LawFault fault_in_functions(const L* law, const typename L::Memory* m,
       if (found != LawFault::none) return found;
     }
     if constexpr (NamesSettled<L> && !HasSettled<L, K>) return LawFault::settled_signature;
+    if constexpr (NamesLawSee<L> &&
+                  !SeesScene<L, typename LawTable<L>::Input, AnyTouchSeen<typename K::scalar>>)
+      return LawFault::see_signature;
     if constexpr (NamesNow<L> && !HasNow<L, K> && !IsWrapper<L>) return LawFault::now_signature;
     if constexpr (!Part && NamesEvaluate<L> && !HasEvaluate<L, K, LawTable<L>::terms>)
       return LawFault::evaluate_signature;
