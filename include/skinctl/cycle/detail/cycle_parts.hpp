@@ -44,8 +44,7 @@ class CycleParts {
   using Sensed = typename TouchTable<Skin>::Sensed;
   using Added = AddedInputs<L, Governor>;
   using Input = typename Joined<CycleInput<joints, scalar, Goal, Sensed>, Added>::type;
-  using Output = typename Joined<CycleOutput<joints, scalar, terms_of<L>>,
-                                 typename EachOnce<std::tuple<>, typename LawTable<L>::Output>::type>::type;
+  using Output = JoinedWith<CycleOutput<joints, scalar, terms_of<L>>, typename LawTable<L>::Output>;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
   static constexpr bool watches_contacts = Resolver::watches_contacts || Governor::reads_touch;

@@ -10,10 +10,6 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Several types as bases of one, each once; empty ones are left out.
-template <class... Parts>
-using Together = typename Joined<NothingAdded, typename EachOnce<std::tuple<>, Parts...>::type>::type;
-
 /// The members by which laws see their scene, for a sum `Own` that has `each_law(memory, f)`, which calls `f(law, memory)`.
 template <class Own, class... L>
 struct SeeingLaws {

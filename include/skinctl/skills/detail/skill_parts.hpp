@@ -40,6 +40,7 @@ class SkillParts {
   static constexpr LawRole role = Fusion::role;
   static constexpr const char* name = "skills";
   static constexpr bool complete_sum = true;
+  static constexpr std::size_t gravity_laws = Fusion::gravity_laws;
   static constexpr bool compensates_friction = Fusion::compensates_friction;
   static_assert(Fusion::gravity_laws == 1, "a set of skills holds gravity: give it a gravity controller");
   static_assert(skills > 0 && skills < 256);
