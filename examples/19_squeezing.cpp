@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
     arm.push(cell.id, F);
     arm.step();
   }
-  std::printf("%s presses with %.2f N\n", set.now(arm.memory().law).name, force.y.back());
+  std::printf("%s presses with %.2f N\n", set.active(arm.memory().law).name, force.y.back());
   return draw(argc, argv, "19_squeezing.svg", "Squeezing: the gripper closes, then the wrist presses",
               {{"force [N]", {asked, force}}, depth, gripper}) ||
          std::abs(force.y.back() - F_d) > 0.5;

@@ -92,16 +92,6 @@ constexpr const char* in_words(Interface i) {
   return i == Interface::position ? "position" : (i == Interface::velocity ? "velocity" : "torque");
 }
 
-/// The target of the task, and the torque of friction that the tracking law has learnt; by torque only.
-template <class Law, class Memory>
-auto target_of(const Law& law, const Memory& memory) {
-  if constexpr (requires { law.law(); }) {
-    return law.law().reference(memory.law).q_d;
-  } else {
-    return law.reference(memory).q_d;
-  }
-}
-
 /// What the way to the robot and back takes beyond one cycle, which the declared delay has in it [s].
 double network_delay(const Settings& s, RunLog& log) {
   if (!s.robot || s.network_delay >= 0) return std::max(s.network_delay, 0.0);
@@ -249,7 +239,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     const double t = seconds<double>(input.now - first);
     const auto& reach = std::get<0>(scene.law().sum().laws());
     const auto& reached = Scene::law_type::template memory<0>(memory->law);
-    const auto target = target_of(reach, reached);
+    const auto target = reach.reference(reached).q_d;
     observer.cycle(t, input.samples, input.measured.q, target);
     const double passed = last_time == 0ns ? 0 : seconds<double>(input.now - last_time);
     judge.cycle(t, passed, memory->robot, out.status, observer.force(), target);

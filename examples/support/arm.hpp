@@ -83,7 +83,7 @@ class Arm {
     input_.samples = {&sample_, 1};
     const auto out = scene_.step(*memory_, input_);
     under_way_ = out.command.position;
-    input_.goal.reset();
+    clear_requests(input_);
     return out;
   }
   [[nodiscard]] double time() const { return seconds<double>(measured_.time); }

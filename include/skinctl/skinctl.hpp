@@ -14,8 +14,8 @@
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/core/known.hpp"
 #include "skinctl/core/lane.hpp"
+#include "skinctl/core/link_mask.hpp"
 #include "skinctl/core/measurement.hpp"
-#include "skinctl/core/needs.hpp"
 #include "skinctl/core/real.hpp"
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/core/state.hpp"
@@ -27,6 +27,10 @@
 
 #include "skinctl/law/evaluate.hpp"
 #include "skinctl/law/law.hpp"
+#include "skinctl/law/law_table.hpp"
+#include "skinctl/law/law_values.hpp"
+#include "skinctl/law/needs.hpp"
+#include "skinctl/law/wrapped_law.hpp"
 
 #include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"

@@ -102,8 +102,3 @@ static_assert(detail::fault_in_members<NamesNoGoal>() == LawFault::no_goal);
 static_assert(detail::fault_in_members<ReceivesNothing>() == LawFault::no_receive);
 static_assert(Law<detail::WrongLaw<NoTorque>, Knowledge>);  // it stands for a law after an error
 }  // namespace
-
-TEST_CASE("LawShare: all of feedback and feed-forward unless said otherwise") {
-  CHECK(LawShare<double>{}.feedback == 1);
-  CHECK(LawShare<float>{}.feed_forward == 1);
-}

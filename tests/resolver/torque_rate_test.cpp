@@ -49,6 +49,7 @@ struct Jumps : Composable {
 };
 
 struct TwoParts {
+  static constexpr std::size_t terms = 2;
   static constexpr std::array<LawRole, 2> roles{LawRole::tracking, LawRole::reactive};
 };
 

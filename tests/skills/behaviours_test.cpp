@@ -5,6 +5,7 @@
 #include <boost/hana/at_key.hpp>
 #include <boost/hana/size.hpp>
 #include <boost/hana/union.hpp>
+#include <cmath>
 #include <string>
 
 using namespace skinctl;

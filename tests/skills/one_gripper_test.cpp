@@ -10,7 +10,7 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
-#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/configurations.hpp"
 #include "skinctl/recording/recording.hpp"
 #include "skinctl/skills/library.hpp"
 #include "tests/support/skilled_arm.hpp"
@@ -49,27 +49,30 @@ auto scene() {
 }
 using Scene = decltype(scene());
 using Set = Scene::law_type;
-static_assert(Scene::has_gripper && std::is_same_v<decltype(Scene::Input::gripper), GripperState>);
+static_assert(std::is_same_v<decltype(Scene::Input::gripper), GripperState>);
 static_assert(std::is_trivially_copyable_v<Set::Memory>);
-static_assert(sizeof(CycleInput<6>) == sizeof(CycleInput<6, double, NoGoal, NoSensors, NoGripper>));
+static_assert(!InputWithGripper<CycleInput<6>> &&
+              !InputWithGoal<CycleInput<6>>);  // what no part declares is not there
 
 /// An ideal arm with fingers at constant speed, reported 20 ms late.
+template <class Scene>
 class Run {
  public:
   explicit Run(const Scene& cycle)
-      : cycle_(cycle), memory_(std::make_unique<Scene::Memory>()), recording(8 << 20) {
+      : cycle_(cycle), memory_(std::make_unique<typename Scene::Memory>()), recording(8 << 20) {
     measured_.q = {0.1, -1.2, 1.4, -1.0, -1.5, 0.2};
     cycle_.start(*memory_, measured_);
     recording.start(measured_);
   }
-  void ask(const Scene::Goal& goal) {
+  void ask(const typename Scene::Goal& goal) {
     goal_ = goal;
     asks_ = true;
   }
-  Scene::Output step() {
+  typename Scene::Output step() {
     now_ += 8ms;
     measured_.time = now_;
-    Scene::Input input;
+    typename Scene::Input input;
+    if constexpr (InputWithConfiguration<typename Scene::Input>) input.configuration = configuration;
     input.now = now_;
     input.measured = measured_;
     if (asks_) input.goal = goal_;
@@ -96,6 +99,7 @@ class Run {
   [[nodiscard]] const State<6>& measured() const { return measured_; }
   [[nodiscard]] Nanoseconds now() const { return now_; }
 
+  std::uint32_t configuration = 0;
   double object = 0.06;  ///< width of what is between the fingers [m]
   GripperError error = GripperError::none;
   double opening = 0.085;
@@ -114,11 +118,11 @@ class Run {
                     true, error,           0};
   }
   const Scene& cycle_;
-  std::unique_ptr<Scene::Memory> memory_;
+  std::unique_ptr<typename Scene::Memory> memory_;
   State<6> measured_;
   Nanoseconds now_{};
   GripperState reported_[3]{};
-  Scene::Goal goal_{};
+  typename Scene::Goal goal_{};
   bool asks_ = false;
 
  public:
@@ -203,4 +207,20 @@ TEST_CASE("GoalTolerance: a goal is reached as near as its request asks, not nea
     if (fastest > 0) CHECK(took < fastest);
     fastest = took;
   }
+}
+
+TEST_CASE(
+    "OneGripper: in a scene of several configurations, through a change of them, recorded and replayed") {
+  const Configurations cycle(scene(), scene());
+  Run run(cycle);
+  run.step();
+  run.ask(Set::start_skill<Grasp>().with_ticket(1));
+  run.step();
+  run.configuration = 1;  // while the fingers close
+  CHECK(run.until_ended(1) == SkillReport{1, SkillPhase::finished, SkillFailure::none});
+  CHECK(run.opening == 0.06);
+  run.ask(Set::start_skill<Open>().with_ticket(2));
+  CHECK(run.until_ended(2).phase == SkillPhase::finished);
+  CHECK(run.told.count == 2);
+  CHECK(replay(cycle, run.recording).different == 0);
 }

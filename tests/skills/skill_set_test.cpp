@@ -63,7 +63,7 @@ JointGoal<6> near(const Run& run, double by) {
   return goal;
 }
 const char* now(const Run& run) {
-  return set.now(run.memory()).name;
+  return set.active(run.memory()).name;
 }
 }  // namespace
 

@@ -6,7 +6,7 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/cycle/configurations.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/skills/library.hpp"
 #include "skinctl/tactile/contact_skin.hpp"
@@ -46,20 +46,10 @@ auto skills() {
 const RobotConfiguration<6> robot{
     .limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 6};
 
-}  // namespace
-
-TEST_CASE("SkillSet: waits for a contact on a region, with a force and for a time, and for its end") {
-  const auto plain = ur5_skin<120>(CellGains{10, 0}, {.force = EventGate<>::dead_band(0.002)});
-  const auto places = plain.places();
-  Region region{.name = "elbow", .cells = {}};
-  for (std::size_t i = 0; i < places.size(); ++i)
-    if (places[i].link == 2 && places[i].place.x > -0.2) region.cells.push_back(std::uint32_t(i + 1));
-  const ContactSkin skin(plain, Regions{region});
-  CHECK(skin.regions().mask("elbow") == elbow);
-  const auto set = skills();
-  using Set = std::remove_const_t<decltype(set)>;
-  const auto scene = Cycle(by_position(ur5::Model{}, robot), skin, set);
-  const auto m = std::make_unique<decltype(scene)::Memory>();
+/// Presses on the elbow and beside it.
+template <class Scene, class Set, class Places>
+void waits_on(const Scene& scene, const Set& set, const Places& places) {
+  const auto m = std::make_unique<typename Scene::Memory>();
   State<6> state;
   state.q = JointPosition<6>{0.1, -1.2, 1.4, -1.8, -1.57, 0.3};
   scene.start(*m, state);
@@ -69,13 +59,13 @@ TEST_CASE("SkillSet: waits for a contact on a region, with a force and for a tim
     for (const Nanoseconds end = now + nanoseconds(seconds_long); now < end;) {
       now += 8ms;
       const auto samples = pushed_samples(pushes(places, std::span(&body, 1)), 10, now - 1ms);
-      decltype(scene)::Input input;
+      typename Scene::Input input;
       input.now = now, input.measured = state, input.measured.time = now, input.samples = samples;
-      if (ask) input.goal = Set::start_skill<Wait>(), ask = false;
+      if (ask) input.goal = Set::template start_skill<Wait>(), ask = false;
       const auto out = scene.step(*m, input);
       state.q = out.planned.position, state.dq = out.planned.velocity;
     }
-    return std::string(set.now(m->law).name);
+    return std::string(set.active(m->law).name);
   };
   CHECK(run(0, 0, 0.1) == "rest");
   CHECK(run(0, 0, 0.4, true) == "wait");
@@ -88,6 +78,21 @@ TEST_CASE("SkillSet: waits for a contact on a region, with a force and for a tim
   CHECK(run(20, -0.12, 0.15) == "guided");
   CHECK(run(20, -0.12, 0.5) == "guided");  // until it is let go
   CHECK(run(0, 0, 0.3) == "rest");
+}
+}  // namespace
+
+TEST_CASE("SkillSet: waits for a contact on a region, with a force and for a time, and for its end") {
+  const auto plain = ur5_skin<120>(CellGains{10, 0}, {.force = EventGate<>::dead_band(0.002)});
+  const auto places = plain.places();
+  Region region{.name = "elbow", .cells = {}};
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (places[i].link == 2 && places[i].place.x > -0.2) region.cells.push_back(std::uint32_t(i + 1));
+  const ContactSkin skin(plain, Regions{region});
+  CHECK(skin.regions().mask("elbow") == elbow);
+  const auto set = skills();
+  const auto cycle = Cycle(by_position(ur5::Model{}, robot), skin, set);
+  waits_on(cycle, set, places);
+  waits_on(Configurations(cycle, cycle), set, places);
 }
 
 TEST_CASE("SkillSet: skills that wait for contacts are refused on a skin that finds none") {

@@ -91,8 +91,5 @@ TEST_CASE("as_code: numbers, arrays, joint vectors, triples and matrices as they
   CHECK(as_code(std::array<double, 2>{1, 2.5}) == "{1.0, 2.5}");
   CHECK(as_code(JointPosition<2>{1.0, 2.5}) == "{1.0, 2.5}");
   CHECK(as_code(Eigen::Matrix<double, 2, 2>{{1, 2}, {3, 4}}) == "{{1.0, 2.0}, {3.0, 4.0}}");
-  struct {
-    float x, y, z;
-  } const triple{1, 2, 3};
-  CHECK(as_code(triple) == "{1.0f, 2.0f, 3.0f}");
+  CHECK(as_code(Xyz<float>{1, 2, 3}) == "{1.0f, 2.0f, 3.0f}");
 }

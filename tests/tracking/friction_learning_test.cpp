@@ -212,7 +212,7 @@ TEST_CASE("FrictionLearning: targets stepped at 50 Hz give no step of accelerati
       for (std::size_t j = 0; j < 6; ++j) sample.q_d[j] += 0.2 * (1 - std::cos(2 * t));
       memory = law.receive(memory, known, sample).memory;
     }
-    const auto& now = memory.law.plan.reference;
+    const auto& now = memory.plan.reference;
     for (std::size_t j = 0; j < 6; ++j)
       if (i > 0) steepest = std::max(steepest, std::abs(now.ddq_d[j] - last[j]) / dt);
     last = now.ddq_d;

@@ -158,7 +158,7 @@ Following follow_steps(double coulomb_scale) {
     for (double& q : motion) q += 0.1 * (1 - std::cos(2 * std::numbers::pi * 0.25 * t));
     if (i % 10 == 0) memory = law.follow(memory, known, {motion, {}, {}}).memory;
     const auto torque = law.template torque<GravityTerm::left_out>(memory, known);
-    const auto reference = law.law().reference(memory.law);
+    const auto reference = law.reference(memory);
     if (i > 5)
       for (std::size_t j = 0; j < 6; ++j) {
         out.jerk = std::max(out.jerk, std::abs(reference.ddq_d[j] - last_reference[j]) / 0.002);

@@ -14,6 +14,12 @@ template <Scalar T = double>
 struct ForceGoal {
   Xyz<T> direction;  ///< along the axes of the base, of any length but 0; 0: hold the present pose
   T force{0};        ///< along the direction, >= 0 [N]
+
+  template <class F>
+  friend void each_number(ForceGoal& g, F&& f) {
+    each_number(g.direction, f);
+    f(g.force);
+  }
 };
 
 /// Settings of `ForceControl`.

@@ -85,7 +85,7 @@ class Impedance : public Composable {
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {
-    if (!detail::within_limits(known, goal)) return {memory, Reason::goal_refused};
+    if (!detail::within_limits<Space>(known, goal)) return {memory, Reason::goal_refused};
     const auto from = Space::where_of(memory.plan.at(T(0), settings_.space));
     const auto planned = memory.plan.to(goal, from, settings_.space);
     Received<Memory> out{memory, planned.status};

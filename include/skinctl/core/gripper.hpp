@@ -33,7 +33,7 @@ struct GripperCommand {
   std::uint32_t count = 0;
 };
 
-/// A scene or a set of skills without a gripper.
+/// A set of skills without a gripper.
 struct NoGripper {
   struct Memory {};
 };

@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "skinctl/core/joint.hpp"
-#include "skinctl/core/needs.hpp"
+#include "skinctl/core/link_mask.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

@@ -46,4 +46,12 @@ template <Scalar T>
   return static_cast<double>(t.count()) * 1e-6;
 }
 
+/// See recording/each_number.hpp: a duration is a whole number of nanoseconds.
+template <class F>
+void each_number(Nanoseconds& t, F&& f) {
+  std::int64_t count = t.count();
+  f(count);
+  t = Nanoseconds(count);
+}
+
 SKINCTL_END_NAMESPACE

@@ -5,6 +5,7 @@
 
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/state.hpp"
+#include "skinctl/cycle/detail/starts_with.hpp"
 #include "skinctl/cycle/stopwatch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -12,8 +13,7 @@ namespace detail {
 /// A scene that may start beside where its robot was told to be.
 template <class C>
 concept StartsTold =
-    requires(const C& scene, typename C::Memory& m, const State<C::joints, typename C::scalar>& measured,
-             const JointPosition<C::joints, typename C::scalar>& told) { scene.start(m, measured, told); };
+    StartsWith<C, State<C::joints, typename C::scalar>, JointPosition<C::joints, typename C::scalar>>;
 }  // namespace detail
 
 /// A scene (`Cycle`, `Configurations`) whose code stands in one file, so that a change in the program around it does not
@@ -44,10 +44,10 @@ class Apart {
   using law_type = typename Scene::law_type;
   using Goal = typename Scene::Goal;
   using Sensed = typename Scene::Sensed;
+  using Added = typename Scene::Added;
   using Memory = typename Scene::Memory;
   using Input = typename Scene::Input;
   using Output = typename Scene::Output;
-  static constexpr bool has_gripper = requires { requires Scene::has_gripper; };
 
   explicit Apart(Scene scene);
 

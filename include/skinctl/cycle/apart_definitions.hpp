@@ -21,7 +21,9 @@ void Apart<Scene>::start(Memory& m, const State<joints, scalar>& measured,
                          const JointPosition<joints, scalar>& told) const noexcept
   requires detail::StartsTold<Scene>
 {
-  if constexpr (detail::StartsTold<Scene>)  // Clang 14 instantiates what is constrained away, too
+  if constexpr (detail::StartsWith<
+                    Scene, State<joints, scalar>,
+                    JointPosition<joints, scalar>>)  // Clang 14 instantiates what is constrained away, too
     scene_.start(m, measured, told);
 }
 

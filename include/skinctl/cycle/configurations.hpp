@@ -26,8 +26,6 @@ struct CarryingScene {
 };
 template <class R, class L, class S, class Parts>
 struct CarryingScene<Cycle<R, L, S, Parts>> {
-  static_assert(!Cycle<R, L, S, Parts>::has_gripper,
-                "Configurations: a set of skills with a gripper has one configuration");
   using Law = CarryingLaw<R::joints, typename Cycle<R, L, S, Parts>::law_type, typename R::scalar>;
   using type = Cycle<R, Law, S, Parts>;
 };
@@ -111,6 +109,7 @@ class Configurations {
   using law_type = Law;
   using Goal = typename C::Goal;
   using Sensed = typename C::Sensed;
+  using Added = typename C::Added;
   using Input = ConfiguredInput<typename Scene::Input>;
   using Output = typename Scene::Output;  ///< the last share is the difference that is ramped out
   struct Memory : Scene::Memory {
@@ -232,7 +231,7 @@ class Configurations {
                     mass_ratio(told->resolver().model(), real->resolver().model(), shape.inertia);
                 ratio > terms.mass_ratio)
               terms.mass_ratio = ratio;
-          if constexpr (requires { told->law().check_for(terms); }) told->law().check_for(terms);
+          LawTable<typename C::law_type>::check_for(told->law(), terms);
         }
       }
     }

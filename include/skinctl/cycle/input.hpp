@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "skinctl/core/gripper.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
+#include "skinctl/law/law_table.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/sample_span.hpp"
 #include "skinctl/tactile/touch.hpp"
@@ -19,24 +19,44 @@ enum class CycleRequest : unsigned char {
   resume  ///< go on after a stop, also where the guard waits for consent; after `start_refused`: start here
 };
 
-/// No law of the scene takes goals.
-struct NoGoal {};
+/// What laws that take goals add to the input.
+template <class Goal>
+struct GoalInput {
+  std::optional<Goal> goal;  ///< for this cycle: a goal, or the next sample of a moving target
+};
+template <>
+struct GoalInput<NoGoal> {};
 
 /// The input of one cycle. Any bit pattern is allowed in it: unusable values are refused with a reason.
+/// Limits of the scene may add to it, such as `around` of `ClearanceAround`, and laws, such as `gripper` of skills with
+/// a gripper.
+/// @tparam Goal    of the scene's law; without one there is no `goal`.
 /// @tparam Sensed  what the sensors of the scene read besides cells, such as `WristInput`.
-/// @tparam Gripper  `GripperState` where the law has a gripper, see `OneGripper`.
-/// Limits of the scene may add to it, such as `around` of `ClearanceAround`.
-template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors,
-          class Gripper = NoGripper>
-struct CycleInput {
+template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors>
+struct CycleInput : GoalInput<Goal> {
   Nanoseconds now{};               ///< the robot's clock: the end of the interval that is integrated
   State<N, T> measured;            ///< the newest state, with its own stamp
   SampleSpan<CellSample> samples;  ///< arrived since the last cycle
   CycleRequest request = CycleRequest::none;
   Status observed;  ///< faults that the loop found before this cycle: see `TimeBudget`, `PacketWatch`
-  std::optional<Goal> goal;  ///< for this cycle: a goal, or the next sample of a moving target
   [[no_unique_address]] Sensed sensed{};
-  [[no_unique_address]] Gripper gripper{};  ///< what the gripper reported last
 };
+
+/// What the input of a scene holds beside that, by the parts of the scene.
+template <class Input>
+concept InputWithGoal = requires(const Input& input) { input.goal; };
+template <class Input>
+concept InputWithGripper = requires(const Input& input) { input.gripper; };
+template <class Input>
+concept InputWithSurroundings = requires(const Input& input) { input.around; };
+template <class Input>
+concept InputWithConfiguration = requires(const Input& input) { input.configuration; };
+
+/// No request and no goal, for the next cycle.
+template <class Input>
+void clear_requests(Input& input) noexcept {
+  input.request = CycleRequest::none;
+  if constexpr (InputWithGoal<Input>) input.goal.reset();
+}
 
 SKINCTL_END_NAMESPACE

@@ -4,20 +4,18 @@
 #include <array>
 
 #include "skinctl/core/command.hpp"
-#include "skinctl/core/gripper.hpp"
 #include "skinctl/core/status.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The output of one cycle.
+/// The output of one cycle. A law of the scene may add to it, such as `gripper` of skills with a gripper.
 /// @tparam Command  a `RobotCommand`.
-template <class Command, std::size_t N, Scalar T, std::size_t Terms, class Gripper = NoGripper>
+template <class Command, std::size_t N, Scalar T, std::size_t Terms>
 struct CycleOutput {
   Command command;                              ///< what the robot is sent, if it is valid
   JointCommand<N, T> planned;                   ///< the motion and torque behind it, to look at
   Status status;                                ///< reasons for limits, holds and refusals
   std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
-  [[no_unique_address]] Gripper gripper{};      ///< what the gripper is asked for, where the law has one
 
   CycleOutput() = default;
   /// Each member once: GCC would zero all of them before they are written, by an instruction that starts slowly.

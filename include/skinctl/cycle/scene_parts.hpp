@@ -12,10 +12,6 @@ SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
 
-/// A robot's description, the first argument of `Cycle`.
-template <class R>
-concept Described = requires { typename ResolverOf<R>::type; };
-
 template <class Part>
 concept GivenGuardSettings = std::is_same_v<typename KindOf<Part>::type, GuardPart>;
 /// Settings of a limit, whose `part_for` lies beside them.
@@ -37,7 +33,8 @@ struct FamilyOf {
   using type = typename KindOf<Part>::type;
 };
 template <class Part>
-  requires requires { typename Part::Family; }
+concept PartOfFamily = requires { typename Part::Family; };
+template <PartOfFamily Part>
 struct FamilyOf<Part> {
   using type = typename Part::Family;
 };
@@ -132,7 +129,7 @@ template <class Robot, class Part>
   } else {
     using Limit = decltype(limit_of(std::declval<const Robot&>(), std::declval<const Part&>()));
     std::size_t place = (static_cast<std::size_t>(Limit::precedence) + 1) << 16;
-    if constexpr (requires { typename Part::Family; }) place += Part::link;
+    if constexpr (PartOfFamily<Part>) place += Part::link;
     return place;
   }
 }

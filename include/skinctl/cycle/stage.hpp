@@ -25,6 +25,7 @@ constexpr const char* name(CycleStage stage) noexcept {
 struct NoStopwatch {
   SKINCTL_INLINE void begin() noexcept {}
   SKINCTL_INLINE void end(CycleStage) noexcept {}
+  [[nodiscard]] constexpr Nanoseconds operator[](CycleStage) const noexcept { return {}; }
 };
 
 SKINCTL_END_NAMESPACE

@@ -10,10 +10,6 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Whether `X` is a transform of Eigen's; Eigen/Geometry is not included here.
-template <class X>
-inline constexpr bool is_eigen_pose = requires { typename X::LinearMatrixType; };
-
 namespace detail {
 /// `p + R v`, each component one expression.
 template <Scalar T>

@@ -25,7 +25,8 @@ struct BlendSettings {
 /// - Gravity is compensated once and whole throughout: where no gravity law is in the sum and tracking fades,
 ///   the sum adds the missing part of G.
 template <Sum P, class... L>
-class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...> {
+class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
+                                public detail::SeeingLaws<Blended<Fused<P, L...>>, L...> {
   using Loop = detail::BlendLoop<P, L...>;
   template <std::size_t I>
   using law_at = typename Loop::template law_at<I>;
@@ -57,6 +58,14 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...> {
   template <class Terms>
   void check_for(const Terms& robot) const {
     sum_.check_for(robot);
+  }
+  [[nodiscard]] const std::tuple<L...>& laws() const noexcept { return sum_.laws(); }
+  /// Calls `f(law, its memory)` for each law.
+  template <class BlendMemory, class F>
+  SKINCTL_INLINE void each_law(BlendMemory& memory, F&& f) const noexcept {
+    detail::each_index<terms>([&](auto i) SKINCTL_INLINE_LAMBDA {
+      f(this->template law<i.value>(), detail::memory_of<i.value>(memory.laws));
+    });
   }
   /// The initial weights.
   [[nodiscard]] const std::array<double, terms>& first() const noexcept { return first_; }
@@ -124,6 +133,17 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...> {
     return out;
   }
 
+  /// The reasons of all laws that have a share, an opposition that lasts, and a change of weights.
+  [[nodiscard]] Status status(const Memory& memory) const noexcept {
+    Status out;
+    detail::each_index<terms>([&](auto i) {
+      if (loaded(memory, i))
+        out |= status_of(this->template law<i.value>(), detail::memory_of<i.value>(memory.laws));
+    });
+    if (memory.opposition.opposed) out |= Reason::opposed;
+    if (moves(memory)) out |= Reason::bumpless_transfer;
+    return out;
+  }
   /// The weights are constant, and all laws that have a share are settled.
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdio>
+#include <iosfwd>
 #include <string_view>
 
 #include "skinctl/fusion/blended.hpp"
@@ -27,11 +28,9 @@ class LawText {
     return *this << std::string_view(number);
   }
   friend bool operator==(const LawText& a, std::string_view b) noexcept { return a.view() == b; }
-  template <class Stream>
-    requires requires(Stream& out, const char* s) { out.write(s, 1); }
-  friend Stream& operator<<(Stream& out, const LawText& text) {
-    out.write(text.text_, static_cast<std::ptrdiff_t>(text.size_));
-    return out;
+  template <class Traits>
+  friend auto& operator<<(std::basic_ostream<char, Traits>& out, const LawText& text) {
+    return out.write(text.text_, static_cast<std::ptrdiff_t>(text.size_));
   }
 
  private:
@@ -42,12 +41,8 @@ class LawText {
 namespace detail {
 template <class L>
 void describe_to(LawText& out, const L&) noexcept {
-  if constexpr (is_gated<L>) out << (L::gate == TouchGate::touched ? "touched: " : "untouched: ");
-  if constexpr (requires { std::string_view(L::name); }) {
-    out << L::name;
-  } else {
-    out << "law";
-  }
+  if constexpr (LawTable<L>::is_gated) out << (L::gate == TouchGate::touched ? "touched: " : "untouched: ");
+  out << LawTable<L>::name;
 }
 template <std::size_t Link, class A, class B>
 void describe_to(LawText& out, const NullSpace<Link, A, B>& law) noexcept {

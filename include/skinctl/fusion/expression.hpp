@@ -11,16 +11,6 @@ inline constexpr bool is_fused = false;
 template <Sum P, class... L>
 inline constexpr bool is_fused<Fused<P, L...>> = true;
 
-/// Number of gravity laws in a law or sum.
-template <class L>
-constexpr std::size_t gravity_count() noexcept {
-  if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws;
-  } else {
-    return complete_law<L>::role == LawRole::gravity ? 1 : 0;
-  }
-}
-
 /// A law as a sum of one; a sum as it is.
 template <class L>
 auto as_sum(const L& law) {
@@ -42,13 +32,10 @@ auto join(const Fused<P, A...>& a, const Fused<Q, B...>& b) {
   for (std::size_t i = 0; i < sizeof...(B); ++i) weights[sizeof...(A) + i] = b.weights()[i];
   return Fused<Sum::normalised, A..., B...>(std::tuple_cat(a.laws(), b.laws()), weights);
 }
-/// A sum that cannot be part of another, such as a blended one.
-template <class L>
-inline constexpr bool is_complete = requires { L::complete_sum; };
 template <class W, class L>
 constexpr bool weighs() noexcept {
   if constexpr (std::is_arithmetic_v<W> && MeantAsLaw<L>) {
-    return gravity_count<L>() == 0 && !is_complete<L>;
+    return LawTable<L>::gravity_laws == 0 && !LawTable<L>::is_complete_sum;
   } else {
     return false;
   }
@@ -56,8 +43,8 @@ constexpr bool weighs() noexcept {
 template <class A, class B>
 constexpr bool adds(std::size_t least, std::size_t most) noexcept {
   if constexpr (MeantAsLaw<A> && MeantAsLaw<B>) {
-    const auto count = gravity_count<A>() + gravity_count<B>();
-    return count >= least && count <= most && !is_complete<A> && !is_complete<B>;
+    const auto count = LawTable<A>::gravity_laws + LawTable<B>::gravity_laws;
+    return count >= least && count <= most && !LawTable<A>::is_complete_sum && !LawTable<B>::is_complete_sum;
   } else {
     return false;
   }

@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "skinctl/fusion/detail/law_parts.hpp"
-#include "skinctl/fusion/detail/memories.hpp"
+#include "skinctl/fusion/detail/seeing_laws.hpp"
 #include "skinctl/fusion/opposition.hpp"
 #include "skinctl/law/evaluate.hpp"
 
@@ -28,7 +28,9 @@ enum class Sum : unsigned char {
 ///   freezes and resets the tracking laws.
 /// - Quantities that torque and memory of a law share (`now`) are computed once.
 template <Sum Policy, LawMembers... L>
-class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
+class Fused : public Composable,
+              public detail::GoalOf<std::tuple<>, L...>,
+              public detail::SeeingLaws<Fused<Policy, L...>, L...> {
  public:
   using Laws = std::tuple<L...>;
   static constexpr std::size_t terms = sizeof...(L);
@@ -39,15 +41,15 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   static constexpr std::size_t tracking_laws = detail::count_role<L...>(LawRole::tracking);
   static constexpr std::size_t reactive_laws = detail::count_role<L...>(LawRole::reactive);
   static constexpr bool answers_touch =
-      (false || ... || detail::answers_touch<L>);  ///< a law of the skin is in the sum
+      (false || ... || LawTable<L>::answers_touch);  ///< a law of the skin is in the sum
   static constexpr bool watches = tracking_laws > 0 && answers_touch;
-  static constexpr bool compensates_friction = (false || ... || detail::compensates_friction<L>);
+  static constexpr bool compensates_friction = (false || ... || LawTable<L>::compensates_friction);
   static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");
   static constexpr GravityTerm gravity_term =
       gravity_laws > 0 ? GravityTerm::left_out : GravityTerm::included;
   /// Without a gravity law, the test for opposition needs G as well.
   static constexpr Needs needs =
-      (Needs{.gravity = gravity_laws == 0 && (watches || ... || detail::is_in_parts<L>)} | ... |
+      (Needs{.gravity = gravity_laws == 0 && (watches || ... || LawTable<L>::lacks_gravity)} | ... |
        Needs(L::needs));
   static constexpr LawRole role = tracking_laws > 0   ? LawRole::tracking
                                   : reactive_laws > 0 ? LawRole::reactive
@@ -57,7 +59,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     detail::Memories<typename L::Memory...> laws;
     OppositionDetector::Memory opposition;
   };
-  static constexpr bool starts_blank = (detail::StartsBlank<L> && ...);
+  static constexpr bool starts_blank = (LawTable<L>::starts_blank && ...);
 
   /// @param weights  of the laws in their order: finite, > 0, and 1 for gravity. Throws `ConfigurationError`.
   explicit Fused(const std::tuple<L...>& laws, const std::array<double, terms>& weights,
@@ -95,7 +97,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   /// Throws `ConfigurationError` where a law's settings are not those of the robot.
   template <class Terms>
   void check_for(const Terms& robot) const {
-    std::apply([&](const auto&... law) { (detail::check_law_for(law, robot), ...); }, laws_);
+    std::apply([&](const L&... law) { (LawTable<L>::check_for(law, robot), ...); }, laws_);
   }
   [[nodiscard]] const std::array<double, terms>& weights() const noexcept { return weights_; }
   [[nodiscard]] const OppositionDetector& detector() const noexcept { return detector_; }
@@ -105,6 +107,12 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     return detail::memory_of<I>(m.laws);
   }
 
+  /// Calls `f(law, its memory)` for each law.
+  template <class Memory, class F>
+  SKINCTL_INLINE void each_law(Memory& memory, F&& f) const noexcept {
+    each([&](auto i, const auto& law)
+             SKINCTL_INLINE_LAMBDA { f(law, detail::memory_of<i.value>(memory.laws)); });
+  }
   /// The index of the law that takes goals of this type; `terms` if none or several do.
   template <class Goal>
   static constexpr std::size_t taker() noexcept {
@@ -113,7 +121,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       if (takes) found = i, ++count;
       ++i;
     };
-    (look(takes_goal<L, Goal>()), ...);
+    (look(LawTable<L>::takes_goals && std::same_as<typename LawTable<L>::Goal, Goal>), ...);
     return count == 1 ? found : terms;
   }
 
@@ -150,6 +158,13 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
       const Memory& memory, const K& known) const noexcept {
     return evaluate(memory, known, known.dt()).torque;
   }
+  /// The reasons of all of its laws, and an opposition that lasts.
+  [[nodiscard]] Status status(const Memory& memory) const noexcept {
+    Status out;
+    each_law(memory, [&](const auto& law, const auto& m) { out |= status_of(law, m); });
+    if (memory.opposition.opposed) out |= Reason::opposed;
+    return out;
+  }
   /// All of its laws are settled.
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known,
@@ -180,14 +195,6 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   SKINCTL_INLINE constexpr void each(F&& f) const noexcept {
     detail::each_index<terms>([&](auto i) SKINCTL_INLINE_LAMBDA { f(i, std::get<i.value>(laws_)); });
   }
-  template <class Law, class Goal>
-  static constexpr bool takes_goal() noexcept {
-    if constexpr (requires { typename Law::Goal; }) {
-      return std::same_as<typename Law::Goal, Goal>;
-    } else {
-      return false;
-    }
-  }
   template <class First, class Rest>
   struct Chain {
     First first;
@@ -209,7 +216,7 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Evaluation<K::joints, typename K::scalar, Memory, terms> step(
       const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept {
-    static_assert(!(false || ... || detail::is_gated<L>), "a gate opens in time: blended(sum)");
+    static_assert(!(false || ... || LawTable<L>::is_gated), "a gate opens in time: blended(sum)");
     using T = typename K::scalar;
     using Torque = JointTorque<K::joints, T>;
     const auto now = now_from<0>(memory, known);
@@ -221,11 +228,11 @@ class Fused : public Composable, public detail::GoalOf<std::tuple<>, L...> {
     Status status;
     each([&](auto i, const auto& law) SKINCTL_INLINE_LAMBDA {
       constexpr std::size_t I = i.value;
-      if constexpr (law_at<I>::role == LawRole::tracking && !detail::presses<law_at<I>>) {
+      if constexpr (law_at<I>::role == LawRole::tracking && !LawTable<law_at<I>>::presses) {
         track += shares[I];
         if constexpr (watches && gravity_laws == 0)
           track -= static_cast<T>(shares_[I].feed_forward) * known.gravity();
-      } else if constexpr (detail::answers_touch<law_at<I>>) {
+      } else if constexpr (LawTable<law_at<I>>::answers_touch) {
         skin += shares[I];
       }
       total += shares[I];

@@ -32,17 +32,23 @@ struct NullSpaceSettings {
 /// - `Keeps::pose` needs a robot of six joints or more; with six of them the null space is empty except next
 ///   to a singularity, and `Keeps::point` leaves three dimensions.
 template <std::size_t Link_, LawMembers First, LawMembers Second>
-class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, Second> {
+class NullSpace : public Composable,
+                  public detail::GoalOf<std::tuple<>, First, Second>,
+                  public detail::SeeingLaws<NullSpace<Link_, First, Second>, First, Second> {
  public:
   using Laws = std::tuple<First, Second>;
   static constexpr std::size_t joints = detail::joints_of_laws<First, Second>();
   static_assert(First::role == LawRole::tracking && Second::role != LawRole::gravity);
   static constexpr LawRole role = LawRole::tracking;
   static constexpr bool compensates_friction =
-      detail::compensates_friction<First> || detail::compensates_friction<Second>;
+      LawTable<First>::compensates_friction || LawTable<Second>::compensates_friction;
+  static constexpr bool presses = LawTable<First>::presses || LawTable<Second>::presses;
+  static constexpr bool starts_blank = LawTable<First>::starts_blank && LawTable<Second>::starts_blank;
+  static_assert(!LawTable<First>::is_gated && !LawTable<Second>::is_gated,
+                "task_priority: a gate opens in time, in blended(sum): put it around the whole");
   static constexpr Needs needs =
       First::needs | Second::needs |
-      Needs{.jacobians = link_bit<Link_>, .gravity = detail::is_in_parts<First>, .mass_factors = true};
+      Needs{.jacobians = link_bit<Link_>, .gravity = LawTable<First>::lacks_gravity, .mass_factors = true};
   struct Memory {
     [[no_unique_address]] typename First::Memory first;
     [[no_unique_address]] typename Second::Memory second;
@@ -56,11 +62,18 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   }
   [[nodiscard]] const First& first() const noexcept { return first_; }
   [[nodiscard]] const Second& second() const noexcept { return second_; }
+  [[nodiscard]] std::tuple<const First&, const Second&> laws() const noexcept { return {first_, second_}; }
+  /// Calls `f(law, its memory)` for each law.
+  template <class Memory, class F>
+  SKINCTL_INLINE void each_law(Memory& memory, F&& f) const noexcept {
+    f(first_, memory.first);
+    f(second_, memory.second);
+  }
   /// Throws `ConfigurationError` where a law's settings are not those of the robot.
   template <class Terms>
   void check_for(const Terms& robot) const {
-    detail::check_law_for(first_, robot);
-    detail::check_law_for(second_, robot);
+    LawTable<First>::check_for(first_, robot);
+    LawTable<Second>::check_for(second_, robot);
   }
 
   template <class K>
@@ -70,7 +83,7 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
   template <class K, class G>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known, const G& goal) const noexcept {
     Received<Memory> out{memory, {}};
-    if constexpr (requires { first_.receive(memory.first, known, goal); }) {
+    if constexpr (detail::Receives<First, K, G>) {
       const auto answer = follow_or_receive(first_, memory.first, known, goal);
       out.memory.first = answer.memory;
       out.status = answer.status;
@@ -80,6 +93,17 @@ class NullSpace : public Composable, public detail::GoalOf<std::tuple<>, First, 
       out.status = answer.status;
     }
     return out;
+  }
+
+  /// Of the law that takes such a goal, if it tells.
+  template <class K, class G>
+    requires(detail::HasDistance<First, K, G> || detail::HasDistance<Second, K, G>)
+  [[nodiscard]] auto distance(const K& known, const G& goal) const noexcept {
+    if constexpr (detail::HasDistance<First, K, G>) {
+      return first_.distance(known, goal);
+    } else {
+      return second_.distance(known, goal);
+    }
   }
 
   template <GravityTerm G = GravityTerm::included, class K>

@@ -22,7 +22,7 @@ struct OppositionSettings {
 /// The largest torques of the joints as far as they are known; 100 N m otherwise.
 template <class K>
 [[nodiscard]] SKINCTL_INLINE decltype(auto) torque_scale(const K& known) noexcept {
-  if constexpr (requires { known.limits(); }) {
+  if constexpr (detail::KnowsLimits<K>) {
     return known.limits().torque();
   } else {
     return JointTorque<K::joints, typename K::scalar>::constant(typename K::scalar(100));

@@ -70,13 +70,6 @@ struct LoopOptions {
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
 };
 
-namespace detail {
-/// A driver of a robot by position that reports where the robot was told to be.
-template <class Robot, class C>
-concept TellsPosition = requires(const C& cycle, typename C::Memory& memory, const typename C::Input& input,
-                                 Robot& robot) { cycle.start(memory, input.measured, robot.told()); };
-}  // namespace detail
-
 /// Runs `cycle` with `robot` and `skin` until it ends. In every cycle: wait for a state, take the samples,
 /// call `before(input, memory)`, which may set goals, requests and what other sensors read (`input.sensed`) and
 /// ends the run by returning false, step,
@@ -114,7 +107,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     robot.stop();
     return report;
   }
-  if constexpr (detail::TellsPosition<Robot, C>) {
+  if constexpr (TellsPosition<Robot, C>) {
     const auto told = robot.told();
     cycle.start(memory, input.measured, told);
     if (!memory.robot.started) {
@@ -182,19 +175,15 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     report.samples += input.samples.size();
     if constexpr (has_wrenches) {
       input.sensed.wrenches = {};
-      if constexpr (requires { robot.wrenches(); }) input.sensed.wrenches = robot.wrenches();
+      if constexpr (TellsWrenches<Robot>) input.sensed.wrenches = robot.wrenches();
     }
     if constexpr (has_motors) {
-      if constexpr (requires { input.sensed.motor_torque = robot.motor_torque(); })
+      if constexpr (TellsMotorTorque<Robot, std::remove_cvref_t<decltype(input.sensed.motor_torque)>>)
         input.sensed.motor_torque = robot.motor_torque();
     }
-    input.request = CycleRequest::none;
-    input.goal.reset();
+    clear_requests(input);
     input.observed = overrun;
-    if constexpr (requires {
-                    { robot.packet() } noexcept -> std::convertible_to<std::uint32_t>;
-                  })
-      input.observed |= options.packets.step(packets, robot.packet());
+    if constexpr (NumbersPackets<Robot>) input.observed |= options.packets.step(packets, robot.packet());
     if (!before(input, memory)) break;
 
     std::memcpy(static_cast<void*>(previous.get()), &memory, sizeof memory);

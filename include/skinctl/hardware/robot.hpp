@@ -38,6 +38,22 @@ concept RobotDriver = requires(R& robot, State<N, T>& state, const Command& comm
   { robot.stop() } noexcept;
 };
 
+// What a driver has that may leave it out.
+template <class R>
+concept TellsWrenches = requires(R& robot) { robot.wrenches(); };
+template <class R, class Torque>
+concept TellsMotorTorque = requires(R& robot) {
+  { robot.motor_torque() } -> std::convertible_to<Torque>;
+};
+template <class R>
+concept NumbersPackets = requires(R& robot) {
+  { robot.packet() } noexcept -> std::convertible_to<std::uint32_t>;
+};
+/// A driver of a robot by position that reports where the robot was told to be, for a scene that starts there.
+template <class R, class C>
+concept TellsPosition = requires(const C& cycle, typename C::Memory& memory, const typename C::Input& input,
+                                 R& robot) { cycle.start(memory, input.measured, robot.told()); };
+
 /// A skin on the other end of a driver: `poll()` gives the samples that arrived since the last call, in the
 /// order of their stamps for each cell; the span stays valid until the next call. It does not block.
 template <class S>

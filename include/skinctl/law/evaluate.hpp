@@ -1,11 +1,8 @@
 // Evaluation of a law: calls its members where it has them, else derives the result from the required ones.
 #pragma once
 
-#include <array>
-
 #include "skinctl/core/detail/row.hpp"
-#include "skinctl/law/detail/check_law.hpp"
-#include "skinctl/law/law.hpp"
+#include "skinctl/law/law_table.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -20,32 +17,6 @@ struct Evaluation {
 };
 
 namespace detail {
-template <class L>
-struct TermsOf {
-  static constexpr std::size_t value = 1;
-};
-template <class L>
-  requires requires { L::terms; }
-struct TermsOf<L> {
-  static constexpr std::size_t value = L::terms;
-};
-template <class L, class K, class G>
-inline constexpr bool follows_targets =
-    requires(const L& law, const typename L::Memory& m, const K& k, const G& g) { law.follow(m, k, g); };
-template <class L>
-inline constexpr bool reports = requires(const L& law, const typename L::Memory& m) { law.status(m); };
-template <class L, class K>
-inline constexpr bool says_settled = requires(const L& law, const typename L::Memory& m, const K& k,
-                                              const typename K::scalar& still) { law.settled(m, k, still); };
-
-/// Compares a law's settings with the robot's, if the law has `check_for`.
-template <class Law, class Terms>
-void check_law_for(const Law& law, const Terms& robot) {
-  if constexpr (requires { law.check_for(robot); }) law.check_for(robot);
-}
-template <class L>
-inline constexpr bool compensates_friction = requires { requires L::compensates_friction; };
-
 /// Whether no speed exceeds `most`; false if one is NaN.
 template <class V, class T>
 [[nodiscard]] constexpr bool slower(const V& velocity, const T& most) noexcept {
@@ -59,11 +30,11 @@ template <GravityTerm G, class L, class K>
 [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> weighted_torque(
     const L& law, const typename L::Memory& memory, const K& known,
     const LawShare<typename K::scalar>& share) noexcept {
-  if constexpr (has_weighted_torque<L, K>) {
+  if constexpr (HasWeightedTorque<L, K>) {
     return law.template torque<G>(memory, known, share);
   } else {
     const auto parts = [&] {
-      if constexpr (has_stateless_parts<L, K>) {
+      if constexpr (HasStatelessParts<L, K>) {
         return law.parts(known);
       } else {
         return law.parts(memory, known);
@@ -74,39 +45,45 @@ template <GravityTerm G, class L, class K>
     return tau;
   }
 }
-}  // namespace detail
 
-/// Number of parts whose shares a law reports: its `terms`, or 1.
-template <class L>
-inline constexpr std::size_t terms_of = detail::TermsOf<L>::value;
-
-namespace detail {
-/// The role of the `i`-th part of a law.
-template <class L>
-constexpr LawRole role_of_part([[maybe_unused]] std::size_t i) noexcept {
-  if constexpr (requires { L::roles; }) {
-    return L::roles[i];
+/// In place of the terms that torque and next memory share, of a law that has no `now`.
+struct Nothing {};
+template <class L, class K>
+SKINCTL_INLINE auto now_of(const L& law, const typename L::Memory& memory, const K& known) noexcept {
+  if constexpr (HasNow<L, K>) {
+    return law.now(memory, known);
   } else {
-    return L::role;
+    return Nothing{};
   }
 }
-/// The roles of a law's parts, and of a difference that is carried beside them.
-template <class L>
-inline constexpr auto roles_with_carried = [] {
-  std::array<LawRole, terms_of<L> + 1> roles{};
-  for (std::size_t i = 0; i < terms_of<L>; ++i) roles[i] = role_of_part<L>(i);
-  roles[terms_of<L>] = LawRole::tracking;
-  return roles;
-}();
+/// A tracking law's torque and next memory, with the terms that both share.
+template <GravityTerm G, class L, class K, class T, class Now>
+SKINCTL_INLINE auto torque_with(const L& law, const typename L::Memory& memory, const K& known,
+                                const LawShare<T>& share, const Now& now) noexcept {
+  if constexpr (std::same_as<Now, Nothing>) {
+    return weighted_torque<G>(law, memory, known, share);
+  } else {
+    return law.template torque<G>(memory, known, share, now);
+  }
+}
+template <class L, class K, class T, class Now>
+SKINCTL_INLINE typename L::Memory advance_with(const L& law, const typename L::Memory& memory, const K& known,
+                                               const T& dt, Opposition opposition, const Now& now) noexcept {
+  if constexpr (std::same_as<Now, Nothing>) {
+    return law.advance(memory, known, dt, opposition);
+  } else {
+    return law.advance(memory, known, dt, opposition, now);
+  }
+}
 }  // namespace detail
 
 /// The torque of `law` [N m] for the interval that begins now, gravity included where it tracks.
 template <class L, class K>
 [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> torque_of(
     const L& law, const typename L::Memory& memory, const K& known) noexcept {
-  if constexpr (detail::has_torque<L, K>) {
+  if constexpr (detail::HasTorque<L, K>) {
     return law.torque(memory, known);
-  } else if constexpr (detail::has_stateless_torque<L, K>) {
+  } else if constexpr (detail::HasStatelessTorque<L, K>) {
     return law.torque(known);
   } else {
     return detail::weighted_torque<GravityTerm::included>(law, memory, known, {});
@@ -116,7 +93,7 @@ template <class L, class K>
 /// The reasons for what `law` limits, holds or ramps out in this cycle: its `status`, or none.
 template <class L>
 [[nodiscard]] SKINCTL_INLINE Status status_of(const L& law, const typename L::Memory& memory) noexcept {
-  if constexpr (detail::reports<L>) {
+  if constexpr (detail::HasStatus<L>) {
     return law.status(memory);
   } else {
     return {};
@@ -128,12 +105,27 @@ template <class L>
 template <class L, class K>
 [[nodiscard]] SKINCTL_NOINLINE bool settled(const L& law, const typename L::Memory& memory, const K& known,
                                             const typename K::scalar& still) noexcept {
-  if constexpr (detail::says_settled<L, K>) {
+  if constexpr (detail::HasSettled<L, K>) {
     return law.settled(memory, known, still);
   } else {
     return detail::slower(known.dq(), still);
   }
 }
+
+namespace detail {
+/// By torque, `advance` and status, for a law of one term.
+template <class Result, class L, class K>
+[[nodiscard]] SKINCTL_INLINE Result evaluate_apart(const L& law, const typename L::Memory& memory,
+                                                   const K& known, const typename K::scalar& dt) noexcept {
+  using Torque = JointTorque<K::joints, typename K::scalar>;
+  // Written in the blocks in which it is read: see `copy_row`.
+  const Row<K::joints, typename K::scalar> torque(torque_of(law, memory, known));
+  return Result{Torque(torque),
+                law.advance(memory, known, dt, Opposition::none),
+                {Torque(torque)},
+                status_of(law, memory)};
+}
+}  // namespace detail
 
 /// The torque of `law` for the interval that begins now, and its memory after `dt` seconds. Uses the law's
 /// own `evaluate` where it has one, which computes the common terms of torque and memory once.
@@ -141,20 +133,12 @@ template <class L, class K>
 [[nodiscard]] SKINCTL_INLINE auto evaluate(const L& law, const typename L::Memory& memory, const K& known,
                                            typename K::scalar dt) noexcept {
   using Result = Evaluation<K::joints, typename K::scalar, typename L::Memory, terms_of<L>>;
-  if constexpr (requires {
-                  { law.evaluate(memory, known, dt) } -> std::same_as<Result>;
-                }) {
+  if constexpr (detail::HasEvaluate<L, K, terms_of<L>>) {
     return law.evaluate(memory, known, dt);
   } else {
     static_assert(Law<L, K>, "a law has Memory, needs, role, start, torque and advance: see law/law.hpp");
     static_assert(terms_of<L> == 1, "a law of several terms reports their shares by its own evaluate");
-    using Torque = JointTorque<K::joints, typename K::scalar>;
-    // Written in the blocks in which it is read: see `copy_row`.
-    const detail::Row<K::joints, typename K::scalar> torque(torque_of(law, memory, known));
-    return Result{Torque(torque),
-                  law.advance(memory, known, dt, Opposition::none),
-                  {Torque(torque)},
-                  status_of(law, memory)};
+    return detail::evaluate_apart<Result>(law, memory, known, dt);
   }
 }
 
@@ -165,7 +149,7 @@ template <class L, class K, class G>
                                                                           const typename L::Memory& memory,
                                                                           const K& known,
                                                                           const G& goal) noexcept {
-  if constexpr (detail::follows_targets<L, K, G>) {
+  if constexpr (detail::Follows<L, K, G>) {
     return law.follow(memory, known, goal);
   } else {
     return law.receive(memory, known, goal);

@@ -107,7 +107,7 @@ class ClearanceLimits {
   }
   /// As a limit of a scene, from the input of a cycle.
   template <class In>
-    requires(Around > 0 && requires(const In& in) { in.around; })
+    requires(Around > 0)
   SKINCTL_INLINE void see(Memory& m, const In& in, const Position& measured, Nanoseconds now) const noexcept {
     see(m, in.around, measured, now);
   }

@@ -155,7 +155,7 @@ class ContactLimits {
         if (F > most) most = F;
         during(at_[k], F, tau, mass, u, measured.dq, out);
       }
-      if constexpr (requires { touch.data[0][0]; }) {
+      if constexpr (detail::HoldsWrenches<Touch>) {
         const auto w = touch.template wrench<i>();
         const T sum = w.force.x + w.force.y + w.force.z + w.moment.x + w.moment.y + w.moment.z;
         if (!(sum - sum == T(0))) most = std::numeric_limits<T>::infinity();

@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include "skinctl/core/joint.hpp"
-#include "skinctl/core/needs.hpp"
+#include "skinctl/core/link_mask.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/robot/joint_limits.hpp"

@@ -131,7 +131,6 @@ class LaneGroup {
     return {number(v.x, k), number(v.y, k), number(v.z, k)};
   }
   template <class Result, class One>
-    requires requires(const Result& r) { r.data[0]; }
   SKINCTL_INLINE static void take(const Result& lanes, std::size_t k, One& out) noexcept {
     static_assert(std::size(decltype(Result::data){}) == std::size(decltype(One::data){}), "sizes differ");
     for (std::size_t i = 0; i < std::size(lanes.data); ++i) out.data[i] = number(lanes.data[i], k);

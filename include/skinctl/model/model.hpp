@@ -16,11 +16,16 @@ template <class M>
 struct ScalarOf {
   using type = double;
 };
+/// A model with numbers at run time.
 template <class M>
-  requires requires { typename M::scalar; }
+concept ModelInScalar = requires { typename M::scalar; };
+template <ModelInScalar M>
 struct ScalarOf<M> {
   using type = typename M::scalar;
 };
+/// A tree that knows a number of link `I` from its structure.
+template <class Tree, std::size_t I, LinkParameter P>
+concept KnowsNumber = requires { Tree::template known<I, P>(); };
 }  // namespace detail
 
 /// A robot: a `Topology` whose `number<I, P, T>()` gives parameter `P` of link `I` as a typed constant
@@ -36,8 +41,7 @@ concept RobotModel = Topology<M> && requires(const M& m) {
 /// Whether a model computes in `T`: a static one in every scalar, one with numbers at run time in its own.
 template <class M, class T>
 inline constexpr bool computes_in = true;
-template <class M, class T>
-  requires requires { typename M::scalar; }
+template <detail::ModelInScalar M, class T>
 inline constexpr bool computes_in<M, T> = std::is_same_v<typename M::scalar, T>;
 
 /// All numbers of link `I` of a model that computes in `T`, typed constants included.
@@ -145,7 +149,7 @@ class CalibratedModel {
       return TypedConstant<0>{};
     } else if constexpr (P == LinkParameter::cos_gamma && is_first_child(I)) {
       return TypedConstant<1>{};
-    } else if constexpr (requires { Tree::template known<I, P>(); }) {
+    } else if constexpr (detail::KnowsNumber<Tree, I, P>) {
       return Tree::template known<I, P>();
     } else {
       return;

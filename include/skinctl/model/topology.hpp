@@ -5,7 +5,7 @@
 #include <concepts>
 #include <cstddef>
 
-#include "skinctl/core/needs.hpp"
+#include "skinctl/core/link_mask.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

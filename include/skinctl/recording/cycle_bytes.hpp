@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The bytes of the cycles of `C`; in this order, without padding, as they lie in memory: now, measured state, request,
 /// observed status, goal, configuration (if `C` has several), cell samples, wrenches and motor torques (if its skin
-/// takes them), gripper (if its law moves one), what is around (if it stays clear of it), weights of patches (of a `WeightedSkin`),
+/// takes them), what its law adds (the gripper's state), what its limits add (what is around), weights of patches (of a `WeightedSkin`),
 /// command.
 template <class C>
 class CycleBytes {
@@ -22,12 +22,15 @@ class CycleBytes {
   using Command = JointCommand<C::joints, typename C::scalar>;
   using Position = JointPosition<C::joints, typename C::scalar>;
 
-  static constexpr bool configured = requires(const Input& input) { input.configuration; };
+  static constexpr bool configured = InputWithConfiguration<Input>;
   static constexpr bool has_wrenches = SensesWrenches<typename C::Sensed>;
   static constexpr bool has_motors = SensesMotors<typename C::Sensed>;
-  static constexpr bool has_gripper = requires { requires C::has_gripper; };
+  static constexpr bool has_gripper = InputWithGripper<Input>;
   static constexpr bool has_weights = SensesWeights<typename C::Sensed>;
-  static constexpr bool has_surroundings = requires(typename C::Input& in) { in.around; };
+  static constexpr bool has_surroundings = InputWithSurroundings<Input>;
+  /// Number of inputs that laws and limits of the user's own add.
+  static constexpr std::uint32_t own_inputs =
+      std::uint32_t(std::tuple_size_v<typename C::Added>) - has_gripper - has_surroundings;
   static constexpr std::size_t sample_size = 8 + 4 + 8 * 4, wrench_size = 8 + 6 * 8;
 
   /// The samples of an input that was read.
@@ -58,8 +61,12 @@ class CycleBytes {
     numbers(out, input.measured);
     out.put(static_cast<std::uint8_t>(input.request));
     out.put(input.observed.bits());
-    out.put(input.goal.has_value());
-    numbers(out, input.goal ? *input.goal : typename C::Goal{});
+    if constexpr (InputWithGoal<Input>) {
+      out.put(input.goal.has_value());
+      numbers(out, input.goal ? *input.goal : typename C::Goal{});
+    } else {
+      out.put(false);
+    }
     if constexpr (configured) out.put(input.configuration);
     out.put(static_cast<std::uint32_t>(input.samples.size()));
     for (const CellSample& s : input.samples) out.put(&s, sample_size);
@@ -68,8 +75,8 @@ class CycleBytes {
       for (const WrenchSample& s : input.sensed.wrenches) numbers(out, s);
     }
     if constexpr (has_motors) numbers(out, input.sensed.motor_torque);
-    if constexpr (has_gripper) numbers(out, input.gripper);
-    if constexpr (has_surroundings) numbers(out, input.around);
+    each_part(Added(),
+              [&]<class Part>(std::type_identity<Part>) { numbers(out, static_cast<const Part&>(input)); });
     if constexpr (has_weights) numbers(out, input.sensed.patch_weights);
     numbers(out, command);
   }
@@ -85,11 +92,13 @@ class CycleBytes {
     const auto request = in.get<std::uint8_t>();
     input.request = request <= 2 ? static_cast<CycleRequest>(request) : CycleRequest::none;
     input.observed = Status::from_bits(in.get<std::uint64_t>());
-    const bool has_goal = in.get<bool>();
-    typename C::Goal goal{};
-    read_numbers(in, goal);
-    input.goal.reset();
-    if (has_goal) input.goal = goal;
+    [[maybe_unused]] const bool has_goal = in.get<bool>();
+    if constexpr (InputWithGoal<Input>) {
+      typename C::Goal goal{};
+      read_numbers(in, goal);
+      input.goal.reset();
+      if (has_goal) input.goal = goal;
+    }
     if constexpr (configured) input.configuration = in.get<std::uint32_t>();
     read_samples(in, sample_size, samples.cells);
     input.samples = samples.cells;
@@ -98,8 +107,8 @@ class CycleBytes {
       input.sensed.wrenches = samples.wrenches;
     }
     if constexpr (has_motors) read_numbers(in, input.sensed.motor_torque);
-    if constexpr (has_gripper) read_numbers(in, input.gripper);
-    if constexpr (has_surroundings) read_numbers(in, input.around);
+    each_part(Added(),
+              [&]<class Part>(std::type_identity<Part>) { read_numbers(in, static_cast<Part&>(input)); });
     if constexpr (has_weights) read_numbers(in, input.sensed.patch_weights);
     read_numbers(in, command);
   }
@@ -114,8 +123,9 @@ class CycleBytes {
   /// joints, scalars and goals.
   [[nodiscard]] static std::array<std::uint32_t, 5> kind() noexcept {
     return {0x01020304,
-            (has_surroundings ? 32u : 0u) + (has_weights ? 16u : 0u) + (has_gripper ? 8u : 0u) +
-                (configured ? 4u : 0u) + (has_motors ? 2u : 0u) + (has_wrenches ? 1u : 0u),
+            64u * own_inputs + (has_surroundings ? 32u : 0u) + (has_weights ? 16u : 0u) +
+                (has_gripper ? 8u : 0u) + (configured ? 4u : 0u) + (has_motors ? 2u : 0u) +
+                (has_wrenches ? 1u : 0u),
             static_cast<std::uint32_t>(C::joints), static_cast<std::uint32_t>(sizeof(typename C::scalar)),
             static_cast<std::uint32_t>(sizeof(typename C::Goal))};
   }
@@ -125,6 +135,11 @@ class CycleBytes {
   static_assert(std::is_standard_layout_v<CellSample> && offsetof(CellSample, cell) == 8 &&
                 offsetof(CellSample, force) == 12 && offsetof(CellSample, temperature) == sample_size - 4);
 
+  using Added = std::type_identity<typename C::Added>;
+  template <class... Parts, class F>
+  static void each_part(std::type_identity<std::tuple<Parts...>>, F&& f) {
+    (f(std::type_identity<Parts>()), ...);
+  }
   template <class Out, class V>
   static void numbers(Out& out, V value) noexcept {
     each_number(value, [&](const auto& x) { out.put(x); });

@@ -53,9 +53,7 @@ class CycleHandOver {
     head.number = number;
     head.status = out.status.bits();
     for (std::size_t s = 0; s < stage_count; ++s) {
-      head.times[s] = 0;
-      if constexpr (requires { watch[CycleStage::sense].count(); })
-        head.times[s] = watch[static_cast<CycleStage>(s)].count();
+      head.times[s] = watch[static_cast<CycleStage>(s)].count();
     }
     for (std::size_t k = 0; k < laws; ++k)
       for (std::size_t i = 0; i < C::joints; ++i) head.shares[k * C::joints + i] = out.shares[k][i];

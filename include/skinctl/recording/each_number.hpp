@@ -12,14 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Calls `f(number)` for each plain number of a value. For goals of your own laws, overload
-/// `each_number(goal, f)` in their namespace. A duration is a whole number of nanoseconds.
-template <class F>
-void each_number(Nanoseconds& t, F&& f) {
-  std::int64_t count = t.count();
-  f(count);
-  t = Nanoseconds(count);
-}
+/// Calls `f(number)` for each plain number of a value. For goals of your own laws, and for what laws and limits of your
+/// own add to the input, overload `each_number(value, f)` in their namespace.
 template <class K, std::size_t N, class T, class F>
 void each_number(JointVector<K, N, T>& v, F&& f) {
   for (T& x : v) f(x);
@@ -70,28 +64,12 @@ void each_number(Surroundings<Most, A, T>& s, F&& f) {
     f(o.shape.radius), f(o.approach);
   }
 }
+template <class Near, class F>
+void each_number(AroundRobot<Near>& input, F&& f) {
+  each_number(input.around, f);
+}
 template <class F>
 void each_number(NoGoal&, F&&) {}
-template <class G, class F>
-  requires requires(G& g) {
-    g.q_g;
-    g.duration;
-  }
-void each_number(G& goal, F&& f) {
-  each_number(goal.q_g, f);
-  each_number(goal.duration, f);
-}
-template <class G, class F>
-  requires requires(G& g) {
-    g.q_d;
-    g.dq_d;
-  }
-void each_number(G& goal, F&& f) {
-  each_number(goal.q_d, f);
-  each_number(goal.dq_d, f);
-  if constexpr (requires { goal.ddq_d; }) each_number(goal.ddq_d, f);
-}
-
 template <class T, class F>
 void each_number(Xyz<T>& v, F&& f) {
   f(v.x), f(v.y), f(v.z);
@@ -102,24 +80,6 @@ void each_number(Transform<A, B, T>& X, F&& f) {
   auto p = X.origin();
   for (Xyz<T>* v : {&R.x, &R.y, &R.z, &p}) each_number(*v, f);
   X = Transform<A, B, T>::trusted(R, p);
-}
-template <class G, class F>
-  requires requires(G& g) { g.X_BP; }
-void each_number(G& goal, F&& f) {
-  each_number(goal.X_BP, f);
-  if constexpr (requires { goal.duration; }) each_number(goal.duration, f);
-  if constexpr (requires { goal.V; }) {
-    for (auto* v : {&goal.V.linear, &goal.V.angular, &goal.A.linear, &goal.A.angular}) each_number(*v, f);
-  }
-}
-template <class G, class F>
-  requires requires(G& g) {
-    g.direction;
-    g.force;
-  }
-void each_number(G& goal, F&& f) {
-  each_number(goal.direction, f);
-  f(goal.force);
 }
 
 SKINCTL_END_NAMESPACE

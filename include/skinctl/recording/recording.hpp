@@ -9,18 +9,10 @@
 #include <string>
 
 #include "skinctl/core/contract.hpp"
+#include "skinctl/cycle/detail/starts_with.hpp"
 #include "skinctl/recording/cycle_bytes.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-namespace detail {
-
-template <class C, class... Begin>
-concept StartsWith = requires(const C& cycle, typename C::Memory& memory, const Begin&... begin) {
-  cycle.start(memory, begin...);
-};
-
-}  // namespace detail
-
 /// A recorded run of `C`: the state at its start, then every input with its command. `run_loop` begins and fills the
 /// recordings that it is given; a loop of your own calls `start` with what it starts the scene with, then `add`.
 template <class C>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "skinctl/core/detail/row.hpp"
-#include "skinctl/core/needs.hpp"
+#include "skinctl/law/needs.hpp"
 #include "skinctl/robot/robot_description.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

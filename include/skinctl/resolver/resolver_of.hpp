@@ -125,9 +125,14 @@ template <Interface I, RobotModel M, Real T = double, class Integrator = CrankNi
 using ResolverBy = Resolver<M, T, JointGroups<M::joints, JointGroup<I, joints_between(0, M::joints), T>>,
                             Integrator, History, Keeper, Tool>;
 
+namespace detail {
+/// A robot's description, from which a resolver is made.
+template <class R>
+concept Described = requires { typename ResolverOf<R>::type; };
+}  // namespace detail
+
 /// The resolver of a robot: for tests and for loops without a `Cycle`.
-template <class Robot>
-  requires requires { typename detail::ResolverOf<Robot>::type; }
+template <detail::Described Robot>
 [[nodiscard]] typename detail::ResolverOf<Robot>::type resolver_of(const Robot& robot) {
   return detail::ResolverOf<Robot>::make(robot);
 }

@@ -239,6 +239,18 @@ class JointLimits {
   bool has_power_ = false;
 };
 
+namespace detail {
+/// The number of joint `i`, where a maker gives one of each joint, or one of all.
+template <class Numbers>
+[[nodiscard]] constexpr auto of_joint(const Numbers& numbers, [[maybe_unused]] std::size_t i) noexcept {
+  if constexpr (std::is_arithmetic_v<Numbers>) {
+    return numbers;
+  } else {
+    return numbers[i];
+  }
+}
+}  // namespace detail
+
 /// Limits from a robot's description: its positions, velocity and torques as the maker publishes them.
 ///
 /// @param acceleration  [rad/s^2] of every joint; makers rarely publish one. Universal Robots' program for
@@ -249,17 +261,9 @@ template <class Description, Real T = double>
   for (std::size_t i = 0; i < Description::joints; ++i) {
     v.lower[i] = T(Description::lower[i]);
     v.upper[i] = T(Description::upper[i]);
-    if constexpr (requires { Description::max_velocity[0]; }) {
-      v.velocity[i] = T(Description::max_velocity[i]);
-    } else {
-      v.velocity[i] = T(Description::max_velocity);
-    }
+    v.velocity[i] = T(detail::of_joint(Description::max_velocity, i));
     v.acceleration[i] = acceleration;
-    if constexpr (requires { Description::max_torque[0]; }) {
-      v.torque[i] = T(Description::max_torque[i]);
-    } else {
-      v.torque[i] = T(Description::max_torque);
-    }
+    v.torque[i] = T(detail::of_joint(Description::max_torque, i));
   }
   return JointLimits<Description::joints, T>(v);
 }

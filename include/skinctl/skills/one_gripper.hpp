@@ -6,6 +6,19 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// What skills with a gripper add to the input of a scene, and to its output.
+struct GripperInput {
+  GripperState gripper{};  ///< what the gripper reported last
+
+  template <class F>
+  friend void each_number(GripperInput& input, F&& f) {
+    each_number(input.gripper, f);
+  }
+};
+struct GripperOutput {
+  GripperCommand gripper{};  ///< what the gripper is asked for
+};
+
 /// A gripper with this range. Goals are brought into the range before they are given on.
 class OneGripper {
  public:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/fusion/detail/memories.hpp"
+#include "skinctl/law/law.hpp"
 #include "skinctl/skills/skill.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -108,8 +109,8 @@ struct GoalTypes<SkillRequest<G...>> {
 };
 template <class... G, class L, class... Rest>
 struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G...>, Rest...> {};
-template <class... G, class L, class... Rest>
-  requires(requires { typename L::Goal; } && !(std::is_same_v<G, typename L::Goal> || ...))
+template <class... G, HasGoal L, class... Rest>
+  requires(!(std::is_same_v<G, typename L::Goal> || ...))
 struct GoalTypes<SkillRequest<G...>, L, Rest...> : GoalTypes<SkillRequest<G..., typename L::Goal>, Rest...> {
 };
 }  // namespace detail

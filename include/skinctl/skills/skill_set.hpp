@@ -79,7 +79,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
     return static_cast<std::uint8_t>(i);
   }
   /// The active skill, or the one to which the torque changes over.
-  [[nodiscard]] const Skill<controllers>& now(const Memory& m) const noexcept { return skills_[m.skill]; }
+  [[nodiscard]] const Skill<controllers>& active(const Memory& m) const noexcept { return skills_[m.skill]; }
   /// The commanded values of the discrete controls.
   [[nodiscard]] static const SkillSwitches& commanded(const Memory& m) noexcept { return m.commanded; }
 
@@ -94,27 +94,29 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
     return m.refused.ticket == ticket ? m.refused : SkillReport{};
   }
 
-  /// The gripper's state, as a `Cycle` was told it at `now`, before each evaluation.
-  void grip(Memory& m, const GripperState& state, Nanoseconds now) const noexcept
-    requires has_gripper
-  {
-    Grip::hear(m.gripper, state, now);
+  /// What the scene says before each evaluation: the contacts of a touch that finds them, and the gripper's state.
+  using Input = detail::Together<std::conditional_t<has_gripper, GripperInput, NothingAdded>,
+                                 typename Loop::Blend::Input>;
+  using Output = detail::Together<std::conditional_t<has_gripper, GripperOutput, NothingAdded>,
+                                  typename Loop::Blend::Output>;
+  template <class In, class Seen>
+  SKINCTL_INLINE Status see(Memory& m, const In& input, const Seen& seen) const noexcept {
+    if constexpr (Seen::finds_contacts)
+      m.touched = skills_[m.skill].conditions.touch.holds(seen.contacts(), seen.now);
+    if constexpr (has_gripper) Grip::hear(m.gripper, input.gripper, seen.now);
+    return blend_.see(m.blend, input, seen);
   }
-  /// What the gripper is asked for.
-  [[nodiscard]] static GripperCommand gripper(const Memory& m) noexcept
-    requires has_gripper
-  {
-    return Grip::command(m.gripper);
-  }
-  /// The contacts that a skin with contacts feels at `now`: a `Cycle` tells them before each evaluation.
-  template <class Contacts>
-  void feel(Memory& m, const Contacts& contacts, Nanoseconds now) const noexcept {
-    m.touched = skills_[m.skill].conditions.touch.holds(contacts, now);
+  [[nodiscard]] Output output(const Memory& m) const noexcept {
+    Output out{};
+    if constexpr (!std::is_empty_v<typename Loop::Blend::Output>)
+      static_cast<typename Loop::Blend::Output&>(out) = blend_.output(m.blend);
+    if constexpr (has_gripper) out.gripper = Grip::command(m.gripper);
+    return out;
   }
 
   /// Whether a skill waits for contacts: its scene then needs a skin that has them.
   [[nodiscard]] bool waits_for_contacts() const noexcept {
-    bool waits = false;
+    bool waits = blend_.waits_for_contacts();
     for (const auto& s : skills_)
       waits = waits || s.conditions.finish == SkillFinish::touched ||
               s.conditions.finish == SkillFinish::released;

@@ -68,7 +68,6 @@ template <RobotModel M, Real T>
 }
 /// The same for a described robot, by the Coulomb friction of its configuration.
 template <class R>
-  requires requires(const R& robot) { robot.configuration().coulomb_friction; }
 [[nodiscard]] SKINCTL_COLD std::vector<double> lone_forces(const R& robot, std::span<const CellPlace> cells,
                                                            double share = 0.9) {
   return lone_forces(robot.model(), robot.configuration().coulomb_friction, cells, share);

@@ -9,9 +9,6 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// Whether the wrench on link `I` is known, if the touch is of that link at all.
-template <class W, std::size_t I>
-concept KnowsWrench = ((W::links >> I) & 1u) == 0 || requires(const W& w) { w.template wrench<I>(); };
 }  // namespace detail
 
 /// The touches of two sources: each a `LinkWrenches`, a `TouchWrenches`, a `JointTouch`, or such a sum.

@@ -34,6 +34,11 @@ template <class W>
 [[nodiscard]] SKINCTL_INLINE constexpr W total_of(const TouchWrenches<W>& touch) noexcept {
   return touch.total();
 }
+/// Whether a touch holds forces and proximities apart.
+template <class Touch>
+inline constexpr bool is_apart = false;
+template <class W>
+inline constexpr bool is_apart<TouchWrenches<W>> = true;
 /// The touch by contacts. Wrenches that are not apart, such as those of a force sensor, are contacts.
 template <class Touch>
 [[nodiscard]] SKINCTL_INLINE constexpr const Touch& contact_part(const Touch& touch) noexcept {

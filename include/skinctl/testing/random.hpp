@@ -12,7 +12,9 @@
 #include <sstream>
 #include <string>
 
+#include "skinctl/core/eigen_expression.hpp"
 #include "skinctl/core/real.hpp"
+#include "skinctl/core/triple.hpp"
 
 namespace skinctl::testing {
 
@@ -131,17 +133,13 @@ template <class V>
 }
 
 /// Triples: `{1.0, 2.0, 3.0}`.
-template <class V>
-  requires requires(const V& v) {
-    requires Real<decltype(V::x)> && Real<decltype(V::y)> && Real<decltype(V::z)>;
-  }
-[[nodiscard]] std::string as_code(const V& v) {
+template <class T>
+[[nodiscard]] std::string as_code(const Xyz<T>& v) {
   return "{" + as_code(v.x) + ", " + as_code(v.y) + ", " + as_code(v.z) + "}";
 }
 
 /// Eigen's matrices, row by row: `{{1.0, 2.0}, {3.0, 4.0}}`, which their constructors take.
-template <class M>
-  requires requires(const M& m) { m.coeff(0, 0), m.rows(), m.cols(); }
+template <EigenExpression M>
 [[nodiscard]] std::string as_code(const M& matrix) {
   std::string text = "{";
   for (decltype(matrix.rows()) i = 0; i < matrix.rows(); ++i) {

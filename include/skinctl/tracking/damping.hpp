@@ -6,8 +6,8 @@
 
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/eigen.hpp"
-#include "skinctl/core/needs.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/law/needs.hpp"
 #include "skinctl/math/ldlt.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

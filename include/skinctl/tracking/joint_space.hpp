@@ -1,8 +1,8 @@
 // The space in which Joint Control tracks: the joints themselves.
 #pragma once
 
-#include "skinctl/core/needs.hpp"
 #include "skinctl/core/status.hpp"
+#include "skinctl/law/needs.hpp"
 #include "skinctl/tracking/sliding_surface.hpp"
 #include "skinctl/trajectory/plan_clock.hpp"
 
@@ -13,12 +13,18 @@ template <std::size_t N, Scalar T = double>
 struct JointGoal {
   JointPosition<N, T> q_g;
   Nanoseconds duration{};  ///< from the moment of reception; 0: the shortest within `max_velocity`
+
+  template <class F>
+  friend void each_number(JointGoal& g, F&& f) {
+    each_number(g.q_g, f), each_number(g.duration, f);
+  }
 };
 
 /// The joints as the coordinates of a tracking law: the members that `Tracking` uses of a space, at no cost.
 ///
 /// A space has `joints` and `coordinates`, `Settings` (from which `tracking` picks the gains), a `Memory` of
-/// its own, `needs`, and `brief`: whether its surface costs so little that a call would show. For plans:
+/// its own, `needs`, `of_joints`: whether its coordinates are the joints, and `brief`: whether its surface costs so little
+/// that a call would show. For plans:
 /// - `Where`, `where`, `place`: a place, that of a state, that of a goal;
 /// - goals and their `shortest_time`, a `spline`;
 /// - `ahead` and `slow`: a reference later, and with its time slowed down; `stands`: whether it is at rest;
@@ -44,6 +50,7 @@ class JointSpace {
   static constexpr std::size_t coordinates = N;
   static constexpr Needs needs = {};
   static constexpr bool brief = true;
+  static constexpr bool of_joints = true;
   using scalar = T;
   using Settings = JointControlSettings<N, T>;
   template <class Robot>
@@ -59,6 +66,7 @@ class JointSpace {
   using Spline = JointSpline<N, T>;
   using Row = detail::Row<N, T>;
   struct Memory {};
+  struct Placement {};  ///< joints have none
   struct Site {
     const JointPosition<N, T>& q;
     const JointVelocity<N, T>& dq;
@@ -78,6 +86,9 @@ class JointSpace {
   [[nodiscard]] static SKINCTL_INLINE const Where& where_of(const Reference& r) noexcept { return r.q_d; }
   [[nodiscard]] static SKINCTL_INLINE constexpr const Where& place(const Goal& goal) noexcept {
     return goal.q_g;
+  }
+  [[nodiscard]] static SKINCTL_INLINE constexpr const Where& place(const Reference& r) noexcept {
+    return r.q_d;
   }
   [[nodiscard]] static SKINCTL_INLINE constexpr Spline spline(const Where& from, const Where& to,
                                                               const T& tf) noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/status.hpp"
+#include "skinctl/law/needs.hpp"
 #include "skinctl/tracking/pose_targets.hpp"
 #include "skinctl/tracking/singular_escape.hpp"
 #include "skinctl/tracking/singular_rest.hpp"
@@ -34,6 +35,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   using Targets::coordinates;
   static constexpr Needs needs = {.jacobians = link_bit<I>};
   static constexpr bool brief = false;
+  static constexpr bool of_joints = false;
   using scalar = T;
   using Placement = Transform<Link<I>, P, T>;  ///< of the frame in its link
   using typename Targets::Errors;

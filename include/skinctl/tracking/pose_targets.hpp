@@ -46,6 +46,11 @@ template <Frame P, Scalar T = double>
 struct PoseGoal {
   Transform<Base, P, T> X_BP;
   Nanoseconds duration{};  ///< from the moment of reception; 0: the shortest within the speeds
+
+  template <class F>
+  friend void each_number(PoseGoal& g, F&& f) {
+    each_number(g.X_BP, f), each_number(g.duration, f);
+  }
 };
 
 /// The members of operational space that plans (`SplinePlan`, `TargetPlan`, `ReactivePlan`) use: poses of `P`
@@ -67,6 +72,7 @@ class PoseTargets {
 
   [[nodiscard]] static SKINCTL_INLINE const Where& where_of(const Reference& r) noexcept { return r.X_BP; }
   [[nodiscard]] static SKINCTL_INLINE const Where& place(const Goal& goal) noexcept { return goal.X_BP; }
+  [[nodiscard]] static SKINCTL_INLINE const Where& place(const Reference& r) noexcept { return r.X_BP; }
   [[nodiscard]] static Spline spline(const Where& from, const Where& to, const T& tf) noexcept {
     return {from, to, tf};
   }

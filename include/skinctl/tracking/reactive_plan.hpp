@@ -22,8 +22,8 @@ struct ReactivePlan {
   using Goal = typename Space::Reference;
   using Settings = typename Space::Settings;
   using Where = typename Space::Where;
-  static constexpr bool streams = true;
-  static constexpr bool reacts = true;
+  static constexpr const char* name = "reactive";  ///< of the law
+  static constexpr bool streams = true, reacts = true, is_movable = false;
 
   Goal target;          ///< as received
   Nanoseconds age{};    ///< since it was received

@@ -4,6 +4,7 @@
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/time.hpp"
 #include "skinctl/dynamics/mass_ratio.hpp"
+#include "skinctl/law/law.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/trajectory/gain_schedule.hpp"
 #include "skinctl/trajectory/pursuit.hpp"
@@ -18,16 +19,12 @@ enum class GoalPolicy : unsigned char {
 
 namespace detail {
 /// Whether a goal or a target asks no joint to leave its position limits, where `known` has them; poses have none.
-template <class K, class Goal>
+template <class Space, class K, class Goal>
 [[nodiscard]] constexpr bool within_limits(const K& known, const Goal& goal) noexcept {
-  if constexpr (requires { known.limits(); }) {
-    const auto within = [&](const auto& q) {
-      for (std::size_t i = 0; i < K::joints; ++i)
-        if (!(q[i] >= known.limits().lower()[i] && q[i] <= known.limits().upper()[i])) return false;
-      return true;
-    };
-    if constexpr (requires { goal.q_g; }) return within(goal.q_g);
-    if constexpr (requires { goal.q_d; }) return within(goal.q_d);
+  if constexpr (KnowsLimits<K> && Space::of_joints) {
+    const auto& q = Space::place(goal);
+    for (std::size_t i = 0; i < K::joints; ++i)
+      if (!(q[i] >= known.limits().lower()[i] && q[i] <= known.limits().upper()[i])) return false;
   }
   return true;
 }

@@ -14,7 +14,7 @@ struct SplinePlan {
   using Goal = typename Space::Goal;
   using Settings = typename Space::Settings;
   using Where = typename Space::Where;
-  static constexpr bool streams = false;
+  static constexpr bool streams = false, reacts = false, is_movable = false;
   static constexpr const char* name = Space::spline_name;  ///< of the law
 
   typename Space::Spline spline;

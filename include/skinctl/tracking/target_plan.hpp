@@ -18,7 +18,7 @@ struct TargetPlan {
   using Goal = typename Space::Reference;
   using Settings = typename Space::Settings;
   using Where = typename Space::Where;
-  static constexpr bool streams = true;
+  static constexpr bool streams = true, reacts = false, is_movable = true;
   static constexpr const char* name = Space::name;  ///< of the law
 
   Goal target;

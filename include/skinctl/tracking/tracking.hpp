@@ -5,21 +5,6 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-namespace detail {
-/// The placement from which a space is built; the joints have none.
-template <class Space>
-struct PlacementIn {
-  struct type {};
-};
-template <class Space>
-  requires requires { typename Space::Placement; }
-struct PlacementIn<Space> {
-  using type = typename Space::Placement;
-};
-template <class Space>
-using PlacementOf = typename PlacementIn<Space>::type;
-}  // namespace detail
-
 /// Tracking, eqs. (8)-(14): `tau = -K_d S_q + Y_r Theta`, evaluated at the middle of the interval for which
 /// it will be held, at the state that the law predicts there.
 ///
@@ -76,10 +61,10 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     requires(std::same_as<Damping, InertialDamping<T>> && std::default_initializable<Space>)
       : Tracking(Space::settings_of(robot)) {}
   template <DescribedRobot R>
-  Tracking(const R& robot, const detail::PlacementOf<Space>& X_LP)
+  Tracking(const R& robot, const typename Space::Placement& X_LP)
     requires(std::same_as<Damping, InertialDamping<T>>)
       : Tracking(X_LP, Space::settings_of(robot)) {}
-  Tracking(const detail::PlacementOf<Space>& X_LP, const Settings& settings)
+  Tracking(const typename Space::Placement& X_LP, const Settings& settings)
     requires(std::same_as<Damping, InertialDamping<T>> && !std::default_initializable<Space>)
       : Tracking(Space(X_LP, settings), settings) {}
   Tracking(const Space& space, const Settings& settings, const Damping& damping)
@@ -111,12 +96,12 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const Goal& goal) const noexcept {
-    if (!detail::within_limits(known, goal)) return {memory, Reason::goal_refused};
+    if (!detail::within_limits<Space>(known, goal)) return {memory, Reason::goal_refused};
     const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
     out.memory.plan = planned.memory;
-    if constexpr (requires { Plan::reacts; }) return out;
+    if constexpr (Plan::reacts) return out;
     out.memory.space = Space::renewed(memory.space);
     out.status |= begin_gain(out.memory, known);
     if (out.status.has(Reason::goal_refused)) return {memory, out.status};
@@ -128,17 +113,19 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
 
   /// The next sample of a target that moves smoothly: time base, surface and integrals go on. A sample is a
   /// new goal if it is further from the extrapolation of the last one than the largest speed covers in an
-  /// interval.
+  /// interval. A plan to a goal takes it as one.
   template <class K>
-  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known, const Goal& goal) const noexcept
-    requires(Plan::streams)
-  {
-    if (!detail::within_limits(known, goal) || !memory.plan.leads_to(goal, settings_))
-      return receive(memory, known, goal);
-    const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
-    Received<Memory> out{memory, planned.status};
-    out.memory.plan = planned.memory;
-    return out;
+  [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known,
+                                        const Goal& goal) const noexcept {
+    if constexpr (Plan::streams) {
+      if (detail::within_limits<Space>(known, goal) && memory.plan.leads_to(goal, settings_)) {
+        const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
+        Received<Memory> out{memory, planned.status};
+        out.memory.plan = planned.memory;
+        return out;
+      }
+    }
+    return receive(memory, known, goal);
   }
 
   using Reset::now;
@@ -187,17 +174,14 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   [[nodiscard]] Distance distance(const K& known, const Goal& goal) const noexcept {
     const auto site = space_.site(known);
     const auto& at = space_.where(site);
-    if constexpr (requires { goal.X_BP; }) {
-      return {norm(Xyz<T>(goal.X_BP.origin() - at.origin())),
-              norm(log_so3(goal.X_BP.axes() * at.axes().transpose())), T(0)};
+    const auto& there = Space::place(goal);
+    if constexpr (!Space::of_joints) {
+      return {norm(Xyz<T>(there.origin() - at.origin())), norm(log_so3(there.axes() * at.axes().transpose())),
+              T(0)};
     } else {
       Distance d;
       for (std::size_t i = 0; i < N; ++i) {
-        T off(0);
-        if constexpr (requires { goal.q_g; })
-          off = goal.q_g[i] - at[i];
-        else
-          off = goal.q_d[i] - at[i];
+        T off = there[i] - at[i];
         off = off < T(0) ? T(-off) : off;
         d.joint = off <= d.joint ? d.joint : off;
       }
@@ -217,7 +201,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   /// The memory with another target, for callers that move it smoothly and within the settings: nothing is
   /// checked, and there is no bumpless transfer.
   [[nodiscard]] static Memory with_target(Memory memory, const Goal& target) noexcept
-    requires requires { Plan::moved(target); }
+    requires(Plan::is_movable)
   {
     memory.plan = Plan::moved(target);
     return memory;

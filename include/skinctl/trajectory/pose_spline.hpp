@@ -13,6 +13,12 @@ struct PoseReference {
   Transform<Base, P, T> X_BP;
   Twist<P, Base, P, Base, T> V;
   Acceleration<P, Base, P, Base, T> A;
+
+  template <class F>
+  friend void each_number(PoseReference& g, F&& f) {
+    each_number(g.X_BP, f);
+    for (auto* v : {&g.V.linear, &g.V.angular, &g.A.linear, &g.A.angular}) each_number(*v, f);
+  }
 };
 
 /// From `X_i` to `X_g` in `tf` seconds: the origin in a straight line, the axes by the shortest turn about

@@ -14,6 +14,11 @@ struct JointReference {
   JointPosition<N, T> q_d;
   JointVelocity<N, T> dq_d;
   JointAcceleration<N, T> ddq_d;
+
+  template <class F>
+  friend void each_number(JointReference& g, F&& f) {
+    each_number(g.q_d, f), each_number(g.dq_d, f), each_number(g.ddq_d, f);
+  }
 };
 
 /// `q_d = q_i + a1 (q_g - q_i)` and its derivatives, over `tf` seconds. Trivially copyable.

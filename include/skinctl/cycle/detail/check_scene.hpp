@@ -37,8 +37,6 @@ struct SaySkin {
       F != other_model,
       "this skin is for another robot: its type names the model, as in ur5_skin<260, double, Model>()");
 };
-template <class Skin>
-concept NamesModel = requires { typename Skin::Wrenches::model_type; };
 template <class Robot, class Skin>
 consteval SkinFault fault_in_skin() {
   if constexpr (NamesModel<Skin>) {

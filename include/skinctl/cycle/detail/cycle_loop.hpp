@@ -22,7 +22,6 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
 
  public:
   using Parts::governed;
-  using Parts::has_gripper;
   using Parts::joints;
   using Parts::watches_contacts;
   using scalar = typename Parts::scalar;
@@ -58,7 +57,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   using Parts::skin_;
   using L = typename Parts::L;
   using Governor = typename Parts::Governor;
-  using Felt = TouchTable<typename Parts::Skin>;
+  static constexpr bool takes_goals = LawTable<L>::takes_goals;
 
   /// @param change  the configuration of the last cycle, or `NoChange`.
   template <class Watch, class Change>
@@ -76,7 +75,8 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
         guard_.acknowledge(m.guard);
       }
     }
-    if (input.goal) status |= change.receive(*this, m, [&] { return receive(m, input); });
+    if constexpr (takes_goals)
+      if (input.goal) status |= change.receive(*this, m, [&] { return receive(m, input); });
 
     const Interval interval = resolver_.interval(m.robot, input.now);
     Unwritten<Touch, max_substeps> touches;
@@ -87,14 +87,12 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     };
     status |= receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
     const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
-    const Seen<typename Parts::Skin, std::remove_cvref_t<decltype(pressed)>> seen{skin_, m.skin, pressed};
+    const Seen<typename Parts::Skin, std::remove_cvref_t<decltype(pressed)>> seen{skin_, m.skin, pressed,
+                                                                                  interval.to};
     status |= governor_.look(m.governor, seen, seconds<scalar>(interval.to - interval.from));
     const bool pause = pauses(m);
     if (pause) resolver_.stop(m.robot);
-    if constexpr (Felt::finds_contacts &&
-                  requires { law_.feel(m.law, Felt::contacts(skin_, m.skin), interval.to); })
-      law_.feel(m.law, Felt::contacts(skin_, m.skin), interval.to);
-    if constexpr (has_gripper) law_.grip(m.law, input.gripper, interval.to);
+    status |= LawTable<L>::see(law_, m.law, input, seen);
     governor_.see(m.governor, input, measured().q, interval.to);
     watch.end(CycleStage::sense);
 
@@ -122,7 +120,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
         found |= given.status;
         slowed = given.altered;
         resolved.command.assign(given.command);
-        if constexpr (requires { given.hold; }) resolved.fallback = given.hold;
+        if constexpr (Resolver::has_driven) resolved.fallback = given.hold;
       }
     }
     const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured(), interval,
@@ -135,7 +133,9 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
     watch.end(CycleStage::guard);
     Output out(guarded.command, status, resolved.shares);
-    if constexpr (has_gripper) out.gripper = L::gripper(m.law);
+    using LawOutput = typename LawTable<L>::Output;
+    if constexpr (!std::is_empty_v<LawOutput>)
+      static_cast<LawOutput&>(out) = LawTable<L>::output(law_, m.law);
     return out;
   }
 
@@ -150,7 +150,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   SKINCTL_NOINLINE auto resolve(Memory& m, const State<joints, scalar>& measured, const Interval& interval,
                                 std::span<const Touch> felt,
                                 [[maybe_unused]] const Pressed& pressed) const noexcept {
-    if constexpr (detail::watches_contacts<Resolver>) {
+    if constexpr (Resolver::watches_contacts) {
       return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_, pressed);
     } else {
       return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_);
@@ -162,7 +162,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     m.skin = skin_.start(measured.time);
     m.guard = guard_.start(m.robot.command(), measured);
     m.governor = {};
-    if constexpr (StartsBlank<L>) {
+    if constexpr (LawTable<L>::starts_blank) {
       m.law = {};
     } else {
       const auto state = resolver_.state(m.robot);
@@ -180,16 +180,12 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     start(m, measured);
   }
   SKINCTL_COLD Status receive(Memory& m, const Input& input) const noexcept {
-    if constexpr (std::is_same_v<Goal, NoGoal>) {
-      return Reason::goal_refused;
-    } else {
-      const auto state = resolver_.state(m.robot);
-      const Wrenches touch = skin_.wrenches(m.skin);
-      const auto received =
-          follow_or_receive(law_, m.law, resolver_.template known<L>(state, period(), touch), *input.goal);
-      m.law = received.memory;
-      return received.status;
-    }
+    const auto state = resolver_.state(m.robot);
+    const Wrenches touch = skin_.wrenches(m.skin);
+    const auto received =
+        follow_or_receive(law_, m.law, resolver_.template known<L>(state, period(), touch), *input.goal);
+    m.law = received.memory;
+    return received.status;
   }
   template <class Resolved, class Seen>
   SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Seen& seen, const Interval& interval,
@@ -213,18 +209,14 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   // difference of torque between the old configuration and this one.
   [[nodiscard]] bool may_change(const Memory& m, const Input& input) const noexcept {
     if (guard_.refuses_start(m.guard)) return false;
-    if constexpr (requires { resolver_.asks_law(m.robot, input.measured, input.now, guard_); }) {
-      auto robot = m.robot;
-      if (input.request == CycleRequest::stop) resolver_.stop(robot);
-      if (input.request == CycleRequest::resume) resolver_.resume(robot);
-      if (pauses(m)) resolver_.stop(robot);
-      return resolver_.asks_law(robot, input.measured, input.now, guard_);
-    } else {
-      return true;
-    }
+    auto robot = m.robot;
+    if (input.request == CycleRequest::stop) resolver_.stop(robot);
+    if (input.request == CycleRequest::resume) resolver_.resume(robot);
+    if (pauses(m)) resolver_.stop(robot);
+    return resolver_.asks_law(robot, input.measured, input.now, guard_);
   }
   SKINCTL_COLD void restart(Memory& m) const noexcept {
-    if constexpr (!std::is_same_v<Goal, NoGoal>)
+    if constexpr (takes_goals)
       m.law =
           law_.start(resolver_.template known<L>(resolver_.state(m.robot), period(), skin_.wrenches(m.skin)));
   }
@@ -233,7 +225,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
                                const Interval& interval) const noexcept {
     using Asked = detail::Asked<Resolver, L, Wrenches>;
     const Wrenches touch_before = before.skin_.wrenches(m.skin), touch = skin_.wrenches(m.skin);
-    if constexpr (requires { resolver_.changed(m.robot); }) resolver_.changed(m.robot);
+    resolver_.changed(m.robot);
     L::drop(m.law);
     L::carry(m.law, resolver_.lacking(m.robot, measured, interval, guard_,
                                       Asked{before.resolver_, before.law_, law_before, touch_before},

@@ -40,17 +40,15 @@ class CycleParts {
   static constexpr std::size_t joints = Resolver::joints;
   using scalar = typename Resolver::scalar;
   using law_type = L;
-  using Goal = typename GoalType<L>::type;
+  using Goal = typename LawTable<L>::Goal;
   using Sensed = typename TouchTable<Skin>::Sensed;
-  static constexpr bool has_gripper = detail::has_gripper<L>;
-  using Input = typename WithInputs<
-      CycleInput<joints, scalar, Goal, Sensed, std::conditional_t<has_gripper, GripperState, NoGripper>>,
-      Governor>::type;
-  using Output = CycleOutput<typename Resolver::Sent, joints, scalar, terms_of<L>,
-                             std::conditional_t<has_gripper, GripperCommand, NoGripper>>;
+  using Added = AddedInputs<L, Governor>;
+  using Input = typename Joined<CycleInput<joints, scalar, Goal, Sensed>, Added>::type;
+  using Output = JoinedWith<CycleOutput<typename Resolver::Sent, joints, scalar, terms_of<L>>,
+                            typename LawTable<L>::Output>;
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
-  static constexpr bool watches_contacts = detail::watches_contacts<Resolver> || Governor::reads_touch;
+  static constexpr bool watches_contacts = Resolver::watches_contacts || Governor::reads_touch;
   /// What the resolver takes: forces and proximities apart where they have to be told.
   using Touch = typename TouchFor<Resolver, Skin, watches_contacts>::type;
 
@@ -89,9 +87,9 @@ class CycleParts {
       check_settings(robot, law);
       check_contacts(robot, skin_);
     }
-    if constexpr (requires { law.waits_for_contacts(); } && !TouchTable<Skin>::finds_contacts)
-      require(!law.waits_for_contacts(), "skills that wait for contacts, on a skin that finds none", 1,
-              "a ContactSkin");
+    if constexpr (!TouchTable<Skin>::finds_contacts)
+      require(!LawTable<L>::waits_for_contacts(law),
+              "skills that wait for contacts, on a skin that finds none", 1, "a ContactSkin");
     governor_.check(resolver_);
   }
   /// The planned interval [s], for the laws that start or take goals between two evaluations.

@@ -16,8 +16,7 @@ void dry_step(const C& cycle, typename C::Memory& scratch, const typename C::Mem
   std::memcpy(static_cast<void*>(&scratch), &memory, sizeof memory);
   input.now += after;
   input.measured.time += after;
-  input.request = CycleRequest::none;
-  input.goal.reset();
+  clear_requests(input);
   static_cast<void>(cycle.step(scratch, input, watch));
 }
 

@@ -1,6 +1,7 @@
 // Compile-time traits of the parts of a scene: whether they fit, and who compensates gravity and friction.
 #pragma once
 
+#include "skinctl/core/detail/each_once.hpp"
 #include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/no_skin.hpp"
@@ -84,14 +85,20 @@ consteval PartsFault fault_of_parts() {
         Robot, Skin, decltype(std::tuple_cat(std::declval<Parts>(), std::declval<std::tuple<Given...>>()))>();
   }
 }
-/// What the limits of a scene see of its touch in a cycle.
+/// What the law and the limits of a scene see of its touch in a cycle.
 template <class Skin, class Pressed>
 struct Seen {
+  static constexpr bool finds_contacts = TouchTable<Skin>::finds_contacts;
   const Skin& skin;
   const typename Skin::Memory& memory;
-  const Pressed& contacts;
+  const Pressed& pressed_area;
+  Nanoseconds now;  ///< end of the interval
 
-  [[nodiscard]] SKINCTL_INLINE const Pressed& pressed() const noexcept { return contacts; }
+  [[nodiscard]] SKINCTL_INLINE const Pressed& pressed() const noexcept { return pressed_area; }
+  /// The contacts that skills wait for.
+  [[nodiscard]] SKINCTL_INLINE auto contacts() const noexcept {
+    return TouchTable<Skin>::contacts(skin, memory);
+  }
   /// The strongest proximity reading of link `I`, in [0, 1].
   template <std::size_t I>
   [[nodiscard]] SKINCTL_INLINE auto nearest() const noexcept {
@@ -101,10 +108,12 @@ struct Seen {
     return TouchTable<Skin>::coverage(skin, memory);
   }
 };
+/// A robot of one group that takes positions.
 template <class Resolver>
-inline constexpr bool watches_contacts = requires { requires Resolver::watches_contacts; };
-template <class Resolver>
-inline constexpr bool takes_positions = requires { requires Resolver::interface == Interface::position; };
+inline constexpr bool takes_positions = [] {
+  if constexpr (Resolver::is_one_group) return Resolver::interface == Interface::position;
+  return false;
+}();
 /// The touch that a resolver takes from a skin: forces and proximities apart where a tank has to tell them, and
 /// where contacts are asked for (`Contacts`) and not known otherwise.
 template <class Resolver, class Skin, bool Contacts>
@@ -128,34 +137,22 @@ template <bool Contacts, class Skin, class Touch>
     return TouchTable<Skin>::pressed(skin, memory, touch);
   }
 }
-/// Whether a law has a gripper: a `SkillSet` with `OneGripper`.
-template <class L>
-inline constexpr bool has_gripper = requires { requires L::has_gripper; };
-/// The input of a cycle, and what limits add to it, each once.
-template <class Own, class... Added>
-struct InputWith : Own, Added... {};
-template <class Own, class Governor>
-struct WithInputs;
-template <class Own, RobotModel M, Real T, class Sets, class... Limits>
-struct WithInputs<Own, Governor<M, T, Sets, Limits...>> {
-  template <class Limit>
-  static auto of() {
-    if constexpr (LimitWithInput<Limit>) {
-      return std::tuple<typename Limit::Input>();
-    } else {
-      return std::tuple<>();
-    }
-  }
-  template <class... Added>
-  static auto all(const std::tuple<Added...>&) {
-    if constexpr (sizeof...(Added) == 0) {
-      return Own{};
-    } else {
-      return InputWith<Own, Added...>{};
-    }
-  }
-  using type = decltype(all(std::tuple_cat(of<Limits>()...)));
+template <class Limit>
+struct LimitInput {
+  using type = NothingAdded;
 };
+template <LimitWithInput Limit>
+struct LimitInput<Limit> {
+  using type = typename Limit::Input;
+};
+/// What law and limits add to the input of a cycle, as a tuple: each once.
+template <class L, class Governor>
+struct AddedInputsOf;
+template <class L, RobotModel M, Real T, class Sets, class... Limits>
+struct AddedInputsOf<L, Governor<M, T, Sets, Limits...>>
+    : EachOnce<std::tuple<>, typename LawTable<L>::Input, typename LimitInput<Limits>::type...> {};
+template <class L, class Governor>
+using AddedInputs = typename AddedInputsOf<L, Governor>::type;
 /// Takes what was sensed in an interval, and gives the mean touch over each of its parts. `measured()` is the
 /// newest good state of the robot, for sensors that need one.
 template <class Skin, class Input, class Measured, class Touch>
@@ -173,15 +170,6 @@ SKINCTL_INLINE Status receive_touch(const Skin& skin, typename Skin::Memory& mem
       skin, memory, TouchGiven{input.samples, input.sensed, state, interval.from, interval.to, parts},
       touches);
 }
-template <class L>
-struct GoalType {
-  using type = NoGoal;
-};
-template <class L>
-  requires requires { typename L::Goal; }
-struct GoalType<L> {
-  using type = typename L::Goal;
-};
 struct SkinBehindLaw {};
 /// The configuration is that of the last cycle.
 struct NoChange {
@@ -208,71 +196,48 @@ using ResolverFor = decltype(as_resolver(std::declval<const R&>()));
 template <class S>
 concept SkinLike = MeantAsTouch<S>;
 
-/// Whether a law compensates gravity: by a gravity law, or within `Y_r Theta`.
-template <class L>
-inline constexpr bool holds_gravity = [] {
-  if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws > 0 || L::role == LawRole::tracking;
-  } else {
-    return L::role != LawRole::reactive;
-  }
-}();
-/// Whether a gravity law is loaded that cannot leave gravity to the robot.
-template <class L>
-inline constexpr bool has_gravity_law = [] {
-  if constexpr (requires { L::complete_sum; }) {
-    return false;  // skills: their rows name the controller; without weight it gives zero
-  } else if constexpr (requires { L::gravity_laws; }) {
-    return L::gravity_laws > 0;
-  } else {
-    return L::role == LawRole::gravity;
-  }
-}();
-template <class L>
-inline constexpr bool law_compensates_friction = requires { requires L::compensates_friction; };
-
 /// Compares the robot's description with the law, at compile time: who compensates gravity and friction.
 template <class Robot, class L>
 constexpr void check_holders() {
-  if constexpr (requires { Robot::robot_holds_gravity; }) {
-    static_assert(!Robot::robot_holds_gravity || !has_gravity_law<L>,
+  if constexpr (DescribedRobot<Robot>) {
+    // Skills name the controller in their rows: without weight it gives zero.
+    constexpr bool has_gravity_law = LawTable<L>::gravity_laws > 0 && !LawTable<L>::is_complete_sum;
+    static_assert(!Robot::robot_holds_gravity || !has_gravity_law,
                   "gravity twice: the robot holds it, and so does the law: leave GravityControl out");
-    static_assert(Robot::robot_holds_gravity || holds_gravity<L>,
+    static_assert(Robot::robot_holds_gravity || LawTable<L>::holds_gravity,
                   "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
     if constexpr (Robot::interface == Interface::torque) {
       static_assert(
-          !(Robot::robot_compensates_friction && law_compensates_friction<L>),
+          !(Robot::robot_compensates_friction && LawTable<L>::compensates_friction),
           "friction twice: the robot compensates it, and so does the law: leave FrictionControl out");
-      static_assert(!(Robot::friction_uncompensated && law_compensates_friction<L>),
+      static_assert(!(Robot::friction_uncompensated && LawTable<L>::compensates_friction),
                     "friction: described as uncompensated, and a law compensates it: leave one of them out");
-      static_assert(
-          Robot::robot_compensates_friction || Robot::friction_uncompensated || law_compensates_friction<L>,
-          "friction nowhere: describe RobotCompensatesFriction or FrictionUncompensated, or add "
-          "FrictionControl");
+      static_assert(Robot::robot_compensates_friction || Robot::friction_uncompensated ||
+                        LawTable<L>::compensates_friction,
+                    "friction nowhere: describe RobotCompensatesFriction or FrictionUncompensated, or add "
+                    "FrictionControl");
     }
   } else {
-    static_assert(holds_gravity<L>, "gravity nowhere: add GravityControl to the law");
+    static_assert(LawTable<L>::holds_gravity, "gravity nowhere: add GravityControl to the law");
   }
 }
 /// Compares the law's settings with the robot's description; throws `ConfigurationError` with both numbers.
 template <class Robot, class L>
 SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
-  if constexpr (requires { robot.virtual_dynamics(); }) {
+  if constexpr (DescribedRobot<Robot>) {
     const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics(),
                                                                 robot.loop_delay()};
-    if constexpr (requires { law.check_for(terms); }) law.check_for(terms);
+    LawTable<L>::check_for(law, terms);
   }
 }
 /// Checks that the stiffest contact that a description names comes to rest on this skin.
 template <class Robot, class Skin>
 SKINCTL_COLD void check_contacts(const Robot& robot, const Skin& skin) {
-  if constexpr (requires { robot.parts(); }) {
-    const auto check = [&]<class Part>(const Part& given_part) {
-      if constexpr (std::is_same_v<typename Part::RobotPart, StiffestContactPart>)
-        given_part.check(robot, skin);
-    };
-    std::apply([&](const auto&... given_part) { (check(given_part), ...); }, robot.parts());
-  }
+  const auto check = [&]<class Part>(const Part& given_part) {
+    if constexpr (std::is_same_v<typename Part::RobotPart, StiffestContactPart>)
+      given_part.check(robot, skin);
+  };
+  std::apply([&](const auto&... given_part) { (check(given_part), ...); }, robot.parts());
 }
 }  // namespace detail
 SKINCTL_END_NAMESPACE

@@ -57,21 +57,21 @@ class BlendLoop : public BlendMemory<P, L...> {
         constexpr std::size_t J = i.value;
         constexpr LawRole r = law_at<J>::role;
         const bool on = loaded(next, J);
-        if (!on && !(gated && answers_touch<law_at<J>>)) return;
+        if (!on && !(gated && LawTable<law_at<J>>::answers_touch)) return;
         if constexpr (r == LawRole::tracking)
           if (Base::comes(next, J) && next.elapsed < next.ramp) [[unlikely]]
             memory_of<J>(next.laws) = law<J>().start(known);
         auto& part = std::get<J>(parts);
         compute<J>(part, next, known, shares[J]);
-        if constexpr (r == LawRole::tracking && !presses<law_at<J>>) {
+        if constexpr (r == LawRole::tracking && !LawTable<law_at<J>>::presses) {
           track += part.torque;
           if constexpr (Fusion::watches && holds_gravity)
             track -= static_cast<T>(shares[J].feed_forward) * known.gravity();
         } else if constexpr (r == LawRole::reactive) {
-          if constexpr (gated && answers_touch<law_at<J>>)
+          if constexpr (gated && LawTable<law_at<J>>::answers_touch)
             contact += static_cast<T>(sum_.weights()[J]) * part.torque;
           part.torque = static_cast<T>(shares[J].feedback) * part.torque;
-          if constexpr (answers_touch<law_at<J>>) skin += part.torque;
+          if constexpr (LawTable<law_at<J>>::answers_touch) skin += part.torque;
         }
         out.shares[J] = part.torque;
         out.torque += part.torque;

@@ -26,7 +26,7 @@ class BlendMemory : public Composable {
   static constexpr LawRole role = Fusion::role;
   static constexpr bool complete_sum = true;  ///< cannot be part of another sum
   static constexpr std::size_t gravity_laws = Fusion::gravity_laws;
-  static constexpr bool gated = (false || ... || is_gated<L>);
+  static constexpr bool gated = (false || ... || LawTable<L>::is_gated);
   static constexpr bool compensates_friction = Fusion::compensates_friction;
   /// Whether the sum itself adds the missing part of G.
   static constexpr bool holds_gravity = Fusion::gravity_laws == 0 && Fusion::tracking_laws > 0;
@@ -39,8 +39,7 @@ class BlendMemory : public Composable {
   struct GoalOf {
     using type = BlendWeights<terms>;
   };
-  template <class F>
-    requires requires { typename F::Goal; }
+  template <HasGoal F>
   struct GoalOf<F> {
     using type = BlendGoal<typename F::Goal, terms>;
   };
@@ -145,7 +144,7 @@ class BlendMemory : public Composable {
   [[nodiscard]] static Factors target(const Memory& memory) noexcept {
     std::array<double, terms> weights = memory.asked;
     each_index<terms>([&](auto i) {
-      if constexpr (is_gated<law_at<i.value>>)
+      if constexpr (LawTable<law_at<i.value>>::is_gated)
         if ((law_at<i.value>::gate == TouchGate::touched) != memory.contact.touched) weights[i.value] = 0;
     });
     return Fusion::shares(weights);

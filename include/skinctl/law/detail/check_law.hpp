@@ -1,67 +1,55 @@
 // Finds the fault of a law that violates the protocol.
 #pragma once
 
-#include <array>
 #include <tuple>
 
+#include "skinctl/core/time.hpp"
 #include "skinctl/law/detail/law_fault.hpp"
-#include "skinctl/law/law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
-
-// Detects a member by its name, whatever its arguments: in a class that inherits the name twice it is
-// ambiguous.
-struct NamesOfALaw {
-  int start, torque, parts, advance, receive;
-};
-template <class L>
-struct NamedTwice : L, NamesOfALaw {};
-template <class L>
-concept CanBeAsked = std::is_class_v<L> && !std::is_final_v<L>;
-template <class L>
-concept LacksStart = CanBeAsked<L> && requires { &NamedTwice<L>::start; };
-template <class L>
-concept LacksTorque = CanBeAsked<L> && requires { &NamedTwice<L>::torque; };
-template <class L>
-concept LacksParts = CanBeAsked<L> && requires { &NamedTwice<L>::parts; };
-template <class L>
-concept LacksAdvance = CanBeAsked<L> && requires { &NamedTwice<L>::advance; };
-template <class L>
-concept LacksReceive = CanBeAsked<L> && requires { &NamedTwice<L>::receive; };
-
-template <class L>
-concept HasMemory = requires { typename L::Memory; };
-template <class L>
-concept HasGoal = requires { typename L::Goal; };
-template <class L>
-concept HasNeeds = requires {
-  { L::needs } -> std::convertible_to<Needs>;
-};
-template <class L>
-concept IsMadeOfLaws = requires { typename L::Laws; };
 
 /// The first declared number of joints of several laws.
 template <class... L>
 constexpr std::size_t joints_of_laws() noexcept {
   std::size_t found = 0;
-  ((found = found > 0 ? found : joints_of_law<L>()), ...);
+  ((found = found > 0 ? found : LawTable<L>::joints), ...);
   return found;
 }
 /// Whether two laws declare different numbers of joints.
 template <class A, class B>
 inline constexpr bool are_for_two_robots =
-    joints_of_law<A>() != 0 && joints_of_law<B>() != 0 && joints_of_law<A>() != joints_of_law<B>();
-template <class L, class T>
-struct ScalarOfLaw {
-  using type = T;
-};
-template <class L, class T>
-  requires requires { typename L::scalar; }
-struct ScalarOfLaw<L, T> {
-  using type = typename L::scalar;
-};
+    LawTable<A>::joints != 0 && LawTable<B>::joints != 0 && LawTable<A>::joints != LawTable<B>::joints;
+template <class L>
+concept LacksStart = CanBeAsked<L> && !NamesStart<L>;
+template <class L>
+concept LacksTorque = CanBeAsked<L> && !NamesTorque<L> && !NamesParts<L>;
+template <class L>
+concept LacksAdvance = CanBeAsked<L> && !NamesAdvance<L>;
+template <class L>
+concept LacksReceive = CanBeAsked<L> && !NamesReceive<L>;
+/// A wrapper and a sum name `receive` and what belongs to it whatever their laws take.
+template <class L>
+concept NamesForOthers = IsMadeOfLaws<L> || IsWrapper<L>;
 
+/// Optional members with a wrong type or signature.
+template <class L>
+consteval LawFault fault_in_optional() {
+  using enum LawFault;
+  if (NamesStatus<L> && !HasStatus<L>) return status_signature;
+  if (NamesFollow<L> && !HasGoal<L> && !NamesForOthers<L>) return no_goal;
+  if (NamesName<L> && !HasName<L>) return name_type;
+  if (NamesPresses<L> && !HasPresses<L>) return presses_type;
+  if (NamesFriction<L> && !HasFriction<L>) return friction_type;
+  if (NamesStartsBlank<L> && !HasStartsBlank<L>) return blank_type;
+  if (NamesGravityLaws<L> && !HasGravityLaws<L>) return gravity_laws_type;
+  if (NamesCompleteSum<L> && !HasCompleteSum<L>) return complete_sum_type;
+  if (HasLawInput<L> && CanBeAsked<L> && !NamesLawSee<L>) return input_unseen;
+  if (NamesOutput<L> && !HasLawOutput<L>) return output_signature;
+  if (NamesWaits<L> && !TellsWaits<L>) return waits_signature;
+  if ((NamesTerms<L> && !HasTerms<L>) || (NamesRoles<L> && !HasRoles<L>)) return terms_type;
+  return none;
+}
 /// The faults of a law that do not depend on a robot.
 template <class L>
 consteval LawFault fault_in_members() {
@@ -75,16 +63,16 @@ consteval LawFault fault_in_members() {
     return LawFault::no_role;
   } else if constexpr (LacksStart<L>) {
     return LawFault::no_start;
-  } else if constexpr (LacksTorque<L> && LacksParts<L>) {
+  } else if constexpr (LacksTorque<L>) {
     return LawFault::no_torque;
   } else if constexpr (LacksAdvance<L>) {
     return LawFault::no_advance;
   } else if constexpr (HasGoal<L> && LacksReceive<L>) {
     return LawFault::no_receive;
-  } else if constexpr (!HasGoal<L> && !LacksReceive<L> && !IsMadeOfLaws<L>) {
+  } else if constexpr (!HasGoal<L> && NamesReceive<L> && !NamesForOthers<L>) {
     return LawFault::no_goal;
   } else {
-    return LawFault::none;
+    return fault_in_optional<L>();
   }
 }
 
@@ -93,9 +81,9 @@ template <class L, std::size_t N, class T>
 consteval LawFault fault_for_robot() {
   constexpr Needs needs = L::needs;
   constexpr LinkMask links = N < 64 ? (LinkMask(1) << (N % 64)) - 1 : ~LinkMask(0);
-  if constexpr (joints_of_law<L>() != 0 && joints_of_law<L>() != N) {
+  if constexpr (LawTable<L>::joints != 0 && LawTable<L>::joints != N) {
     return LawFault::other_joints;
-  } else if constexpr (!std::same_as<typename ScalarOfLaw<L, T>::type, T>) {
+  } else if constexpr (!std::same_as<typename LawTable<L>::template scalar_in<T>, T>) {
     return LawFault::other_scalar;
   } else if constexpr (((needs.poses | needs.jacobians | needs.jacobian_rates) & ~links) != 0) {
     return LawFault::missing_link;
@@ -105,17 +93,9 @@ consteval LawFault fault_for_robot() {
 }
 
 template <class L, class K>
-concept Starts = requires(const L& law, const K& known) { law.start(known); };
+concept TakesParts = HasParts<L, K> || HasStatelessParts<L, K>;
 template <class L, class K>
-concept Advances = requires(const L& law, const typename L::Memory& m, const K& known,
-                            const typename K::scalar& dt) { law.advance(m, known, dt, Opposition::none); };
-template <class L, class K>
-concept Receives = requires(const L& law, const typename L::Memory& m, const K& known,
-                            const typename L::Goal& goal) { law.receive(m, known, goal); };
-template <class L, class K>
-concept TakesParts = has_parts<L, K> || has_stateless_parts<L, K>;
-template <class L, class K>
-concept TakesTorque = has_torque<L, K> || has_stateless_torque<L, K>;
+concept TakesTorque = HasTorque<L, K> || HasStatelessTorque<L, K>;
 
 /// Whether a function of a law returns `Wanted`, and does not throw.
 template <class Wanted, class Given>
@@ -128,18 +108,46 @@ consteval LawFault fault_in_torque(const L* law, const typename L::Memory* m, co
   using Torque = JointTorque<K::joints, typename K::scalar>;
   using Parts = TorqueParts<K::joints, typename K::scalar>;
   constexpr auto result = LawFault::torque_result, throws = LawFault::torque_throws;
-  if constexpr (has_torque<L, K>) {
+  if constexpr (HasTorque<L, K>) {
     using Given = decltype(law->torque(*m, *known));
     return fault_in_result<Torque, Given>(!noexcept(law->torque(*m, *known)), result, throws);
-  } else if constexpr (has_stateless_torque<L, K>) {
+  } else if constexpr (HasStatelessTorque<L, K>) {
     using Given = decltype(law->torque(*known));
     return fault_in_result<Torque, Given>(!noexcept(law->torque(*known)), result, throws);
-  } else if constexpr (has_stateless_parts<L, K>) {
+  } else if constexpr (HasStatelessParts<L, K>) {
     using Given = decltype(law->parts(*known));
     return fault_in_result<Parts, Given>(!noexcept(law->parts(*known)), result, throws);
   } else {
     using Given = decltype(law->parts(*m, *known));
     return fault_in_result<Parts, Given>(!noexcept(law->parts(*m, *known)), result, throws);
+  }
+}
+
+/// The input and the touch of any scene, as laws see them.
+template <class T>
+struct AnyTouchSeen {
+  struct Found;
+  static constexpr bool finds_contacts = false;
+  Nanoseconds now;
+  [[nodiscard]] const Found& contacts() const noexcept;
+  [[nodiscard]] const Found& pressed() const noexcept;
+  [[nodiscard]] const Found& coverage() const noexcept;
+  template <std::size_t>
+  [[nodiscard]] T nearest() const noexcept;
+};
+/// Whether a law takes its goals.
+template <class L, class K>
+consteval LawFault fault_in_goals() {
+  using Goal = typename L::Goal;
+  if constexpr (!TakesGoal<L, K>) {
+    return LawFault::receive_arguments;
+  } else if constexpr (!Receives<L, K, Goal>) {
+    return LawFault::receive_result;
+  } else if constexpr (NamesFollow<L> && !Follows<L, K, Goal> && !NamesForOthers<L>) {
+    return LawFault::follow_signature;
+  } else {
+    return NamesDistance<L> && !HasDistance<L, K, Goal> && !NamesForOthers<L> ? LawFault::distance_signature
+                                                                              : LawFault::none;
   }
 }
 
@@ -155,8 +163,7 @@ consteval LawFault fault_in_functions(const L* law, const typename L::Memory* m,
     return LawFault::start_result;
   } else if constexpr (!Advances<L, K>) {
     return LawFault::advance_arguments;
-  } else if constexpr (L::role == LawRole::tracking && Part && !TakesParts<L, K> &&
-                       !has_weighted_torque<L, K>) {
+  } else if constexpr (L::role == LawRole::tracking && Part && !TakesShare<L, K>) {
     return LawFault::no_parts;
   } else if constexpr (!TakesTorque<L, K> && !TakesParts<L, K>) {
     return LawFault::torque_arguments;
@@ -164,12 +171,16 @@ consteval LawFault fault_in_functions(const L* law, const typename L::Memory* m,
     return LawFault::no_gravity;
   } else {
     if constexpr (HasGoal<L>) {
-      if constexpr (!Receives<L, K>) {
-        return LawFault::receive_arguments;
-      } else if constexpr (!GoalLaw<L, K> && Law<L, K>) {
-        return LawFault::receive_result;
-      }
+      constexpr LawFault found = fault_in_goals<L, K>();
+      if (found != LawFault::none) return found;
     }
+    if constexpr (NamesSettled<L> && !HasSettled<L, K>) return LawFault::settled_signature;
+    if constexpr (NamesLawSee<L> &&
+                  !SeesScene<L, typename LawTable<L>::Input, AnyTouchSeen<typename K::scalar>>)
+      return LawFault::see_signature;
+    if constexpr (NamesNow<L> && !HasNow<L, K> && !IsWrapper<L>) return LawFault::now_signature;
+    if constexpr (!Part && NamesEvaluate<L> && !HasEvaluate<L, K, LawTable<L>::terms>)
+      return LawFault::evaluate_signature;
     using Given = decltype(law->advance(*m, *known, *dt, Opposition::none));
     const auto fault =
         fault_in_result<Memory, Given>(!noexcept(law->advance(*m, *known, *dt, Opposition::none)),

@@ -2,7 +2,7 @@
 // law is then replaced by one that does nothing, so that no further errors follow.
 #pragma once
 
-#include "skinctl/law/law.hpp"
+#include "skinctl/law/evaluate.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -33,7 +33,24 @@ enum class LawFault {
   torque_result,
   torque_throws,
   receive_arguments,
-  receive_result
+  receive_result,
+  follow_signature,
+  status_signature,
+  settled_signature,
+  distance_signature,
+  now_signature,
+  evaluate_signature,
+  name_type,
+  presses_type,
+  friction_type,
+  blank_type,
+  gravity_laws_type,
+  complete_sum_type,
+  terms_type,
+  see_signature,
+  input_unseen,
+  output_signature,
+  waits_signature
 };
 /// A law and its fault.
 template <LawFault F, class L>
@@ -84,50 +101,55 @@ struct Say {
   static_assert(F != receive_arguments, "receive(memory, known, goal) of this law does not take its Goal");
   static_assert(F != receive_result,
                 "receive(memory, known, goal) of this law does not return a Received<Memory>");
+  static_assert(
+      F != follow_signature,
+      "follow(memory, known, goal) of this law does not take its Goal, or returns no Received<Memory>");
+  static_assert(F != status_signature, "status(memory) of this law is not const, or returns no Status");
+  static_assert(
+      F != settled_signature,
+      "settled(memory, known, still) of this law is not const, does not take these, or returns no bool");
+  static_assert(F != distance_signature,
+                "distance(known, goal) of this law does not return position, orientation and joint");
+  static_assert(F != now_signature, "now(memory, known) of this law is not const, or does not take these");
+  static_assert(
+      F != evaluate_signature,
+      "evaluate(memory, known, dt) of this law does not return the Evaluation of its Memory and terms");
+  static_assert(F != name_type, "name of this law is no text: `static constexpr const char* name = ...;`");
+  static_assert(F != presses_type,
+                "presses of this law is no constant: `static constexpr bool presses = true;`");
+  static_assert(F != friction_type, "compensates_friction of this law is no `static constexpr bool`");
+  static_assert(F != blank_type, "starts_blank of this law is no `static constexpr bool`");
+  static_assert(F != gravity_laws_type, "gravity_laws of this law is no `static constexpr std::size_t`");
+  static_assert(F != complete_sum_type, "complete_sum of this law is no `static constexpr bool`");
+  static_assert(
+      F != see_signature,
+      "see(memory, input, seen) of this law is not const, does not take these, or returns no Status");
+  static_assert(F != input_unseen,
+                "this law has an Input, but lacks see(memory, input, seen), which reads it");
+  static_assert(F != output_signature,
+                "output(memory) of this law is not const, or does not return its Output");
+  static_assert(F != waits_signature, "waits_for_contacts() of this law is not const, or returns no bool");
+  static_assert(
+      F != terms_type,
+      "terms of this law is no `static constexpr std::size_t`, or roles no array of as many LawRole");
 };
 
-template <class L>
-concept HasRole = requires {
-  { L::role } -> std::convertible_to<LawRole>;
-};
-/// Number of the robot's joints as the law declares it; 0 if it declares none.
-template <class L>
-constexpr std::size_t joints_of_law() noexcept {
-  if constexpr (requires { L::joints; }) {
-    return L::joints;
-  } else {
-    return 0;
-  }
-}
 /// The `Goal` of a law that has one.
 template <class L>
 struct GoalOfLaw {};
-template <class L>
-  requires requires { typename L::Goal; }
+template <HasGoal L>
 struct GoalOfLaw<L> {
   using Goal = typename L::Goal;
 };
 /// Replaces a faulty law after its error: does nothing, and accepts any constructor arguments.
 template <class L>
-struct HeldByLaw {};
-template <class L>
-  requires requires { L::gravity_laws; }
-struct HeldByLaw<L> {
-  static constexpr std::size_t gravity_laws = L::gravity_laws;
-  static constexpr bool compensates_friction = requires { requires L::compensates_friction; };
-};
-template <class L>
-struct WrongLaw : Composable, GoalOfLaw<L>, HeldByLaw<L> {
+struct WrongLaw : Composable, GoalOfLaw<L> {
   struct Memory {};
   static constexpr Needs needs = {};
-  static constexpr LawRole role = [] {
-    if constexpr (HasRole<L>) {
-      return LawRole(L::role);
-    } else {
-      return LawRole::reactive;
-    }
-  }();
-  static constexpr std::size_t joints = joints_of_law<L>();
+  static constexpr std::size_t gravity_laws = LawTable<L>::gravity_laws;
+  static constexpr bool compensates_friction = LawTable<L>::compensates_friction;
+  static constexpr LawRole role = LawTable<L>::role;
+  static constexpr std::size_t joints = LawTable<L>::joints;
   template <class... X>
   constexpr WrongLaw(const X&...) noexcept {}
   template <class K>

@@ -1,34 +1,26 @@
 // Finds the fault of a limit that violates the protocol: a member that is missing, or that has a wrong signature.
 #pragma once
 
+#include "skinctl/core/detail/named_twice.hpp"
 #include "skinctl/limits/limit.hpp"
 #include "skinctl/tactile/coverage.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-// Detects a member by its name, whatever its signature: in a class that inherits the name twice it is ambiguous.
 struct NamesOfALimit {
   int share, within, keeps, look, stays, see, stand_off, links, holds_on, reason;
 };
-template <class L>
-struct LimitNamedTwice : L, NamesOfALimit {};
-template <class L>
-concept AsksLimitNames = std::is_class_v<L> && !std::is_final_v<L>;
-#define SKINCTL_NAMES(Concept, member) \
-  template <class L>                   \
-  concept Concept = AsksLimitNames<L> && !requires { &LimitNamedTwice<L>::member; }
-SKINCTL_NAMES(NamesShare, share);
-SKINCTL_NAMES(NamesWithin, within);
-SKINCTL_NAMES(NamesKeeps, keeps);
-SKINCTL_NAMES(NamesLook, look);
-SKINCTL_NAMES(NamesStays, stays);
-SKINCTL_NAMES(NamesSee, see);
-SKINCTL_NAMES(NamesStandOff, stand_off);
-SKINCTL_NAMES(NamesLinks, links);
-SKINCTL_NAMES(NamesHoldsOn, holds_on);
-SKINCTL_NAMES(NamesReason, reason);
-#undef SKINCTL_NAMES
+SKINCTL_NAMES(NamesShare, NamesOfALimit, share);
+SKINCTL_NAMES(NamesWithin, NamesOfALimit, within);
+SKINCTL_NAMES(NamesKeeps, NamesOfALimit, keeps);
+SKINCTL_NAMES(NamesLook, NamesOfALimit, look);
+SKINCTL_NAMES(NamesStays, NamesOfALimit, stays);
+SKINCTL_NAMES(NamesSee, NamesOfALimit, see);
+SKINCTL_NAMES(NamesStandOff, NamesOfALimit, stand_off);
+SKINCTL_NAMES(NamesLinks, NamesOfALimit, links);
+SKINCTL_NAMES(NamesHoldsOn, NamesOfALimit, holds_on);
+SKINCTL_NAMES(NamesReason, NamesOfALimit, reason);
 
 /// The touch of any scene, as limits see it.
 template <class T>

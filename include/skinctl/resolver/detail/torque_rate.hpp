@@ -14,7 +14,7 @@ namespace detail {
 template <class L, std::size_t Terms>
 inline constexpr bool tracks = [] {
   for (std::size_t i = 0; i < Terms; ++i)
-    if (role_of_part<L>(i) == LawRole::tracking) return true;
+    if (LawTable<L>::role_of_part(i) == LawRole::tracking) return true;
   return false;
 }();
 
@@ -40,7 +40,7 @@ struct OwnTorque {
       using R = Row<N, T>;
       R reactive = T(0);
       for_each_index<Terms>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-        if (role_of_part<L>(i) == LawRole::reactive) reactive = reactive + R(S::of(shares[i]));
+        if (LawTable<L>::role_of_part(i) == LawRole::reactive) reactive = reactive + R(S::of(shares[i]));
       });
       const R own = R(torque) - reactive;
       R kept = own;

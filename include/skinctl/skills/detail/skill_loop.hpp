@@ -7,10 +7,6 @@
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
-template <class L, class K>
-inline constexpr bool tells_distance = requires(const L& law, const K& known, const typename L::Goal& goal) {
-  law.distance(known, goal).position;
-};
 
 /// The step of a `SkillSet`.
 template <class Names, class Grip, Sum P, class... L>
@@ -160,7 +156,7 @@ class SkillLoop : public SkillChange<Names, Grip, P, L...> {
     bool any = false, all = true;
     each_goal(m.request, m.skill, [&](auto i, const auto& goal) {
       using Law = law_at<i.value>;
-      if constexpr (tells_distance<Law, K>) {
+      if constexpr (HasDistance<Law, K, std::remove_cvref_t<decltype(goal)>>) {
         const auto d = std::get<i.value>(this->blend_.sum().laws()).distance(known, goal);
         const auto within = [](const auto& x, double most) {
           return !(most > 0) || static_cast<double>(x) <= most;

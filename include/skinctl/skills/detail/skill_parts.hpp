@@ -34,12 +34,13 @@ class SkillParts {
                                   L...>::type;
   static constexpr std::size_t controllers = Fusion::terms;
   static constexpr std::size_t terms = controllers + 1;  ///< with the carried difference
-  static constexpr auto roles = roles_with_carried<Fusion>;
+  static constexpr auto roles = LawTable<Fusion>::roles_with_carried;
   static constexpr std::size_t skills = Names::count;
   static constexpr Needs needs = Blend::needs;
   static constexpr LawRole role = Fusion::role;
   static constexpr const char* name = "skills";
   static constexpr bool complete_sum = true;
+  static constexpr std::size_t gravity_laws = Fusion::gravity_laws;
   static constexpr bool compensates_friction = Fusion::compensates_friction;
   static_assert(Fusion::gravity_laws == 1, "a set of skills holds gravity: give it a gravity controller");
   static_assert(skills > 0 && skills < 256);
@@ -120,7 +121,7 @@ class SkillParts {
   template <class F>
   void each_goal(const Goal& request, std::uint8_t skill, F&& f) const noexcept {
     each_index<controllers>([&](auto i) {
-      if constexpr (takes_goals<law_at<i.value>>) {
+      if constexpr (LawTable<law_at<i.value>>::takes_goals) {
         const auto& part = request.goals.template of<typename law_at<i.value>::Goal>();
         if (part.has && skills_[skill].weights[i.value] > 0) f(i, part.goal);
       }
@@ -145,7 +146,7 @@ class SkillParts {
   [[nodiscard]] static SKINCTL_INLINE auto skin(const Shares& shares) noexcept {
     std::remove_cvref_t<decltype(shares[0])> sum;
     each_index<controllers>([&](auto i) {
-      if constexpr (answers_touch<law_at<i.value>>) sum += shares[i.value];
+      if constexpr (LawTable<law_at<i.value>>::answers_touch) sum += shares[i.value];
     });
     return sum;
   }

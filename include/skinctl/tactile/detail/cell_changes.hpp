@@ -38,7 +38,7 @@ struct Parts {
 template <Real T, class Tables, class Memory, class Means>
 class CellChanges {
  public:
-  static constexpr bool apart = requires(const Means& m) { m.proximity; };
+  static constexpr bool apart = is_apart<Means>;
 
   SKINCTL_INLINE CellChanges(const Tables& tables, Memory& memory, std::size_t cells, const Parts<T>& parts,
                              Means* means) noexcept

@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "skinctl/core/detail/named_twice.hpp"
 #include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -12,30 +13,21 @@ namespace detail {
 template <class S>
 concept MeantAsTouch = requires { typename S::Wrenches; };
 
-// Detects a member by its name, whatever its signature: in a class that inherits the name twice it is ambiguous.
 struct NamesOfATouch {
   int touch, pressed, contacts, coverage, usable, nearest, index, each_cell, each_point, gain_everywhere,
       understands;
 };
-template <class S>
-struct TouchNamedTwice : S, NamesOfATouch {};
-template <class S>
-concept AsksTouchNames = std::is_class_v<S> && !std::is_final_v<S>;
-#define SKINCTL_NAMES(Concept, member) \
-  template <class S>                   \
-  concept Concept = AsksTouchNames<S> && !requires { &TouchNamedTwice<S>::member; }
-SKINCTL_NAMES(NamesTouch, touch);
-SKINCTL_NAMES(NamesPressed, pressed);
-SKINCTL_NAMES(NamesContacts, contacts);
-SKINCTL_NAMES(NamesCoverage, coverage);
-SKINCTL_NAMES(NamesUsable, usable);
-SKINCTL_NAMES(NamesNearest, nearest);
-SKINCTL_NAMES(NamesIndex, index);
-SKINCTL_NAMES(NamesEachCell, each_cell);
-SKINCTL_NAMES(NamesEachPoint, each_point);
-SKINCTL_NAMES(NamesGainEverywhere, gain_everywhere);
-SKINCTL_NAMES(NamesUnderstands, understands);
-#undef SKINCTL_NAMES
+SKINCTL_NAMES(NamesTouch, NamesOfATouch, touch);
+SKINCTL_NAMES(NamesPressed, NamesOfATouch, pressed);
+SKINCTL_NAMES(NamesContacts, NamesOfATouch, contacts);
+SKINCTL_NAMES(NamesCoverage, NamesOfATouch, coverage);
+SKINCTL_NAMES(NamesUsable, NamesOfATouch, usable);
+SKINCTL_NAMES(NamesNearest, NamesOfATouch, nearest);
+SKINCTL_NAMES(NamesIndex, NamesOfATouch, index);
+SKINCTL_NAMES(NamesEachCell, NamesOfATouch, each_cell);
+SKINCTL_NAMES(NamesEachPoint, NamesOfATouch, each_point);
+SKINCTL_NAMES(NamesGainEverywhere, NamesOfATouch, gain_everywhere);
+SKINCTL_NAMES(NamesUnderstands, NamesOfATouch, understands);
 
 template <class S>
 concept HasStart = requires(const S& s, Nanoseconds now) {

@@ -48,6 +48,14 @@ template <class S>
 concept HasLinks = requires {
   { S::Wrenches::links } -> std::convertible_to<LinkMask>;
 };
+/// Whether the wrench on link `I` is known, if the touch is of that link at all.
+template <class W, std::size_t I>
+concept KnowsWrench = ((W::links >> I) & 1u) == 0 || requires(const W& w) { w.template wrench<I>(); };
+/// Wrenches of links, as numbers side by side.
+template <class W>
+concept HoldsWrenches = requires(const W& w) { w.data[0][0]; };
+template <class S>
+concept NamesModel = requires { typename S::Wrenches::model_type; };
 template <class S, std::size_t I>
 concept HasNearest = requires(const S& s, const typename S::Memory& m) {
   { s.template nearest<I>(m) } -> std::same_as<typename S::Wrenches::scalar>;

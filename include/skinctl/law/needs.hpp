@@ -2,19 +2,9 @@
 // nothing else.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-
-#include "skinctl/core/config.hpp"
+#include "skinctl/core/link_mask.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// A set of links, bit `i` for link `i`.
-using LinkMask = std::uint64_t;
-
-/// The mask that holds link `I` only.
-template <std::size_t I>
-inline constexpr LinkMask link_bit = LinkMask(1) << I;
 
 /// Quantities at the state at which a law is evaluated. Structural, so that it can be a template argument;
 /// `a | b` is the union. A law declares its own as `static constexpr Needs needs`; `complete()` adds the

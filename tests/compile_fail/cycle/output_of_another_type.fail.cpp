@@ -1,0 +1,17 @@
+// expect: output\(memory\) of this law
+#include "skinctl/skinctl.hpp"
+
+using namespace skinctl;
+
+struct Lamp {
+  bool on = false;
+};
+struct Glow : StatelessLaw<Glow> {
+  JointTorque<6> torque(const auto&) const noexcept { return {}; }
+  using Output = Lamp;
+  bool output(const Memory&) const noexcept { return true; }
+};
+
+int main() {
+  static_cast<void>(Glow{} + GravityControl{});
+}
