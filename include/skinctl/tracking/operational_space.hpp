@@ -17,9 +17,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// to a singularity the arm slows down (`Reason::slowed`).
 ///
 /// @tparam What         `TaskSpace::pose` or `TaskSpace::position`.
-/// @tparam Orientation  `RotationVectorError`, `QuaternionError` or `ZyzError`.
-/// @tparam Null         `DampedNullSpace`, `FreeNullSpace` or `PostureNullSpace`: the joints' motion in the
-///                      null space of the tool.
+/// @tparam Orientation  `RotationVectorError` or `ZyzError`.
+/// @tparam Null         `DampedNullSpace` or `FreeNullSpace`: the joints' motion in the tool's null space.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace>
 class OperationalSpace : public PoseTargets<N, P, T, What> {
