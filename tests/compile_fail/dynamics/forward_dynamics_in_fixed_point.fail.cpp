@@ -4,7 +4,11 @@
 using namespace skinctl;
 
 int main() {
+#ifdef SKINCTL_RIGHT
+  using T = float;
+#else
   using T = math::Q9_22;
+#endif
   const ur5::Model model;
   const JointPosition<6, T> q;
   const JointVelocity<6, T> dq;
