@@ -33,7 +33,6 @@
 #include "skinctl/tactile/weighted_skin.hpp"
 #include "skinctl/tracking/damping.hpp"
 #include "skinctl/tracking/orientation_error.hpp"
-#include "skinctl/tracking/redundancy.hpp"
 #include "skinctl/tracking/singular_escape.hpp"
 #include "skinctl/tracking/singular_rest.hpp"
 #include "skinctl/tracking/sliding_surface.hpp"
@@ -162,8 +161,6 @@ TEST_CASE_TEMPLATE("extremes: references and surfaces", T, float, double) {
          return Results<T>(
              SingularRest<6, T>{}.advanced(SingularRest<6, T>{}.reached(x, T(0)), P6<T>{}, T(0.008)).r);
        }},
-      {"FreeNullSpace", 0, shows, shows,
-       [](T x) { return Results<T>(FreeNullSpace{}.motion(P6<T>{}, V6<T>::constant(x)).v); }},
       {"InertialDamping", 1, shows, shows,
        [](T x) { return Results<T>(InertialDamping<T>(T(30)).acceleration(0, V6<T>::constant(x))); }},
       {"CrankNicolson::weight", 2, shows, shows,
