@@ -20,8 +20,8 @@ struct McapMessage {
 
 /// What a reader found in a file.
 struct McapContents {
-  bool ours = false;   ///< it begins as an MCAP file does
-  bool whole = false;  ///< it ends as one: a summary can be trusted
+  bool ours = false;   ///< the file begins as an MCAP file does
+  bool whole = false;  ///< the file ends as one: a summary can be trusted
   std::string profile, library;
   detail::mcap::Summary summary;  ///< of what was read, not what the file says of itself
   std::map<std::string, detail::mcap::Texts> metadata;

@@ -52,7 +52,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     JointVelocity<coordinates, T> S_delta;  ///< eq. (19)
     JointVelocity<coordinates, T> dI1, dI2;
     JointVelocity<coordinates, T> dx_r;       ///< eq. (18)
-    JointAcceleration<coordinates, T> ddx_r;  ///< its derivative
+    JointAcceleration<coordinates, T> ddx_r;  ///< derivative of dx_r
     JointVelocity<N, T> dq_r;                 ///< eq. (15)
     JointAcceleration<N, T> ddq_r;
     JointVelocity<N, T> S_q;
@@ -79,7 +79,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   /// @param X_LP  the frame in its link.
   explicit OperationalSpace(const Transform<Link<I>, P, T>& X_LP, const Settings& settings = {})
       : X_LP_(X_LP),
-        least_damping_(settings.least_damping),
+        min_damping_(settings.min_damping),
         singularities_(settings.singularities),
         limit_(T(0.99) * settings.tracking.max_velocity),
         kappa_(settings.tracking.kappa),
@@ -147,7 +147,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     const DampedInverse<J, What> inverse(at.jacobian, singularities_, [&] {
       const T speed2 = dot(v.linear, v.linear) + dot(v.angular, v.angular);
       const T rate = T(2) * (dot(v.linear, a.linear) + dot(v.angular, a.angular));
-      return singularities_.scaled(least_damping_, speed2, rate, slowest_);
+      return singularities_.scaled(min_damping_, speed2, rate, slowest_);
     });
     const T nearness = inverse.nearness();
     if constexpr (Null::rests) {
@@ -288,7 +288,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   }
 
   Transform<Link<I>, P, T> X_LP_;
-  T least_damping_;
+  T min_damping_;
   SingularityDamping<T> singularities_;
   JointVelocity<N, T> limit_;  ///< of the reference: a hundredth is left for the overshoot of the joints
   T kappa_;                    ///< decay of the drift
