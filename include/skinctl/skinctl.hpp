@@ -28,7 +28,6 @@
 #include "skinctl/law/evaluate.hpp"
 #include "skinctl/law/law.hpp"
 
-#include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"
 #include "skinctl/math/policy.hpp"

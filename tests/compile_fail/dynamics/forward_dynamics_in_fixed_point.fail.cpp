@@ -1,4 +1,5 @@
 // expect: forward_dynamics\(model, q, dq, tau\)|pivots lose their digits in fixed point: forward dynamics need float
+#include "bench/studies/fixed_point/fixed.hpp"
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

@@ -1,7 +1,7 @@
 // The page of the trade study: in a browser it gives the answers that its rows give; its tables are those of the README.
 // Ends with 77 (ctest: skipped) where there is no Chromium and everything else passed.
 #define DOCTEST_CONFIG_IMPLEMENT
-#include "bench/trade/page.hpp"
+#include "bench/studies/trade/page.hpp"
 
 #include <doctest/doctest.h>
 

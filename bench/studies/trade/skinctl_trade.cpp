@@ -14,9 +14,9 @@
 #include <fstream>
 #include <map>
 
-#include "bench/trade/callgrind.hpp"
-#include "bench/trade/page.hpp"
-#include "bench/trade/point.hpp"
+#include "bench/studies/trade/callgrind.hpp"
+#include "bench/studies/trade/page.hpp"
+#include "bench/studies/trade/point.hpp"
 
 using namespace trade;
 
@@ -85,7 +85,8 @@ int main(int argc, char** argv) {
       const std::string name = next();
       return run_cycles(name, std::strtoul(next().c_str(), nullptr, 10));
     } else {
-      std::fprintf(stderr, "skinctl_trade: %s: see the first lines of bench/trade/skinctl_trade.cpp\n",
+      std::fprintf(stderr,
+                   "skinctl_trade: %s: see the first lines of bench/studies/trade/skinctl_trade.cpp\n",
                    word.c_str());
       return 2;
     }

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "bench/studies/trade/world.hpp"
 #include "bench/support/cold.hpp"
-#include "bench/trade/world.hpp"
 
 namespace trade {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "bench/floor/floor.hpp"
+#include "bench/studies/floor/floor.hpp"
 #include "tests/support/robot_table.hpp"
 
 /// Joints 4f .. 4f+3 are finger f. The frames are those of `oracle::allegro_right()`, each turned about its

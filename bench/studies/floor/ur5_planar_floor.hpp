@@ -2,7 +2,7 @@
 // doubles.
 #pragma once
 
-#include "bench/floor/floor.hpp"
+#include "bench/studies/floor/floor.hpp"
 
 /// Uses what holds for the UR5 and for few other robots: joints 2, 3 and 4 are parallel, so links 2 to 4 are
 /// computed in one frame P that turns with joint 1 only (x outward, y up, z along the three axes), at the

@@ -2,7 +2,7 @@
 // written out by hand in plain doubles with every zero, one and constant of this robot folded.
 #pragma once
 
-#include "bench/floor/floor.hpp"
+#include "bench/studies/floor/floor.hpp"
 
 /// Frames as the maker's Denavit-Hartenberg frames right after Rz(q). Arrays must not overlap.
 namespace bench_floor::ur5 {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "bench/trade/point.hpp"
+#include "bench/studies/trade/point.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/floor/floor.hpp"
+#include "bench/studies/floor/floor.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/tactile/detail/cell_table.hpp"
 

@@ -1,6 +1,6 @@
 // UR5 with an Allegro hand and 1260 cells, and the hand alone: what is offered.
-#include "bench/trade/offered.hpp"
-#include "bench/trade/scenes.hpp"
+#include "bench/studies/trade/offered.hpp"
+#include "bench/studies/trade/scenes.hpp"
 
 namespace trade {
 

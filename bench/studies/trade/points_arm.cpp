@@ -1,6 +1,6 @@
 // UR5, bare and with 260 cells: what is offered.
-#include "bench/trade/offered.hpp"
-#include "bench/trade/scenes.hpp"
+#include "bench/studies/trade/offered.hpp"
+#include "bench/studies/trade/scenes.hpp"
 
 namespace trade {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "bench/floor/ur5_floor.hpp"
+#include "bench/studies/floor/ur5_floor.hpp"
 
 namespace bench_floor::ur5 {
 namespace detail {

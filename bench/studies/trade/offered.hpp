@@ -1,7 +1,7 @@
 // The points that every scene has: the reference, what is offered, and the presets.
 #pragma once
 
-#include "bench/trade/point.hpp"
+#include "bench/studies/trade/point.hpp"
 #include "skinctl/robot/preset.hpp"
 
 namespace trade {

@@ -1,4 +1,4 @@
-#include "bench/trade/page.hpp"
+#include "bench/studies/trade/page.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "bench/trade/csv.hpp"
-#include "bench/trade/page_text.hpp"
+#include "bench/studies/trade/csv.hpp"
+#include "bench/studies/trade/page_text.hpp"
 
 namespace trade {
 namespace {

@@ -1,7 +1,7 @@
 // The four scenes of the trade study.
 #pragma once
 
-#include "bench/trade/scene_runner.hpp"
+#include "bench/studies/trade/scene_runner.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/control/spline_joint.hpp"

@@ -1,6 +1,6 @@
 // UR5 with 260 cells: what is measured beside what is offered.
-#include "bench/trade/abridged.hpp"
-#include "bench/trade/scenes.hpp"
+#include "bench/studies/trade/abridged.hpp"
+#include "bench/studies/trade/scenes.hpp"
 
 namespace trade {
 namespace {

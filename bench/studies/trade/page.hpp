@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/studies/bounds/brackets.hpp"
-#include "bench/trade/point.hpp"
+#include "bench/studies/trade/point.hpp"
 
 namespace trade {
 
