@@ -4,8 +4,10 @@
 # A unit includes what its files include, and then each file inside a namespace of its own, where all `#include`s have been done
 # (`#pragma once`): equal names in two files do not meet. A file that cannot live in a namespace says so in its first five lines,
 #   // compiled alone: why
-# and one that proves nothing under the sanitizers
+# one that proves nothing under the sanitizers
 #   // not sanitized: why
+# and one that only `cmake/test.sh --nightly` compiles
+#   // by night: why
 set(SKINCTL_TESTS_PER_UNIT 45 CACHE STRING "How many test files are compiled together at most")
 
 # skinctl_marked(<variable> <mark> <source>...): the sources with this mark.

@@ -6,7 +6,7 @@
 #include <memory>
 #include <new>
 
-#include "bench/floor/ur5_task_floor.hpp"
+#include "bench/studies/floor/ur5_task_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "bench/tactile/skin_floor.hpp"
 #include "skinctl/control/force_control.hpp"

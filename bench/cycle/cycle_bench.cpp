@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "bench/floor/ur5_floor.hpp"
+#include "bench/studies/floor/ur5_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "bench/tactile/skin_floor.hpp"
 #include "skinctl/control/gravity_control.hpp"

@@ -2,8 +2,8 @@
 // floor.
 #include <memory>
 
-#include "bench/floor/hand_floor.hpp"
-#include "bench/floor/ur5_floor.hpp"
+#include "bench/studies/floor/hand_floor.hpp"
+#include "bench/studies/floor/ur5_floor.hpp"
 #include "bench/support/fingers.hpp"
 #include "bench/support/rows.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"

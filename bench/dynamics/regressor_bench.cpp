@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "bench/floor/ur5_floor.hpp"
+#include "bench/studies/floor/ur5_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/regressor.hpp"

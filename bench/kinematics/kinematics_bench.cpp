@@ -1,8 +1,8 @@
 // Poses and Jacobians of the UR5 and of the Allegro hand, beside KDL, MuJoCo and the hand-written floor.
 #include <memory>
 
-#include "bench/floor/hand_floor.hpp"
-#include "bench/floor/ur5_floor.hpp"
+#include "bench/studies/floor/hand_floor.hpp"
+#include "bench/studies/floor/ur5_floor.hpp"
 #include "bench/support/fingers.hpp"
 #include "bench/support/rows.hpp"
 #include "skinctl/kinematics/jacobian.hpp"

@@ -2,7 +2,7 @@
 // blocks of the hand-written floor.
 #include <array>
 
-#include "bench/floor/floor.hpp"
+#include "bench/studies/floor/floor.hpp"
 #include "bench/support/rows.hpp"
 #include "skinctl/math/sincos.hpp"
 

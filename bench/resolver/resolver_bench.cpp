@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <random>
 
-#include "bench/floor/ur5_task_floor.hpp"
+#include "bench/studies/floor/ur5_task_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "skinctl/resolver/resolver.hpp"
 #include "skinctl/resolver/resolver_of.hpp"

@@ -124,7 +124,7 @@ double ceiling(const Study& learnt, const Study& judged, std::size_t later, bool
     return all_of_them;
   };
   TreeSettings deep;
-  deep.least_leaf = 20;
+  deep.min_leaf = 20;
   deep.deepest = 40;
   const auto tree = DecisionTree<N, activities>::learn(examples(learnt, 20, 6), deep);
   double right = 0, of = 0;

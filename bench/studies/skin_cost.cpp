@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-#include "bench/floor/event_floor.hpp"
+#include "bench/studies/floor/event_floor.hpp"
 #include "bench/tactile/kdl_skin.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin_of.hpp"

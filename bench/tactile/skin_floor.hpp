@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "bench/floor/floor.hpp"
+#include "bench/studies/floor/floor.hpp"
 
 namespace bench_floor {
 

@@ -12,9 +12,9 @@
 
 namespace compliant_ur5 {
 
-inline constexpr std::size_t cells = 260;       ///< of the generated skin
-inline constexpr std::size_t most_cells = 512;  ///< of a file: 383 of TUM's size find room
-using UrSkin = skinctl::SkinOf<skinctl::ur5::Model, double, most_cells>;
+inline constexpr std::size_t cells = 260;      ///< of the generated skin
+inline constexpr std::size_t max_cells = 512;  ///< of a file: 383 of TUM's size find room
+using UrSkin = skinctl::SkinOf<skinctl::ur5::Model, double, max_cells>;
 
 inline constexpr std::uint32_t palm_cell = 60000;  ///< id of the cell of a carried hand's palm
 

@@ -10,7 +10,7 @@
 namespace simulated_ur5 {
 namespace {
 
-constexpr std::size_t most_cells = 20000;
+constexpr std::size_t max_cells = 20000;
 
 double step(double value, double size) {
   return std::round(value / size) * size;
@@ -76,7 +76,7 @@ std::vector<SkinCell> read_cells(std::istream& in, const std::string& name) {
     if (values.size() == 11) cell.axis = {values[8], values[9], values[10]};
     complete(cell);
     if (!ids.insert(cell.id).second) bad("cell " + std::to_string(cell.id) + " a second time");
-    if (cells.size() == most_cells) bad("more than 20000 cells");
+    if (cells.size() == max_cells) bad("more than 20000 cells");
     cells.push_back(cell);
   }
   return cells;
@@ -109,7 +109,7 @@ Skin::Skin(std::vector<SkinCell> cells, const SkinConfig& config, std::uint64_t 
       faults_(config.faults, seed),
       random_(seed) {
   check(config_);
-  skinctl::require(cells_.size() <= most_cells, "number of skin cells", static_cast<double>(cells_.size()),
+  skinctl::require(cells_.size() <= max_cells, "number of skin cells", static_cast<double>(cells_.size()),
                    "at most 20000");
   felt_.reserve(cells_.size());
   out_.reserve(cells_.size());

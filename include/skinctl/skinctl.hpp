@@ -32,7 +32,6 @@
 #include "skinctl/law/needs.hpp"
 #include "skinctl/law/wrapped_law.hpp"
 
-#include "skinctl/math/fixed.hpp"
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/math/lu.hpp"
 #include "skinctl/math/policy.hpp"

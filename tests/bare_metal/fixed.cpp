@@ -1,6 +1,6 @@
 // What poses, G, inverse dynamics and M of a UR5 cost on a Cortex-M3, which has no floating point, in instructions: float and
 // double in software, and fixed point.
-#include "skinctl/math/fixed.hpp"
+#include "../../bench/studies/fixed_point/fixed.hpp"
 
 #include <cstdint>
 #include <cstdio>

@@ -65,7 +65,7 @@ TEST_CASE(
     const Xyz<double> from{std::sqrt(1 - c * c) * std::cos(a), std::sqrt(1 - c * c) * std::sin(a), c};
     const Xyz<double> begins = all[goes_for].first + 0.35 * from;
     typename Plan::Near near;
-    double d[Clearances<Arm, double, 4>::most_pairs];
+    double d[Clearances<Arm, double, 4>::max_pairs];
     own.distances(q, near, d, [](std::size_t) { return true; });
     if (apart(q, begins) < 0.18 || *std::min_element(d, d + own.size()) < 0.03) continue;
     ++scenes;
@@ -93,7 +93,7 @@ TEST_CASE(
   CHECK(met <= 4);
   CHECK(met_standing == scenes);
   CHECK(own_nearest > -0.02);  // it is a wish: `ClearanceLimits` holds the margin
-  CHECK(fastest <= plan.settings().most + 1e-12);
+  CHECK(fastest <= plan.settings().max_speed + 1e-12);
 }
 
 TEST_CASE("Retreat: what is far, or stands, moves nothing; what presses does; no number gives no motion") {
@@ -149,7 +149,7 @@ TEST_CASE("Retreat: a wish beyond the greatest joint speed keeps its direction, 
   const JointVelocity<6> wish{0.1, -0.2, 0.3, 0.4, -0.8, 0.6};
   for (const double times : {1.0, -1.0, 5.0, -5.0, 100.0}) {
     const auto u = plan(home, {}, Plan::Others::stay, times * wish);
-    const double share = std::min(1.0, plan.settings().most / std::abs(times * 0.8));
+    const double share = std::min(1.0, plan.settings().max_speed / std::abs(times * 0.8));
     CAPTURE(times);
     for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(u[i] - share * times * wish[i]) < 1e-12);
   }
@@ -167,7 +167,7 @@ TEST_CASE("Retreat: beside a wish it goes back to its posture, no joint faster t
 TEST_CASE(
     "Retreat: a link leaves what comes at `speed` at most, and closes in on what stands by its distance") {
   const JointPosition<6> home{-0.5, -1.5, 1.7, -1.72, -1.57, -0.5};
-  const Plan plan(Arm{}, ur5_clearance<4>(), home, {.most = 100});
+  const Plan plan(Arm{}, ur5_clearance<4>(), home, {.max_speed = 100});
   const auto all = points(home);
   const auto wrist = all.back().first, before = all[all.size() - 21].first;
   const Xyz<double> out = 1 / norm(Xyz<double>(wrist - before)) * Xyz<double>(wrist - before);

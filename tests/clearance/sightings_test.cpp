@@ -99,7 +99,7 @@ TEST_CASE("Sightings: the strongest ones find room, weak and impossible readings
   refuses({.error = -1});
   refuses({.radius = -1});
   refuses({.approach = -1});
-  refuses({.least = 0});
+  refuses({.min_reading = 0});
   auto other = places();
   other[0].link = 6;
   CHECK_THROWS_AS(Sightings<Arm>(Arm{}, other), ConfigurationError);

@@ -1,7 +1,7 @@
-# One pair of tests/compile_fail: NAME.fail.cpp must not compile, with an error that a person can use; NAME.pass.cpp, the
-# same program put right, must. COMMAND (compiler and flags), PASS_COMMAND (for the twin, unless it is the same),
+# One program of tests/compile_fail: NAME.fail.cpp must not compile, with an error that a person can use; with SKINCTL_RIGHT defined,
+# its twin, the same program put right, must. COMMAND (compiler and flags), PASS_COMMAND (for the twin, unless it is the same),
 # PAIR (path without .fail.cpp). With SKINCTL_TWIN_ELSEWHERE in the environment the twin is another test's: compile_fail/twins
-# compiles those of all pairs together. TOGETHER (optional) is the file with what the compiler said of this program among others,
+# compiles those of all programs together. TOGETHER (optional) is the file with what the compiler said of this program among others,
 # written by together.sh: if it is as expected and short, that is enough; else the program is compiled alone.
 #
 # The first line of NAME.fail.cpp is `// expect: REGEX` (CMake's regular expressions). The first error, with the source
@@ -18,7 +18,7 @@ if(NOT PASS_COMMAND)
   set(PASS_COMMAND ${COMMAND})
 endif()
 if(NOT DEFINED ENV{SKINCTL_TWIN_ELSEWHERE})
-  execute_process(COMMAND ${PASS_COMMAND} "${PAIR}.pass.cpp"
+  execute_process(COMMAND ${PASS_COMMAND} -DSKINCTL_RIGHT "${PAIR}.fail.cpp"
     RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
     complain("the twin does not compile" "${output}")

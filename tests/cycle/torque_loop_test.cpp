@@ -10,7 +10,7 @@
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/dh.hpp"
+#include "skinctl/model/link.hpp"
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
@@ -26,21 +26,17 @@ struct SevenDescription {
   static constexpr auto parents = chain_parents<7>();
   static constexpr auto kinds = all_of_kind<7>(JointKind::revolute);
   static constexpr double gravity[3] = {0, 0, -9.81};
-  static constexpr std::array<LinkParameters<double>, 7> links =
-      links_from_modified_dh<7>({{{0, 0.333, 0, Angle{}},
-                                  {0, 0, 0, Angle::quarter(-1)},
-                                  {0, 0.316, 0, Angle::quarter(1)},
-                                  {0, 0, 0.0825, Angle::quarter(1)},
-                                  {0, 0.384, -0.0825, Angle::quarter(-1)},
-                                  {0, 0, 0, Angle::quarter(1)},
-                                  {0, 0, 0.088, Angle::quarter(1)}}},
-                                {{{3, {0, -0.03, -0.07}, 0.02, 0.02, 0.01},
-                                  {3, {0, -0.07, 0.03}, 0.02, 0.01, 0.02},
-                                  {2.5, {0.04, 0.03, -0.05}, 0.01, 0.01, 0.01},
-                                  {2.5, {-0.04, 0.05, 0.03}, 0.01, 0.01, 0.01},
-                                  {2, {0, 0.04, -0.1}, 0.02, 0.02, 0.005},
-                                  {1.5, {0.05, 0, 0}, 0.003, 0.005, 0.005},
-                                  {0.7, {0, 0, 0.08}, 0.002, 0.002, 0.001}}});
+  static constexpr std::array<LinkParameters<double>, 7> links = {
+      make_link({.p = {0, 0, 0.333}}, {3, {0, -0.03, -0.07}, 0.02, 0.02, 0.01}),
+      make_link({.alpha = Angle::quarter(-1)}, {3, {0, -0.07, 0.03}, 0.02, 0.01, 0.02}),
+      make_link({.p = {0, -0.316, 0}, .alpha = Angle::quarter(1)},
+                {2.5, {0.04, 0.03, -0.05}, 0.01, 0.01, 0.01}),
+      make_link({.p = {0.0825, 0, 0}, .alpha = Angle::quarter(1)},
+                {2.5, {-0.04, 0.05, 0.03}, 0.01, 0.01, 0.01}),
+      make_link({.p = {-0.0825, 0.384, 0}, .alpha = Angle::quarter(-1)},
+                {2, {0, 0.04, -0.1}, 0.02, 0.02, 0.005}),
+      make_link({.alpha = Angle::quarter(1)}, {1.5, {0.05, 0, 0}, 0.003, 0.005, 0.005}),
+      make_link({.p = {0.088, 0, 0}, .alpha = Angle::quarter(1)}, {0.7, {0, 0, 0.08}, 0.002, 0.002, 0.001})};
   static constexpr std::array<double, 7> lower = {-2.8, -1.7, -2.8, -3.0, -2.8, 0.0, -2.8};
   static constexpr std::array<double, 7> upper = {2.8, 1.7, 2.8, -0.1, 2.8, 3.7, 2.8};
   static constexpr std::array<double, 7> max_velocity = {2.1, 2.1, 2.1, 2.1, 2.6, 2.6, 2.6};

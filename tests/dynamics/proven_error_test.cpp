@@ -1,3 +1,4 @@
+// by night: rounding proofs
 // The rounding errors that docstrings promise for a UR5: a sample of what bench/studies/bounds proves.
 #include <doctest/doctest.h>
 

@@ -19,7 +19,6 @@
 #include "skinctl/frames/twist.hpp"
 #include "skinctl/frames/wrench.hpp"
 #include "skinctl/hardware/gripper.hpp"
-#include "skinctl/math/fixed.hpp"
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/sum.hpp"
 #include "skinctl/math/tanh.hpp"
@@ -206,12 +205,6 @@ TEST_CASE("extremes: numbers of a gripper, of a link and of a table of joints") 
          return Results<double>(in.c[0],
                                 links_from_standard_dh<1>({DhRow{x, x, 0, {}}}, {LinkInertia{}})[0].numbers);
        }},
-      {"links_from_modified_dh", 0, shows, shows,
-       [](double x) {
-         return Results<double>(links_from_modified_dh<1>({DhRow{x, x, 0, {}}}, {LinkInertia{}})[0].numbers);
-       }},
-      {"Fixed", 0, safe, safe,
-       [](double x) { return Results<double>(static_cast<double>(math::Fixed<20>(x))); }},
   };
   check_rows(rows);
 

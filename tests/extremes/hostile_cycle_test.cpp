@@ -85,7 +85,7 @@ void attack(const Scene& scene, const JointLimits<6, T>& limits, int cycles, uns
       hostile(input->request);
     }
     input->samples = samples;
-    CHECK(CycleBytes<Scene>::most(*input) >= CycleBytes<Scene>::fixed_size);
+    CHECK(CycleBytes<Scene>::max_size(*input) >= CycleBytes<Scene>::fixed_size);
     const auto out = scene.step(*memory, *input);
     if (out.command.valid) {
       ++valid;

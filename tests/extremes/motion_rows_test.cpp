@@ -33,7 +33,6 @@
 #include "skinctl/tactile/weighted_skin.hpp"
 #include "skinctl/tracking/damping.hpp"
 #include "skinctl/tracking/orientation_error.hpp"
-#include "skinctl/tracking/redundancy.hpp"
 #include "skinctl/tracking/singular_escape.hpp"
 #include "skinctl/tracking/singular_rest.hpp"
 #include "skinctl/tracking/sliding_surface.hpp"
@@ -151,7 +150,6 @@ TEST_CASE_TEMPLATE("extremes: references and surfaces", T, float, double) {
          return Results<T>(s.dq_r, s.ddq_r, s.S_q);
        }},
       {"RotationVectorError", 1, shows, shows, [](T x) { return errors_of<RotationVectorError>(x); }},
-      {"QuaternionError", 1, shows, shows, [](T x) { return errors_of<QuaternionError>(x); }},
       {"ZyzError", 1, shows, shows, [](T x) { return errors_of<ZyzError>(x); }},
       {"SingularEscape::advanced", 1, safe, safe,
        [](T x) {
@@ -163,16 +161,6 @@ TEST_CASE_TEMPLATE("extremes: references and surfaces", T, float, double) {
          return Results<T>(
              SingularRest<6, T>{}.advanced(SingularRest<6, T>{}.reached(x, T(0)), P6<T>{}, T(0.008)).r);
        }},
-      {"PostureNullSpace", 1, shows, shows,
-       [](T x) {
-         const auto m = PostureNullSpace<6, T>(P6<T>{}).motion(P6<T>::constant(x), V6<T>{});
-         // However far away: towards the posture, as fast as it may.
-         if (std::abs(x) > T(1e3) && std::abs(x) < std::numeric_limits<T>::max() / 10)
-           CHECK(std::abs(std::abs(m.v[0]) - T(0.5)) <= T(1e-3));
-         return Results<T>(m.v, m.a);
-       }},
-      {"FreeNullSpace", 0, shows, shows,
-       [](T x) { return Results<T>(FreeNullSpace{}.motion(P6<T>{}, V6<T>::constant(x)).v); }},
       {"InertialDamping", 1, shows, shows,
        [](T x) { return Results<T>(InertialDamping<T>(T(30)).acceleration(0, V6<T>::constant(x))); }},
       {"CrankNicolson::weight", 2, shows, shows,
@@ -194,7 +182,6 @@ TEST_CASE_TEMPLATE("extremes: references and surfaces", T, float, double) {
     CHECK((up >= T(0) && up <= T(1) && down >= T(0) && down <= T(1)));
   }
   CHECK(refused([] { static_cast<void>(Ramp<T>(0ns)); }));
-  CHECK(refused([] { static_cast<void>(PostureNullSpace<6, T>({}, std::numeric_limits<T>::quiet_NaN())); }));
 }
 
 TEST_CASE_TEMPLATE("extremes: cells, contacts and their evidence", T, float, double) {

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Core>
 #include <type_traits>
 
 #include "tests/support/digits50.hpp"
@@ -26,7 +27,7 @@ template <class V, class P>
 concept shifts = requires(V v, P p) { shift(v, p); };
 
 // V of Hand relative to World, at Hand's origin, along World's axes: V_WH_W.
-using V_WH = SpatialVelocity<World, Hand>;
+using V_WH = Twist<Hand, World>;
 
 template <class T>
 Twist<Hand, World, Hand, Hand, T> random_twist(Random& rng, const T& size) {
@@ -59,8 +60,8 @@ struct Motion {
 const Digits50 h("1e-16");
 /// Velocity of B relative to A at B's origin along A's axes, from the poses a moment before and after.
 template <class A, class B>
-SpatialVelocity<A, B, A, Digits50> velocity(const Transform<A, B, Digits50>& before,
-                                            const Transform<A, B, Digits50>& after) {
+Twist<B, A, B, A, Digits50> velocity(const Transform<A, B, Digits50>& before,
+                                     const Transform<A, B, Digits50>& after) {
   const Rotation<Digits50> D = after.axes() * before.axes().transpose();
   const Digits50 s = 1 / (4 * h);
   return {(1 / (2 * h)) * (after.origin() - before.origin()),
@@ -77,8 +78,8 @@ static_assert(std::is_same_v<decltype(Twist<Base, World, Cell, World>{} + Twist<
 static_assert(!has_sum<Twist<Base, World, Cell, World>, Twist<Hand, Base, Hand, World>>, "of two points");
 static_assert(!has_sum<Twist<Base, World, Cell, World>, Twist<Hand, Base, Cell, Base>>, "along two axes");
 static_assert(!has_sum<Twist<Hand, Base, Cell, World>, Twist<Base, World, Cell, World>>, "a chain backwards");
-static_assert(!has_sum<V_WH, SpatialVelocity<World, Hand, World, float>>);
-static_assert(!has_difference<V_WH, SpatialVelocity<World, Base>>);
+static_assert(!has_sum<V_WH, Twist<Hand, World, Hand, World, float>>);
+static_assert(!has_difference<V_WH, Twist<Base, World>>);
 static_assert(transforms<Transform<World, Hand>, Twist<Hand, World, Hand, Hand>>);
 static_assert(!transforms<Transform<World, Hand>, V_WH>, "its axes are World's, its point Hand's");
 static_assert(expresses<Transform<Hand, World>, V_WH> && !expresses<Transform<World, Hand>, V_WH>);

@@ -304,7 +304,7 @@ TEST_CASE("Skin file: sizes that a program builds or a stranger sends are bounde
   many.regions.clear();
   many.patches[0].cells.resize(1);
   many.patches[0].cells[0].neighbours.clear();
-  while (many.patches[0].cells.size() <= SkinFile::most_cells_of_a_patch) {
+  while (many.patches[0].cells.size() <= SkinFile::max_cells_of_a_patch) {
     many.patches[0].cells.push_back(many.patches[0].cells.back());
     ++many.patches[0].cells.back().id;
   }

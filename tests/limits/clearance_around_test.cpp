@@ -393,7 +393,7 @@ TEST_CASE("Cycle: what is around comes with its input, is recorded, and holds an
                          (elbow.origin() + elbow.axes() * ur5::tubes[2].from))) < 1e-9);
 
   using Bytes = CycleBytes<Scene>;
-  detail::ByteWriter out(Bytes::most(input));
+  detail::ByteWriter out(Bytes::max_size(input));
   Bytes::write(out, input, {});
   detail::ByteReader in(out.bytes());
   Scene::Input read;

@@ -1,3 +1,4 @@
+// by night: rounding proofs
 #include "bench/studies/proofs/bound.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// by night: rounding proofs
 #include "bench/studies/proofs/enclosure.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,5 @@
-#include "skinctl/math/fixed.hpp"
+// by night: a study
+#include "bench/studies/fixed_point/fixed.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,5 @@
 // compiled alone: it runs Gappa and Sollya
+// by night: rounding proofs
 #include <doctest/doctest.h>
 
 #include <algorithm>

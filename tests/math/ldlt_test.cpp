@@ -24,7 +24,7 @@ constexpr double solved_at_compile_time() {
   double x[2] = {8, 12};
   const math::Ldlt<2> factors(a);
   factors.solve(x, x);
-  return factors.positive_definite() && factors.least_pivot() == 4.0 ? x[0] + x[1] : -1;
+  return factors.positive_definite() && factors.min_pivot() == 4.0 ? x[0] + x[1] : -1;
 }
 static_assert(solved_at_compile_time() == 3.0);
 static_assert(std::is_trivially_copyable_v<math::Ldlt<6>>);
@@ -39,7 +39,7 @@ void solves_random_matrices(int runs) {
     for (T& v : b) v = static_cast<T>(uniform(random, -1.0, 1.0) * std::exp2(k % 40 - 20));
     const math::Ldlt<N, T> factors(a);
     REQUIRE(factors.positive_definite());
-    CHECK(factors.least_pivot() > T(0));
+    CHECK(factors.min_pivot() > T(0));
     factors.solve(b, x);
     worst = std::max(worst, backward_error<N>(a, x, b));
     T in_place[N];
@@ -143,7 +143,7 @@ TEST_CASE_TEMPLATE("Ldlt: an unknown without a pivot is 0, and the others solve 
     for (T& v : b) v = static_cast<T>(uniform(random, -1.0, 1.0));
     const math::Ldlt<6, T> factors(a);
     CHECK_FALSE(factors.positive_definite());
-    CHECK(factors.least_pivot() <= T(0));
+    CHECK(factors.min_pivot() <= T(0));
     factors.solve(b, x);
     CHECK(x[out] == T(0));
     for (std::size_t i = 0; i < 6; ++i) a[6 * i + out] = a[6 * out + i] = T(0);

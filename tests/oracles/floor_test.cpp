@@ -1,8 +1,9 @@
+// by night: floors of the benchmarks
 #include <doctest/doctest.h>
 
-#include "bench/floor/hand_floor.hpp"
-#include "bench/floor/ur5_floor.hpp"
-#include "bench/floor/ur5_planar_floor.hpp"
+#include "bench/studies/floor/hand_floor.hpp"
+#include "bench/studies/floor/ur5_floor.hpp"
+#include "bench/studies/floor/ur5_planar_floor.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "tests/oracles/agreement.hpp"

@@ -86,10 +86,14 @@ struct SmallScene {
     return {.stiff = arm, .limits = limits<1, T>(T(0.7)), .viscous = JointTorque<1, T>::constant(T(0.002))};
   }
   static Robot made() {
-    if constexpr (I == Interface::position) {
-      return resolver_of(by_position_and_torque<0b100, T>(SmallModel{}, configuration()));
-    } else {
+    if constexpr (I == Interface::velocity) {
       return resolver_of(by_velocity_and_torque<0b100, T>(SmallModel{}, configuration()));
+    } else {
+      const auto c = configuration();
+      RobotConfiguration<1, T> finger{.limits = c.limits, .period = c.stiff.period};
+      finger.viscous_friction = c.viscous;
+      return resolver_of(
+          by_groups(SmallModel{}, position_joints<0b011, T>(c.stiff), torque_joints<0b100, T>(finger)));
     }
   }
   Robot robot = made();

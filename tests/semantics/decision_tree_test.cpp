@@ -57,8 +57,8 @@ TEST_CASE("DecisionTree: wrong labels do not grow it: pruning leaves what tells"
   std::size_t leaves = 0, loose = 0;
   for (std::uint64_t seed = 10; seed < 30; ++seed) {
     const auto any = boxes(seed, 60, 1.0);
-    leaves += Tree::learn(any, {.confidence = 0.1, .least_leaf = 2}).leaves();
-    loose += Tree::learn(any, {.confidence = 0.5, .least_leaf = 2}).leaves();
+    leaves += Tree::learn(any, {.confidence = 0.1, .min_leaf = 2}).leaves();
+    loose += Tree::learn(any, {.confidence = 0.5, .min_leaf = 2}).leaves();
   }
   CHECK(leaves < 60);
   CHECK(loose > leaves);
@@ -70,7 +70,7 @@ TEST_CASE(
   Examples e;
   for (int i = 0; i < 40; ++i)
     e.push_back({{i % 2 == 0 ? 0.0 : 1.0, i == 1 ? 5.0 : 0.0, 0.0}, static_cast<std::uint8_t>(i % 2)});
-  const auto tree = Tree::learn(e, {.least_leaf = 1});
+  const auto tree = Tree::learn(e, {.min_leaf = 1});
   CHECK(tree.nodes()[0].attribute == 0);
   CHECK(tree.nodes()[0].threshold == 0.5);
   CHECK(tree.leaves() == 2);
@@ -98,7 +98,7 @@ TEST_CASE("DecisionTree: one label, equal examples, numbers that are none") {
   // Levels are bounded.
   Examples stairs;
   for (int i = 0; i < 64; ++i) stairs.push_back({{double(i), 0, 0}, static_cast<std::uint8_t>(i % 2)});
-  CHECK(Tree::learn(stairs, {.confidence = 0.5, .least_leaf = 1, .deepest = 4}).nodes().size() <= 15);
+  CHECK(Tree::learn(stairs, {.confidence = 0.5, .min_leaf = 1, .deepest = 4}).nodes().size() <= 15);
 }
 
 TEST_CASE(

@@ -219,7 +219,7 @@ TEST_CASE(
   CHECK(norm(Xyz<double>(taught[0].X_WH.origin() - led.X.origin())) < 1e-12);
   CHECK(segment(std::vector<LedSample<>>{}, objects()).empty());
   CHECK_THROWS_AS(DemonstrationReader<>({.still = 0}), ConfigurationError);
-  CHECK_THROWS_AS(DemonstrationReader<>({.least = 0ns}), ConfigurationError);
+  CHECK_THROWS_AS(DemonstrationReader<>({.min_rest = 0ns}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.led = -1ns}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.came = 0}), ConfigurationError);
   CHECK_THROWS_AS(DemonstrationReader<>({.at_rest = -1}), ConfigurationError);

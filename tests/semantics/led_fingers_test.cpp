@@ -106,5 +106,5 @@ TEST_CASE("LedFingers: samples that are none are ignored, wrong numbers refused"
   CHECK(off(taught[0].before, {0, 0, 0}) == 0);
   CHECK_THROWS_AS(Reader({.holds = {0.5, 0, 0ns, 0ns}}), ConfigurationError);
   CHECK_THROWS_AS(Reader({.within = 0}), ConfigurationError);
-  CHECK_THROWS_AS(Reader({.least = 0ns}), ConfigurationError);
+  CHECK_THROWS_AS(Reader({.min_rest = 0ns}), ConfigurationError);
 }

@@ -21,7 +21,7 @@ using Areas = PressedAreas<ur5::Model, link_bit<2> | link_bit<4>>;
 static_assert(Areas::most == 8);
 static_assert(PressedAreas<ur5::Model, all_links(6)>::most == 12);
 static_assert(PressedAreas<ur5::Model, 0>::most == 1);
-static_assert(PressedAreas<ur5::Model, all_links(6)>::most <= most_contacts<6>);
+static_assert(PressedAreas<ur5::Model, all_links(6)>::most <= max_contacts<6>);
 
 void press(Areas& areas, std::size_t link, const Xyz<double>& p, const Xyz<double>& normal, double push) {
   const auto m = cross(p, normal);

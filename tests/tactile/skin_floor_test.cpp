@@ -1,3 +1,4 @@
+// by night: floors of the benchmarks
 // What the benchmarks compare with computes the same torque.
 #include "bench/tactile/skin_floor.hpp"
 
@@ -5,7 +6,7 @@
 
 #include <cmath>
 
-#include "bench/floor/event_floor.hpp"
+#include "bench/studies/floor/event_floor.hpp"
 #include "bench/tactile/kdl_skin.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_skin.hpp"

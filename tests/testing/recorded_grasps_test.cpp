@@ -1,3 +1,4 @@
+// by night: a world of studies
 #include "bench/studies/worlds/recorded_grasps.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// by night: a world of studies
 #include "bench/studies/worlds/skin_drifts.hpp"
 
 #include <doctest/doctest.h>

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/trade/csv.hpp"
+#include "bench/studies/trade/csv.hpp"
 
 namespace skinctl::bounds {
 

@@ -122,7 +122,7 @@ class Values {
 
   /// What is between <value> and </value>; <value> has been read.
   bool rest_of_value(Value& v, std::size_t depth) {
-    if (depth > deepest || ++count_ > most_values) return in_.fail();
+    if (depth > deepest || ++count_ > max_values) return in_.fail();
     if (in_.was_empty()) return true;
     if (in_.close("value")) {  // a text without a type
       v.text = last_text_;

@@ -32,7 +32,7 @@ struct Call {
 };
 
 /// Lists in lists, and all values of one message: more is refused.
-inline constexpr std::size_t deepest = 8, most_values = 1024;
+inline constexpr std::size_t deepest = 8, max_values = 1024;
 
 /// None where it is no call, or ends early.
 [[nodiscard]] std::optional<Call> parse_call(std::string_view xml);

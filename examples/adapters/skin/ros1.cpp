@@ -54,15 +54,15 @@ bool parse_ros1(std::span<const std::uint8_t> bytes, std::vector<skinctl::CellSa
   const std::size_t before = out.size();
   Cursor at(bytes);
   const auto count = at.take<std::uint32_t>();
-  if (count <= units.most_cells) {
+  if (count <= units.max_cells) {
     for (std::size_t i = 0; i < count && at.good(); ++i) {
       skinctl::CellSample s;
       s.cell = at.take<std::uint32_t>();
       s.time = skinctl::Nanoseconds(static_cast<std::int64_t>(at.take<std::uint64_t>()));
-      at.reals({&s.proximity, 1}, 1, units.most_values);
-      at.reals(s.force, 1, units.most_values);
-      at.reals(s.acceleration, units.acceleration, units.most_values);
-      at.reals({&s.temperature, 1}, 1, units.most_values);
+      at.reals({&s.proximity, 1}, 1, units.max_values);
+      at.reals(s.force, 1, units.max_values);
+      at.reals(s.acceleration, units.acceleration, units.max_values);
+      at.reals({&s.temperature, 1}, 1, units.max_values);
       out.push_back(s);
     }
     if (at.at_end()) return true;

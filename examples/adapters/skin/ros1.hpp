@@ -19,9 +19,9 @@ inline constexpr const char* skin_message_definition =
     "int32 cellId\nint64 ts\nfloat64[] prox\nfloat64[] force\nfloat64[] acc\nfloat64[] temp\n";
 
 struct Ros1Units {
-  double acceleration = 9.80665;   ///< of a unit of `acc` [m/s^2]
-  std::size_t most_cells = 16384;  ///< of one message
-  std::size_t most_values =
+  double acceleration = 9.80665;  ///< of a unit of `acc` [m/s^2]
+  std::size_t max_cells = 16384;  ///< of one message
+  std::size_t max_values =
       64;  ///< of one array: cells with more sensors than ours are read, the rest is left
 };
 

@@ -104,8 +104,8 @@ TEST_CASE("XML-RPC: faults, unfinished and hostile texts are refused") {
     return "<methodResponse><params><param><value><array><data>" + items +
            "</data></array></value></param></params></methodResponse>";
   };
-  CHECK(parse_answer(many(most_values - 1)));
-  CHECK_FALSE(parse_answer(many(most_values)));
+  CHECK(parse_answer(many(max_values - 1)));
+  CHECK_FALSE(parse_answer(many(max_values)));
 }
 
 TEST_CASE("HTTP: answers in pieces, without a length, too long, of errors; addresses of nodes") {

@@ -133,7 +133,7 @@ TEST_CASE("ROS 1: bytes that are no message add nothing") {
   lies = good;
   lies[19] = 0xff;  // and sensors
   CHECK_FALSE(parse_ros1(lies, out));
-  CHECK_FALSE(parse_ros1(good, out, {.most_cells = 1}));
+  CHECK_FALSE(parse_ros1(good, out, {.max_cells = 1}));
   CHECK(out.size() == 1);
 
   std::mt19937 rng(3);

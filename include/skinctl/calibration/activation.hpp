@@ -31,9 +31,9 @@ struct JointSignature {
 };
 
 struct ActivationSettings {
-  double F = 8;              ///< above: moved, if
-  double radius = 0.005;     ///< it is that far from the axis [m]
-  double turn = 0.005;       ///< or gravity turns by that much [g]
+  double F = 8;              ///< variance ratio above which a cell counts as moved
+  double radius = 0.005;     ///< least distance of a moved cell from the axis [m], or ...
+  double turn = 0.005;       ///< ... least turn of gravity in it [g]
   double still = 0.003;      ///< joints that are nearer to home than that stand still [rad]
   double gravity = 9.80665;  ///< [m/s^2]
 };

@@ -23,7 +23,7 @@ struct Unobservable {
   std::string name;  ///< of it, in the words of the domain: "height of the base"
   double deviation = std::numeric_limits<double>::infinity();  ///< predicted, in `unit`; infinite: not at all
   std::string unit{};                                          ///< "m", "rad"
-  std::string remedy{};  ///< what would show it: "tilt the base"; empty: nothing that the method knows
+  std::string remedy{};  ///< remedy in words: "tilt the base"; empty: none that the method knows
 
   friend bool operator==(const Unobservable&, const Unobservable&) = default;
 };

@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// Why a fit ended.
 enum class FitEnd {
   converged,   ///< a further step would lower the cost by less than `FitSettings::decrease`
-  steps_used,  ///< it was still improving after `FitSettings::steps`
+  steps_used,  ///< the fit was still improving after `FitSettings::steps`
   stuck,  ///< no step lowers the cost: the derivatives do not belong to the residuals, or rounding is reached
   not_finite  ///< the cost at the start is no number
 };

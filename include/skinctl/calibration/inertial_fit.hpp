@@ -37,8 +37,9 @@ struct InertialFit {
   BaseParameters base;
   EstimateOf<Eigen::VectorXd>
       base_values;                      ///< theta_base and its covariance, of least squares with the prior
-  InertialParameters<N> least_squares;  ///< what ordinary least squares gives: no body need have it
-  std::array<double, N> ls_viscous{}, ls_coulomb{}, ls_rotor{};  ///< the same
+  InertialParameters<N> least_squares;  ///< result of ordinary least squares: no body need have it
+  std::array<double, N> ls_viscous{}, ls_coulomb{},
+      ls_rotor{};  ///< friction and rotors of ordinary least squares
   int steps = 0;
   bool converged = false;
 };

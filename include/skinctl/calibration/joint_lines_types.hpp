@@ -39,8 +39,8 @@ struct JointLinesSettings {
       0.003;  ///< of one axis of an accelerometer by another, standard deviation; what is symmetric of it is fitted
   double tie_position = 5e-4;     ///< of a cell in its patch, standard deviation [m]
   double tie_turn = 0.0175;       ///< of a cell in its patch, with its sensor's misalignment [rad]
-  double known_position = 0.020;  ///< what is worse known counts as not observed [m]
-  double known_turn = 0.0873;     ///< [rad]
+  double known_position = 0.020;  ///< deviation beyond which a position counts as not observed [m]
+  double known_turn = 0.0873;     ///< deviation beyond which a turn counts as not observed [rad]
   int steps = 30;
   ActivationSettings activation{};
 };

@@ -153,7 +153,7 @@ struct SightingProblem {
     EstimateOf<FitPose, 6> e;
     e.value = best.state[i];
     e.covariance = known.covariance.block<6, 6>(6 * int(i), 6 * int(i));
-    if (agreeing < s.least)
+    if (agreeing < s.min_sightings)
       e.unobservable.push_back({name + ": only " + std::to_string(agreeing) + " sightings agree",
                                 {},
                                 "m",

@@ -37,12 +37,12 @@ struct CameraView {
 };
 
 struct SightingSettings {
-  double pixel = 0.5;          ///< deviation of a light's place [pixels]
-  double wrong = 3;            ///< deviations from which a sighting counts less
-  std::size_t polished = 4;    ///< hypotheses of the camera that are fitted to the end, 1 to 100
-  double place_limit = 0.010;  ///< what is known worse is not observed [m]
-  double turn_limit = 0.05;    ///< [rad]
-  std::size_t least = 8;       ///< sightings of a patch that agree, below which its pose is not taken
+  double pixel = 0.5;             ///< deviation of a light's place [pixels]
+  double wrong = 3;               ///< deviations from which a sighting counts less
+  std::size_t polished = 4;       ///< hypotheses of the camera that are fitted to the end, 1 to 100
+  double place_limit = 0.010;     ///< deviation beyond which a place counts as not observed [m]
+  double turn_limit = 0.05;       ///< deviation beyond which a turn counts as not observed [rad]
+  std::size_t min_sightings = 8;  ///< sightings of a patch that agree, below which its pose is not taken
 };
 
 /// The result. Covariances are of errors of position in the link's (the base's) axes [m], then of the turn in the patch's

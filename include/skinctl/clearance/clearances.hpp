@@ -42,8 +42,8 @@ template <RobotModel M, Real T = double, std::size_t Around = 0>
 class Clearances {
  public:
   static constexpr std::size_t joints = M::joints;
-  static constexpr std::size_t most_exposed = Around > 0 ? most_exposed_capsules : 0;
-  static constexpr std::size_t most_own = 64, most_pairs = most_own + most_exposed * Around;
+  static constexpr std::size_t max_exposed = Around > 0 ? max_exposed_capsules : 0;
+  static constexpr std::size_t max_own = 64, max_pairs = max_own + max_exposed * Around;
   using Position = JointPosition<joints, T>;
   using Near = std::conditional_t<(Around > 0), Surroundings<Around, Base, T>, NoSurroundings>;
 
@@ -52,7 +52,7 @@ class Clearances {
   SKINCTL_COLD Clearances(const M& model, const Clearance& given) : model_(model) {
     require(given.margin >= 0 && given.margin <= 10, "Clearance: margin", given.margin, "0 to 10 m");
     require(given.reach > 0 && given.reach <= 100, "Clearance: reach", given.reach, "> 0, <= 100 m");
-    require(given.pairs.size() <= most_own, "Clearance: pairs", double(given.pairs.size()), "at most 64");
+    require(given.pairs.size() <= max_own, "Clearance: pairs", double(given.pairs.size()), "at most 64");
     for (const CapsulePair& p : given.pairs) {
       const std::size_t count = given.capsules.size();
       require(p.a < count && p.b < count, "Clearance: capsule of a pair", double(p.a < count ? p.b : p.a),
@@ -67,7 +67,7 @@ class Clearances {
   /// not of the list, and for one that is fixed.
   SKINCTL_COLD Clearances(const M& model, const Clearance& given, const std::vector<std::size_t>& exposed)
       : Clearances(model, given) {
-    require(exposed.size() <= most_exposed, "ClearanceAround: exposed capsules", double(exposed.size()),
+    require(exposed.size() <= max_exposed, "ClearanceAround: exposed capsules", double(exposed.size()),
             "at most 12");
     for (const std::size_t e : exposed) {
       require(e < given.capsules.size(), "ClearanceAround: exposed capsule", double(e), "one of the list");
@@ -100,12 +100,12 @@ class Clearances {
   }
 
   /// The distances of the surfaces at `q` [m], negative where they overlap.
-  SKINCTL_INLINE void distances(const Position& q, T (&out)[most_pairs]) const noexcept {
+  SKINCTL_INLINE void distances(const Position& q, T (&out)[max_pairs]) const noexcept {
     distances(q, {}, out, [](std::size_t) { return true; });
   }
   /// The same with obstacles, of the pairs that are `asked(k)`.
   template <class Asked>
-  SKINCTL_NOINLINE void distances(const Position& q, const Near& near, T (&out)[most_pairs],
+  SKINCTL_NOINLINE void distances(const Position& q, const Near& near, T (&out)[max_pairs],
                                   const Asked& asked) const noexcept {
     const Placed placed(model_, q);
     for (std::size_t k = 0; k < pairs_.size(); ++k) {
@@ -123,11 +123,11 @@ class Clearances {
     }
   }
   /// The gradients of the distances at `q` [m/rad]: 0 for joints that move both sides alike.
-  SKINCTL_INLINE void gradients(const Position& q, T (&gradient)[most_pairs][joints]) const noexcept {
+  SKINCTL_INLINE void gradients(const Position& q, T (&gradient)[max_pairs][joints]) const noexcept {
     gradients(q, {}, gradient);
   }
   SKINCTL_NOINLINE void gradients(const Position& q, const Near& near,
-                                  T (&gradient)[most_pairs][joints]) const noexcept {
+                                  T (&gradient)[max_pairs][joints]) const noexcept {
     const Placed placed(model_, q);
     Columns columns[joints];
     columns_at(placed, columns);
@@ -163,7 +163,7 @@ class Clearances {
   /// Capsules, one for each exposed one, within which these stay while no joint `i` is further than `half[i]` from `q`:
   /// a point moves by `sum half_i |c_i| + reach (sum half_i)^2 / 2` at most.
   SKINCTL_NOINLINE void sweep(const Position& q, const Position& half, const T& reach,
-                              Surroundings<most_exposed_capsules, Base, T>& out) const noexcept {
+                              Surroundings<max_exposed_capsules, Base, T>& out) const noexcept {
     using std::sqrt;
     const Placed placed(model_, q);
     Columns columns[joints];

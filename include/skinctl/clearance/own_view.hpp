@@ -31,7 +31,7 @@ template <RobotModel M, Real T = double>
 class OwnView {
  public:
   static constexpr std::size_t joints = M::joints;
-  static constexpr std::size_t most_capsules = 32;
+  static constexpr std::size_t max_capsules = 32;
 
   /// Throws `ConfigurationError` for a view or capsule out of its range, and for more than 32 capsules.
   SKINCTL_COLD OwnView(const M& model, std::span<const CellPlace> places,
@@ -42,7 +42,7 @@ class OwnView {
             "> 0, <= 60 degrees");
     require(view.error >= 0 && view.error <= 1, "CellView: error", view.error, "0 to 1 m");
     require(view.band > 0 && view.band <= 1, "CellView: band", view.band, "> 0, <= 1");
-    require(capsules.size() <= most_capsules, "OwnView: capsules", double(capsules.size()), "at most 32");
+    require(capsules.size() <= max_capsules, "OwnView: capsules", double(capsules.size()), "at most 32");
     const auto convert = [](const Xyz<double>& x) { return Xyz<T>{T(x.x), T(x.y), T(x.z)}; };
     for (const LinkCapsule& c : capsules) {
       c.check(joints);
@@ -66,7 +66,7 @@ class OwnView {
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       ((pose[I] = poses.template get<I>().template renamed<Base, Link<0>>()), ...);
     }(std::make_index_sequence<joints>{});
-    Capsule<T> placed[most_capsules];
+    Capsule<T> placed[max_capsules];
     for (std::size_t k = 0; k < capsules_.size(); ++k) {
       const auto& [link, c] = capsules_[k];
       placed[k] = c;

@@ -7,12 +7,12 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// How fast a robot retreats, and from how far.
 struct RetreatSettings {
-  double speed = 0.45;    ///< away from an obstacle that is as near as `near` [m/s], more than it has itself
-  double near = 0.1;      ///< [m], of the surfaces
-  double far = 0.2;       ///< from which it begins; in between the speed grows linearly [m], > near
-  double rate = 4;        ///< of all other pairs: they close at `rate (distance - margin)` at most [1/s]
-  double most = 1.5;      ///< of a joint [rad/s]
-  double softness = 0.1;  ///< a lever that is that short gives half of the speed away [m]
+  double speed = 0.45;     ///< away from an obstacle that is as near as `near` [m/s], more than it has itself
+  double near = 0.1;       ///< [m], of the surfaces
+  double far = 0.2;        ///< from which it begins; in between the speed grows linearly [m], > near
+  double rate = 4;         ///< of all other pairs: they close at `rate (distance - margin)` at most [1/s]
+  double max_speed = 1.5;  ///< of a joint [rad/s]
+  double softness = 0.1;   ///< a lever that is that short gives half of the speed away [m]
   double return_rate = 0.3;  ///< of a joint towards the posture, at most [rad/s]
 };
 
@@ -48,10 +48,10 @@ class Retreat {
     check(s.near, 0, 10, "Retreat: near", "> 0, <= 10 m");
     check(s.far, s.near, 10, "Retreat: far", "> near, <= 10 m");
     check(s.rate, 0, 1e3, "Retreat: rate", "> 0, <= 1000 1/s");
-    check(s.most, 0, 100, "Retreat: most", "> 0, <= 100 rad/s");
+    check(s.max_speed, 0, 100, "Retreat: max_speed", "> 0, <= 100 rad/s");
     check(s.softness, 0, 10, "Retreat: softness", "> 0, <= 10 m");
-    require(s.return_rate >= 0 && s.return_rate <= s.most, "Retreat: return_rate", s.return_rate,
-            "0 to most");
+    require(s.return_rate >= 0 && s.return_rate <= s.max_speed, "Retreat: return_rate", s.return_rate,
+            "0 to max_speed");
   }
   [[nodiscard]] const RetreatSettings& settings() const noexcept { return s_; }
 
@@ -60,7 +60,7 @@ class Retreat {
   [[nodiscard]] SKINCTL_NOINLINE Velocity operator()(const Position& q, const Near& near,
                                                      Others others = Others::stay,
                                                      const Velocity& wish = {}) const noexcept {
-    constexpr std::size_t most = Clearances<M, T, Around>::most_pairs;
+    constexpr std::size_t most = Clearances<M, T, Around>::max_pairs;
     T distance[most], gradient[most][joints];
     clearances_.distances(q, near, distance, [](std::size_t) { return true; });
     clearances_.gradients(q, near, gradient);
@@ -98,10 +98,10 @@ class Retreat {
         r.given = r.given + change;
         for (std::size_t i = 0; i < joints; ++i) u[i] = u[i] + change * gradient[r.of][i];
       }
-    T sum(0), largest(s_.most);
+    T sum(0), largest(s_.max_speed);
     for (const T& v : u) sum = sum + v, largest = v > largest ? v : -v > largest ? T(-v) : largest;
     if (!(sum - sum == T(0))) return {};
-    for (T& v : u) v = T(s_.most) / largest * v;
+    for (T& v : u) v = T(s_.max_speed) / largest * v;
     return u;
   }
 

@@ -11,12 +11,12 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// How readings of proximity are understood.
 struct SightSettings {
-  double range = 0.2;      ///< a reading is `1 - distance/range`, or less [m]
-  double half_angle = 25;  ///< of a cell's cone [degrees], < 80
-  double error = 0.01;     ///< of a distance, noise included [m]: what is seen may be nearer by it
-  double radius = 0.04;    ///< of the ball that is assumed where a cell sees something [m]
-  double approach = 0.3;   ///< how fast it may come closer [m/s]
-  double least = 0.05;     ///< a smaller reading is nothing, in (0, 1)
+  double range = 0.2;         ///< a reading is `1 - distance/range`, or less [m]
+  double half_angle = 25;     ///< of a cell's cone [degrees], < 80
+  double error = 0.01;        ///< of a distance, noise included [m]: what is seen may be nearer by it
+  double radius = 0.04;       ///< of the ball that is assumed where a cell sees something [m]
+  double approach = 0.3;      ///< how fast it may come closer [m/s]
+  double min_reading = 0.05;  ///< a smaller reading is nothing, in (0, 1)
 };
 
 /// Turns readings of proximity into obstacles for `ClearanceAround`: a ball of `radius` whose surface is at the read
@@ -39,7 +39,7 @@ class Sightings {
     require(s.error >= 0 && s.error <= 1, "Sightings: error", s.error, "0 to 1 m");
     require(s.radius >= 0 && s.radius <= 10, "Sightings: radius", s.radius, "0 to 10 m");
     require(s.approach >= 0 && s.approach <= 100, "Sightings: approach", s.approach, "0 to 100 m/s");
-    require(s.least > 0 && s.least < 1, "Sightings: least reading", s.least, "> 0, < 1");
+    require(s.min_reading > 0 && s.min_reading < 1, "Sightings: min_reading", s.min_reading, "> 0, < 1");
     for (const CellPlace& c : places) {
       require(c.link < joints, "Sightings: link of a cell", double(c.link), "one of the model");
       const auto xyz = [](const Xyz<double>& x) { return Xyz<T>{T(x.x), T(x.y), T(x.z)}; };
@@ -98,7 +98,7 @@ class Sightings {
     }(std::make_index_sequence<joints>{});
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       const T r = static_cast<T>(reading(i));
-      if (!(r >= T(s_.least))) continue;
+      if (!(r >= T(s_.min_reading))) continue;
       const auto& X = pose[cells_[i].link];
       const Xyz<T> p = X.origin() + X.axes() * cells_[i].place, n = X.axes() * cells_[i].normal;
       f(i, r, p, n, explained(p, n, T(s_.range) * (T(1) - r), known, count));

@@ -32,13 +32,13 @@ struct Obstacle {
 };
 
 /// Capsules of a robot that stay clear of obstacles, and that it tells others, at most.
-inline constexpr std::size_t most_exposed_capsules = 12;
+inline constexpr std::size_t max_exposed_capsules = 12;
 
 /// At most `Most` obstacles at an instant: the part `around` of a cycle's input, if its scene has a
 /// `ClearanceAround`, and what a robot tells others (`occupied`), in the `World` that they share.
 template <std::size_t Most, Frame F = Base, Real T = double>
 struct Surroundings {
-  static constexpr std::size_t most = Most;
+  static constexpr std::size_t capacity = Most;
   Nanoseconds time{};       ///< for which they hold
   std::uint32_t count = 0;  ///< of them; more than `Most`: some are unknown, and nothing may come nearer
   std::array<Obstacle<F, T>, Most> obstacles{};
@@ -58,13 +58,13 @@ struct Surroundings {
 
 /// In place of `Surroundings` for a robot that does not look at them.
 struct NoSurroundings {
-  static constexpr std::size_t most = 0;
+  static constexpr std::size_t capacity = 0;
 };
 
 /// What a `ClearanceAround` adds to the input of a cycle.
 template <class Near>
 struct AroundRobot {
-  Near around{};  ///< what is near the robot
+  Near around{};  ///< obstacles near the robot
 };
 
 SKINCTL_END_NAMESPACE

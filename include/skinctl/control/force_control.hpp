@@ -71,7 +71,7 @@ class ForceControl : public Composable {
   static constexpr bool presses = true;  ///< in a sum with the skin's laws it does not count as opposition
   struct Memory {
     typename Tracker::Memory tracker;
-    ForceGoal<T> goal{{T(0), T(0), T(0)}, T(0)};  ///< its direction of length 1, or 0
+    ForceGoal<T> goal{{T(0), T(0), T(0)}, T(0)};  ///< goal with a direction of length 1, or 0
     T v = T(0), a = T(0);                         ///< speed of the target along it, and its derivative
     T I1 = T(0), I2 = T(0);
     T travel = T(0);  ///< since the goal came [m]

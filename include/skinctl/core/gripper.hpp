@@ -52,10 +52,10 @@ struct NoGripper {
 /// Why a gripper does not do as it was told.
 enum class GripperError : unsigned char {
   none,
-  silent,   ///< it has not answered in time: the state is the last that was heard
-  lost,     ///< its connection is gone, or it has been silent for too long
-  stopped,  ///< its own safety has stopped it
-  fault     ///< it reports a fault; `GripperState::code` is its number
+  silent,   ///< no answer in time: the state is the last that was heard
+  lost,     ///< connection gone, or silent for too long
+  stopped,  ///< the gripper's own safety has stopped it
+  fault     ///< a fault is reported: `GripperState::code` is its number
 };
 
 [[nodiscard]] constexpr const char* describe(GripperError error) noexcept {
@@ -81,8 +81,8 @@ struct GripperState {
   /// Force on the object that it holds [N]; 0 while it holds none. A gripper that does not measure it reports the force
   /// of its goal.
   double force = 0;
-  bool heard = false;   ///< it has answered since it was connected; until then the other members mean nothing
-  bool moving = false;  ///< on its way to the newest goal
+  bool heard = false;    ///< an answer came since the connection; until then the other members mean nothing
+  bool moving = false;   ///< on its way to the newest goal
   bool holding = false;  ///< the fingers stand still because an object is between them
   /// The opening comes from a sensor. Otherwise it is an estimate from the time since the last goal.
   bool measured = false;

@@ -17,7 +17,7 @@ concept Real = std::numeric_limits<T>::is_specialized && !std::numeric_limits<T>
 template <class T>
 inline constexpr bool is_lane = false;
 
-/// True for fixed-point numbers (math/fixed.hpp), in which not everything can be computed.
+/// True for fixed-point numbers, in which not everything can be computed: specialise it for one of your own.
 template <class T>
 inline constexpr bool is_fixed_point = false;
 

@@ -7,10 +7,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Velocity of the body to which frame `Body` is fixed, as seen from frame `Relative`: the velocity of the
 /// body's point that is at the origin of `At` now, and the angular velocity, both along the axes of `Axes`.
-/// Zero by default.
-///
-/// The most common one has the short name `SpatialVelocity<A, B, E>`, monogram `V_AB_E`: B relative to A, at
-/// B's own origin.
+/// Zero by default. `Twist<B, A, B, E>` has the monogram `V_AB_E`: B relative to A, at B's own origin.
 template <Frame Body, Frame Relative, Frame At = Body, Frame Axes = Relative, Scalar T = double>
 struct Twist {
   Xyz<T> linear{T(0), T(0), T(0)};   ///< [m/s]
@@ -71,10 +68,6 @@ struct Twist {
   friend void express(const AnyTransform auto&, const Twist&) = delete;  // X_FE takes a twist along E's axes
   // clang-format on
 };
-
-/// `V_AB_E`: velocity of B relative to A, of B's origin, along the axes of E.
-template <Frame A, Frame B, Frame E = A, Scalar T = double>
-using SpatialVelocity = Twist<B, A, B, E, T>;
 
 template <class V>
 inline constexpr bool is_twist = false;

@@ -25,17 +25,18 @@ template <class T, class... How>
   return end.ec == std::errc() ? std::string(text, end.ptr) : std::string();
 }
 
-/// As `formatted`, of a list of arguments.
-[[nodiscard]] SKINCTL_COLD inline std::string formatted_list(const char* format, FormatArguments& x) {
-  constexpr int most_decimals = 100;
-  std::string out;
-  while (*format != '\0') {
-    if (*format != '%') {
-      out += *format++;
-      continue;
-    }
-    bool left = false, zeros = false, plus = false;
-    for (++format; *format == '-' || *format == '0' || *format == '+'; ++format)
+/// One conversion of a format: its flags, width and kind.
+struct Conversion {
+  bool left = false, zeros = false, plus = false;
+  int width = 0;
+  int decimals = -1;  ///< -1: not given
+  int longs = 0;
+  char kind = '\0';
+
+  /// Reads it behind its `%`, and leaves `format` behind it.
+  Conversion(const char*& format, FormatArguments& x) {
+    constexpr int max_decimals = 100;
+    for (; *format == '-' || *format == '0' || *format == '+'; ++format)
       left |= *format == '-', zeros |= *format == '0', plus |= *format == '+';
     const auto number = [&] {
       int n = 0;
@@ -43,53 +44,64 @@ template <class T, class... How>
       for (; *format >= '0' && *format <= '9'; ++format) n = 10 * n + (*format - '0');
       return n;
     };
-    const int width = number();
-    int decimals = -1;
-    if (*format == '.') ++format, decimals = std::min(number(), most_decimals);
-    int longs = 0;
+    width = number();
+    if (*format == '.') ++format, decimals = std::min(number(), max_decimals);
     for (; *format == 'l' || *format == 'z'; ++format) ++longs;
-    const char kind = *format == '\0' ? '\0' : *format++;
-    std::string text;
+    if (*format != '\0') kind = *format++;
+  }
+  /// The next argument in characters, not padded.
+  [[nodiscard]] std::string text(FormatArguments& x) const {
+    using F = std::chars_format;
+    const int base = kind == 'x' ? 16 : 10;
+    const char* s = nullptr;
     switch (kind) {
       case 'd':
-        text = longs == 0   ? digits_of(va_arg(x.list, int))
+        return longs == 0   ? digits_of(va_arg(x.list, int))
                : longs == 1 ? digits_of(va_arg(x.list, long))
                             : digits_of(va_arg(x.list, long long));
-        break;
       case 'u':
-      case 'x': {
-        const int base = kind == 'x' ? 16 : 10;
-        text = longs == 0   ? digits_of(va_arg(x.list, unsigned), base)
+      case 'x':
+        return longs == 0   ? digits_of(va_arg(x.list, unsigned), base)
                : longs == 1 ? digits_of(va_arg(x.list, unsigned long), base)
                             : digits_of(va_arg(x.list, unsigned long long), base);
-        break;
-      }
       case 'f':
       case 'g':
       case 'e':
-        text = digits_of(va_arg(x.list, double),
-                         kind == 'f'   ? std::chars_format::fixed
-                         : kind == 'g' ? std::chars_format::general
-                                       : std::chars_format::scientific,
+        return digits_of(va_arg(x.list, double),
+                         kind == 'f'   ? F::fixed
+                         : kind == 'g' ? F::general
+                                       : F::scientific,
                          decimals < 0 ? 6 : decimals);
-        break;
       case 'c':
-        text = static_cast<char>(va_arg(x.list, int));
-        break;
+        return std::string(1, static_cast<char>(va_arg(x.list, int)));
       case 's':
-        text = va_arg(x.list, const char*);
-        if (decimals >= 0) text.resize(std::min(text.size(), static_cast<std::size_t>(decimals)));
-        break;
+        s = va_arg(x.list, const char*);
+        return decimals < 0 ? std::string(s) : std::string(s).substr(0, static_cast<std::size_t>(decimals));
       default:
-        text = kind == '\0' ? "" : std::string(1, kind);
-        break;
+        return kind == '\0' ? "" : std::string(1, kind);
     }
+  }
+  void pad(std::string& text) const {
     if (plus && !text.starts_with('-')) text.insert(0, 1, '+');
-    if (const auto wide = static_cast<std::size_t>(std::max(width, 0)); text.size() < wide) {
-      const bool sign = text.starts_with('-') || text.starts_with('+');
-      const std::size_t at = left ? text.size() : zeros && sign ? 1 : 0;
-      text.insert(at, wide - text.size(), zeros && !left ? '0' : ' ');
+    const auto wide = static_cast<std::size_t>(std::max(width, 0));
+    if (text.size() >= wide) return;
+    const bool sign = text.starts_with('-') || text.starts_with('+');
+    const std::size_t at = left ? text.size() : zeros && sign ? 1 : 0;
+    text.insert(at, wide - text.size(), zeros && !left ? '0' : ' ');
+  }
+};
+
+/// As `formatted`, of a list of arguments.
+[[nodiscard]] SKINCTL_COLD inline std::string formatted_list(const char* format, FormatArguments& x) {
+  std::string out;
+  while (*format != '\0') {
+    if (*format != '%') {
+      out += *format++;
+      continue;
     }
+    const Conversion conversion(++format, x);
+    std::string text = conversion.text(x);
+    conversion.pad(text);
     out += text;
   }
   return out;

@@ -49,7 +49,7 @@ struct StampedTransform {
   Nanoseconds time{};
   std::string_view parent, child;
   Xyz<double> p{0, 0, 0};  ///< origin of the child [m]
-  Rotation<double> R;      ///< its axes
+  Rotation<double> R;      ///< axes of the child
 };
 
 /// tf2_msgs/TFMessage.

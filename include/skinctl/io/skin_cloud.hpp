@@ -19,7 +19,7 @@ SKINCTL_BEGIN_NAMESPACE
 struct SkinPoint {
   enum Status : std::uint32_t {
     stale = 1,  ///< older than `SkinCloud::max_age`, or never heard
-    masked = 2  ///< its readings do not count
+    masked = 2  ///< the readings do not count
   };
   std::array<float, 3> position{};  ///< in the base [m]
   float force = 0;         ///< sum of the readings, times the scale [N]; without a scale the readings
@@ -70,7 +70,7 @@ class SkinCloud {
   /// that occurs twice, links that come twice, a place that is not finite, a scale or age that is not above 0.
   explicit SkinCloud(const std::vector<Cell>& cells) : SkinCloud(cells, Options()) {}
   SKINCTL_COLD SkinCloud(const std::vector<Cell>& cells, const Options& options) : options_(options) {
-    require(cells.size() <= most_cells, "SkinCloud: cells", double(cells.size()), "0 to 2^20");
+    require(cells.size() <= max_cells, "SkinCloud: cells", double(cells.size()), "0 to 2^20");
     require(options.newtons > 0 && options.newtons <= 1e6f, "SkinCloud: newtons", double(options.newtons),
             "> 0 to 1e6 N");
     require(options.max_age > 0ns && options.max_age <= 1s, "SkinCloud: max_age",
@@ -82,7 +82,7 @@ class SkinCloud {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const Cell& c = cells[i];
       require(hashed(c.id) == none, "SkinCloud: id of a cell", double(c.id), "given once");
-      require(c.link < most_cells, "SkinCloud: link of a cell", double(c.link), "0 to 2^20 - 1");
+      require(c.link < max_cells, "SkinCloud: link of a cell", double(c.link), "0 to 2^20 - 1");
       const float sum = c.position[0] + c.position[1] + c.position[2];
       require(std::isfinite(sum), "SkinCloud: place of a cell", double(sum), "finite m");
       std::size_t k = c.id * 0x9e3779b1u >> shift_;
@@ -181,7 +181,7 @@ class SkinCloud {
   }
 
  private:
-  static constexpr std::size_t none = ~std::size_t(0), most_cells = std::size_t(1) << 20;
+  static constexpr std::size_t none = ~std::size_t(0), max_cells = std::size_t(1) << 20;
   static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::min();
   static constexpr std::size_t block = 32;  // ages are computed so many at once, and then spread out
   struct Range {

@@ -20,9 +20,9 @@ SKINCTL_BEGIN_NAMESPACE
 struct SkinFile {
   /// In a list of neighbours: nobody at this port.
   static constexpr std::uint32_t nobody = 0xffffffff;
-  static constexpr std::size_t most_cells = std::size_t(1) << 20;
-  static constexpr std::size_t most_cells_of_a_patch = 8192;
-  static constexpr std::size_t most_patches = 4096;
+  static constexpr std::size_t max_cells = std::size_t(1) << 20;
+  static constexpr std::size_t max_cells_of_a_patch = 8192;
+  static constexpr std::size_t max_patches = 4096;
   static constexpr std::uint32_t highest_id = (1u << 20) - 1;
 
   /// A link that carries skin, by the name that it has in the robot's URDF or description.

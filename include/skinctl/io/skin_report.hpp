@@ -19,7 +19,7 @@ struct CellReport {
   std::array<float, 3> place{}, normal{};  ///< in its link [m]; outwards
   CellFaults faults;                       ///< found, silence included
   double mask = 0;                         ///< 1: it does not count
-  double rest = 0;                         ///< its rest level: sum of its three forces while untouched
+  double rest = 0;                         ///< rest level: sum of the three forces while untouched
   /// It has read something for a minute, and nobody can tell whether that is a contact or a drift.
   bool unexplained = false;
 };

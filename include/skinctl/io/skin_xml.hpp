@@ -134,7 +134,7 @@ class SkinXmlReader {
     if (options.X_LinkRoot) patch.X_LinkRoot = *options.X_LinkRoot;
     std::optional<std::uint32_t> root_cell;
     for (const Element* e = root.FirstChildElement("cell"); e != nullptr; e = e->NextSiblingElement("cell")) {
-      if (patch.cells.size() == SkinFile::most_cells_of_a_patch) fail(*e, "more than 8192 cells of a patch");
+      if (patch.cells.size() == SkinFile::max_cells_of_a_patch) fail(*e, "more than 8192 cells of a patch");
       patch.cells.push_back(cell(*e, root_cell));
     }
     if (const char* count = root.Attribute("numberOfCells");

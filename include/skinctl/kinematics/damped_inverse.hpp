@@ -1,6 +1,7 @@
 // The damped inverse of a Jacobian, bounded at singularities.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -23,14 +24,11 @@ enum class TaskSpace : unsigned char {
 /// `SingularityDamping`. Away from singularities it is the inverse (for more than six joints the
 /// pseudo-inverse of minimal joint speed; for fewer, of minimal error), near them it is bounded and smooth.
 ///
-/// `J` is a geometric `Jacobian` along the axes of the base, metres and radians weighted alike; it must
-/// outlive this object. With `TaskSpace::position` only its linear rows are inverted. Never divides by zero, does
-/// not allocate; a NaN gives NaNs or zeros.
-///
-/// Six joints and a pose, outside of the zone: J itself is inverted, in blocks (`detail::BlockInverse`); the error
-/// is a few units in the last place times the condition number of J. In the zone, for other numbers of
-/// joints, and where the last three joints' axes are nearly in a plane, the smaller of the two products is formed
-/// and factorised: a few units times the square of the condition number.
+/// `J` is a geometric `Jacobian` along the axes of the base, metres and radians weighted alike; it must outlive
+/// this object. With `TaskSpace::position` only its linear rows are inverted. Never divides by zero; NaN gives NaNs
+/// or zeros. Six joints and a pose, outside of the zone: J itself is inverted, in blocks, to a few units in the last
+/// place times the condition number of J. In the zone, for other numbers of joints, and where the last three axes are
+/// nearly in a plane, the smaller of the two products is factorised: a few units times the square of that number.
 template <class J, TaskSpace What = TaskSpace::pose>
 class DampedInverse;
 template <Topology M, LinkMask Columns, Frame Body, Real T, TaskSpace What>
@@ -78,7 +76,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     return dq;
   }
 
-  /// `J^+ a`: the joint accelerations that give the frame the acceleration `a`, without the term `dJ dq`.
+  /// `J^+ a`: the joint accelerations of the frame's acceleration `a`, without the term `dJ dq`.
   [[nodiscard]] JointAcceleration<joints, T> solve(const BodyAcceleration& a) const noexcept {
     JointAcceleration<joints, T> ddq;
     apply(Velocity{a.linear, a.angular}, ddq.data);
@@ -148,9 +146,9 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   }
 
  private:
-  [[nodiscard]] SKINCTL_NOINLINE JointAcceleration<joints, T> solve_rate_at(
-      const JointVelocity<joints, T>& dq, const Velocity& dx_r, const BodyAcceleration& ddx_r,
-      const JointVelocity<joints, T>& dq_r) const noexcept {
+  [[nodiscard]] SKINCTL_NOINLINE auto solve_rate_at(const JointVelocity<joints, T>& dq, const Velocity& dx_r,
+                                                    const BodyAcceleration& ddx_r,
+                                                    const JointVelocity<joints, T>& dq_r) const noexcept {
     return solve_rate(jacobian_rate(J_, dq), dx_r, ddx_r, dq_r);
   }
   [[nodiscard]] JointAcceleration<joints, T> solve_rate_damped(
@@ -189,9 +187,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   static constexpr bool by_joints = moving <= rows_count, square = moving == rows_count;
   static constexpr std::size_t order = by_joints ? moving : rows_count;
   static constexpr bool in_blocks = square && order == 6;
-  struct Matrix {
-    T data[order * order];
-  };
+  using Matrix = std::array<T, order * order>;
   using Blocks = std::conditional_t<in_blocks, detail::BlockInverse<T>, detail::NoBlockInverse>;
 
   static void store(const Velocity& v, T* x) noexcept {
@@ -213,39 +209,18 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     std::size_t k = 0;
     J.for_each([&](auto, const auto& c) { store({c.linear, c.angular}, r[k++]); });
   }
-  /// `J'J` or `J J'` of the joints that move the body, or with `d` its rate.
-  static void product(const T (&r)[moving][rows_count], const T (&s)[moving][rows_count],
-                      T (&a)[order][order]) noexcept {
-    for (std::size_t i = 0; i < order; ++i)
-      for (std::size_t j = 0; j < order; ++j) {
-        T sum(0);
-        if constexpr (by_joints) {
-          for (std::size_t k = 0; k < rows_count; ++k) sum = sum + r[i][k] * s[j][k];
-        } else {
-          for (std::size_t k = 0; k < moving; ++k) sum = sum + r[k][i] * s[k][j];
-        }
-        a[i][j] = sum;
-      }
-  }
   Matrix normal() const noexcept {
     T r[moving][rows_count];
     rows(J_, r);
     Matrix m;
     for (std::size_t i = 0; i < order; ++i)
-      for (std::size_t j = 0; j <= i; ++j) {
-        T sum(0);
-        if constexpr (by_joints) {
-          for (std::size_t k = 0; k < rows_count; ++k) sum = sum + r[i][k] * r[j][k];
-        } else {
-          for (std::size_t k = 0; k < moving; ++k) sum = sum + r[k][i] * r[k][j];
-        }
-        m.data[i * order + j] = m.data[j * order + i] = sum;
-      }
+      for (std::size_t j = 0; j <= i; ++j)
+        m[i * order + j] = m[j * order + i] = detail::row_product<by_joints>(r, r, i, j);
     return m;
   }
   /// Factors of the smaller product, damped next to a singularity.
   SKINCTL_NOINLINE void factorise() noexcept {
-    factors_.emplace(normal().data);
+    factors_.emplace(normal().data());
     w_squared_ = factors_->determinant();
     damped_ = !factors_->positive_definite() || nearness() > T(0);
     if (damped_) [[unlikely]]
@@ -256,21 +231,22 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     Matrix m = normal();
     T a[order][order], still[order][order] = {};
     for (std::size_t i = 0; i < order; ++i)
-      for (std::size_t j = 0; j < order; ++j) a[i][j] = m.data[i * order + j];
+      for (std::size_t j = 0; j < order; ++j) a[i][j] = m[i * order + j];
     w_squared_ = detail::determinant(a, still).value;
     const T l2 = damping_.squared(w_squared_);
-    for (std::size_t i = 0; i < order; ++i) m.data[i * order + i] = m.data[i * order + i] + l2;
-    factors_.emplace(m.data);
+    for (std::size_t i = 0; i < order; ++i) m[i * order + i] = m[i * order + i] + l2;
+    factors_.emplace(m.data());
   }
   T damping_rate(const JacobianRate<Of>& dJ) const noexcept {
     if (nearness() == T(0)) return T(0);
-    T r[moving][rows_count], d[moving][rows_count], a[order][order], b[order][order], da[order][order];
+    T r[moving][rows_count], d[moving][rows_count], a[order][order], da[order][order];
     rows(J_, r);
     rows(dJ, d);
-    product(r, r, a);
-    product(d, r, b);
     for (std::size_t i = 0; i < order; ++i)
-      for (std::size_t j = 0; j < order; ++j) da[i][j] = b[i][j] + b[j][i];
+      for (std::size_t j = 0; j < order; ++j) {
+        a[i][j] = detail::row_product<by_joints>(r, r, i, j);
+        da[i][j] = detail::row_product<by_joints>(d, r, i, j) + detail::row_product<by_joints>(d, r, j, i);
+      }
     return damping_.squared_rate(w_squared_, detail::determinant(a, da).rate);
   }
   /// `(J J' + l^2)^-1 v`.

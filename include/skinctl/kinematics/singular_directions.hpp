@@ -21,7 +21,7 @@ namespace detail {
 /// The K eigenvectors of the smallest eigenvalues, by a few steps of inverse iteration; false if A is not
 /// finite.
 template <std::size_t K, std::size_t N, Real T>
-[[nodiscard]] bool least_directions(const T (&a)[N][N], T (&x)[K][N]) noexcept {
+[[nodiscard]] bool smallest_directions(const T (&a)[N][N], T (&x)[K][N]) noexcept {
   using std::sqrt;
   T regular[N * N], trace(0);
   for (std::size_t i = 0; i < N; ++i) trace = trace + a[i][i];
@@ -99,7 +99,7 @@ template <TaskSpace What = TaskSpace::pose, Topology M, LinkMask Columns, Frame 
       for (std::size_t s = 0; s < R; ++s) outer[r][s] = outer[r][s] + columns[i][r] * columns[i][s];
       for (std::size_t j = 0; j < C; ++j) inner[i][j] = inner[i][j] + columns[i][r] * columns[j][r];
     }
-  if (!detail::least_directions(outer, u) || !detail::least_directions(inner, v)) return d;
+  if (!detail::smallest_directions(outer, u) || !detail::smallest_directions(inner, v)) return d;
   // In these two planes J is 2 x 2: it pairs each u with its v, however small both sigma are.
   T small[K][K] = {}, U[K][K], V[K][K], sigma[K];
   for (std::size_t a = 0; a < K; ++a)

@@ -18,7 +18,7 @@ class SingularityDamping {
   /// @param most  l at the singularity, > 0: no joint speed exceeds `1 / (2 most)` times the requested speed
   ///              of the frame. Throws `ConfigurationError`.
   explicit SingularityDamping(const T& zone = static_cast<T>(0.004), const T& most = static_cast<T>(0.08))
-      : zone_(zone), most_(most), most_squared_(most * most) {
+      : zone_(zone), max_(most), max_squared_(most * most) {
     const auto allowed = [](const T& x) { return x > T(0) && x <= (std::numeric_limits<T>::max)(); };
     require(allowed(zone), "SingularityDamping: zone", static_cast<double>(zone), "> 0");
     require(allowed(most), "SingularityDamping: most", static_cast<double>(most), "> 0");
@@ -36,27 +36,26 @@ class SingularityDamping {
   [[nodiscard]] SingularityDamping scaled(const T& least, const T& speed_squared, const T& rate,
                                           const T& fastest) const noexcept {
     const T factor = T(0.25) / (fastest * fastest);
-    const T less = T(1) / (T(1) + factor * speed_squared / (most_ * most_));
+    const T less = T(1) / (T(1) + factor * speed_squared / (max_ * max_));
     SingularityDamping next = *this;
-    next.most_squared_ = least * least + factor * speed_squared * less;
-    next.most_squared_rate_ = factor * rate * less * less;
+    next.max_squared_ = least * least + factor * speed_squared * less;
+    next.max_squared_rate_ = factor * rate * less * less;
     return next;
   }
   /// l^2.
-  [[nodiscard]] T squared(const T& w_squared) const noexcept { return most_squared_ * nearness(w_squared); }
+  [[nodiscard]] T squared(const T& w_squared) const noexcept { return max_squared_ * nearness(w_squared); }
   /// `d(l^2)/dt = 2 l dl`, from the rate of the square of the manipulability.
   [[nodiscard]] T squared_rate(const T& w_squared, const T& w_squared_rate) const noexcept {
     const T r = T(1) - w_squared / (zone_ * zone_);
-    return r > T(0)
-               ? T(r * (r * most_squared_rate_ - T(2) * most_squared_ * w_squared_rate / (zone_ * zone_)))
-               : T(0);
+    return r > T(0) ? T(r * (r * max_squared_rate_ - T(2) * max_squared_ * w_squared_rate / (zone_ * zone_)))
+                    : T(0);
   }
 
  private:
   T zone_;
-  T most_;
-  T most_squared_;
-  T most_squared_rate_ = T(0);
+  T max_;
+  T max_squared_;
+  T max_squared_rate_ = T(0);
 };
 
 SKINCTL_END_NAMESPACE

@@ -40,7 +40,7 @@ class ClearanceLimits {
  public:
   static constexpr std::size_t joints = M::joints, around = Around;
   using scalar = T;
-  static constexpr std::size_t most_pairs = Clearances<M, T, Around>::most_pairs;
+  static constexpr std::size_t max_pairs = Clearances<M, T, Around>::max_pairs;
   static constexpr int looks = 6;  ///< along a way to stop
   using Kind = Clearance;
   static constexpr Precedence precedence = Precedence::clearance;
@@ -120,10 +120,10 @@ class ClearanceLimits {
   }
   /// What the exposed capsules may fill from now on until the robot stands, if it brakes: along the way from
   /// `measured` to the last command, and from there to where all joints are at rest, however they brake together.
-  [[nodiscard]] Surroundings<most_exposed_capsules, Base, T> occupied(
+  [[nodiscard]] Surroundings<max_exposed_capsules, Base, T> occupied(
       const JointCommand<joints, T>& last, const State<joints, T>& measured) const noexcept {
     const Box box = until_rest(measured.q, last.position, last.velocity);
-    Surroundings<most_exposed_capsules, Base, T> out;
+    Surroundings<max_exposed_capsules, Base, T> out;
     out.time = measured.time;
     clearances_.sweep(box.middle, box.half, reach_, out);
     return out;
@@ -283,12 +283,12 @@ template <RobotModel M, std::size_t N, Real T, std::size_t Most>
 /// of it. It is at `X_WB` in the world.
 /// @param scene  a `Cycle` with a `Clearance`.
 template <class Scene, Real T>
-[[nodiscard]] Surroundings<most_exposed_capsules, World, T> occupied(
+[[nodiscard]] Surroundings<max_exposed_capsules, World, T> occupied(
     const Scene& scene, const typename Scene::Memory& m, const Transform<World, Base, T>& X_WB) noexcept {
   auto is = m.robot.measured();
   is.q += scene.resolver().gap(m.robot);  // where it really is
   const auto filled = scene.governor().template get<Clearance>().occupied(scene.guard().last(m.guard), is);
-  Surroundings<most_exposed_capsules, World, T> out;
+  Surroundings<max_exposed_capsules, World, T> out;
   out.time = filled.time;
   out.add(X_WB, filled);
   return out;

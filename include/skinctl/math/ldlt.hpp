@@ -49,7 +49,7 @@ class Ldlt {
     return positive_definite_;
   }
   /// Smallest element of D before any was removed; NaN if one was NaN.
-  [[nodiscard]] SKINCTL_INLINE constexpr T least_pivot() const noexcept {
+  [[nodiscard]] SKINCTL_INLINE constexpr T min_pivot() const noexcept {
     T least = pivot_[0];
     for (std::size_t i = 1; i < N; ++i) least = select(!(pivot_[i] >= least), pivot_[i], least);
     return least;

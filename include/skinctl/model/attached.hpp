@@ -18,8 +18,8 @@ struct BareBase {
 
 /// Pose of a body in another.
 struct Stand {
-  Rotation<double> R{};     ///< its axes
-  double p[3] = {0, 0, 0};  ///< its origin [m]
+  Rotation<double> R{};     ///< axes of the body
+  double p[3] = {0, 0, 0};  ///< origin of the body [m]
 };
 
 /// The tree `B` with its base fixed to link `At` of the tree `A` (-1: its base): the links of `A` keep their

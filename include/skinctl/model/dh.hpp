@@ -73,29 +73,6 @@ template <std::size_t N>
   return links;
 }
 
-/// A chain from a modified table (Craig): row i is `Rx(alpha) Tx(a) Rz(theta) Tz(d)`. The frame of link i in
-/// the model is frame i of the table, in which its inertia is given.
-template <std::size_t N>
-[[nodiscard]] constexpr std::array<LinkParameters<double>, N> links_from_modified_dh(
-    const std::array<DhRow, N>& rows, const std::array<LinkInertia, N>& inertias,
-    const std::array<JointKind, N>& kinds = all_of_kind<N>(JointKind::revolute)) noexcept {
-  std::array<LinkParameters<double>, N> links;
-  for (std::size_t i = 0; i < N; ++i) {
-    const DhRow& row = rows[i];
-    JointPlacement placement{.p = {row.a, 0, 0}, .alpha = row.alpha};
-    if (kinds[i] == JointKind::revolute) {
-      placement.p[1] = -row.d * row.alpha.sin;
-      placement.p[2] = row.d * row.alpha.cos;
-      placement.offset = row.theta;
-    } else {
-      placement.offset = row.d;
-      if (row.theta != 0) placement.beta = Angle::radians(row.theta);
-    }
-    links[i] = make_link(placement, inertias[i]);
-  }
-  return links;
-}
-
 /// One individual arm: its links, for a `CalibratedModel`, and the end of its last row (the flange) in the
 /// last link's frame.
 template <std::size_t N>

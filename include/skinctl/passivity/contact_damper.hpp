@@ -14,8 +14,8 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Real T = double>
 struct ContactDamping {
   std::size_t count = 0;
-  T coefficient[most_contacts<N>] = {};
-  T row[most_contacts<N>][N] = {};
+  T coefficient[max_contacts<N>] = {};
+  T row[max_contacts<N>][N] = {};
   bool any = false;
 };
 
@@ -33,7 +33,7 @@ struct ContactDamping {
 template <Real T = double>
 class ContactDamper {
  public:
-  using RobotPart = detail::KeeperPart;
+  using RobotPart = detail::PassivityPart;
   struct Settings {
     T max = T(0);     ///< largest added damping of the virtual robot [N s/m], >= 0: see `contact_damping`
     T always = T(0);  ///< during a contact [N s/m], >= 0, for a delay: see `contact_damping`
@@ -58,7 +58,7 @@ class ContactDamper {
   };
   template <std::size_t N>
   struct Memory {
-    Watch watch[most_contacts<N>];
+    Watch watch[max_contacts<N>];
     ContactDamping<N, T> damping;  ///< in the order of `watch`
   };
 
@@ -84,10 +84,10 @@ class ContactDamper {
   template <std::size_t N, std::size_t K>
   bool observe(Memory<N>& memory, const Contacts<N, T, K>& contacts, const JointVelocity<N, T>& dq,
                const T& dt) const noexcept {
-    static_assert(K <= most_contacts<N>);
+    static_assert(K <= max_contacts<N>);
     auto& damping = memory.damping;
-    T force[most_contacts<N>] = {}, speed[most_contacts<N>] = {};
-    bool taken[most_contacts<N>] = {};
+    T force[max_contacts<N>] = {}, speed[max_contacts<N>] = {};
+    bool taken[max_contacts<N>] = {};
     for (const auto& c : contacts) {
       if (!(c.force > T(0))) continue;
       std::size_t k = detail::continued(memory.watch, taken, damping.count, c);
@@ -118,13 +118,13 @@ class ContactDamper {
   template <std::size_t N>
   static std::size_t room(Memory<N>& memory, const bool* taken) noexcept {
     auto& count = memory.damping.count;
-    std::size_t best = most_contacts<N>;
+    std::size_t best = max_contacts<N>;
     for (std::size_t k = 0; k < count; ++k) {
       if (taken[k]) continue;
       if (!memory.watch[k].touched) return k;
-      if (best == most_contacts<N> || memory.watch[k].level < memory.watch[best].level) best = k;
+      if (best == max_contacts<N> || memory.watch[k].level < memory.watch[best].level) best = k;
     }
-    if (count < most_contacts<N>) best = count++;
+    if (count < max_contacts<N>) best = count++;
     memory.watch[best] = {};
     return best;
   }

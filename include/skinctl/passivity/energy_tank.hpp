@@ -50,7 +50,7 @@ template <Real T>
 template <Real T = double>
 class EnergyTank {
  public:
-  using RobotPart = detail::KeeperPart;
+  using RobotPart = detail::PassivityPart;
   struct Settings {
     T start = T(1);      ///< initial energy [J], >= 0
     T max = T(5);        ///< capacity [J], >= start

@@ -29,7 +29,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <Real T = double>
 class PassivityObserver {
  public:
-  using RobotPart = detail::KeeperPart;
+  using RobotPart = detail::PassivityPart;
   struct Settings {
     T start = T(1);        ///< E_0 [J], >= 0
     T max = T(5);          ///< energy beyond this is discarded [J], >= start
@@ -53,7 +53,7 @@ class PassivityObserver {
     };
     T energy = T(0);
     std::size_t count = 0;
-    Felt felt[most_contacts<N>];
+    Felt felt[max_contacts<N>];
     T under_way = T(0);     ///< furthest command under way for a contact not felt yet [m]
     JointPosition<N, T> q;  ///< measured then
     bool started = false;
@@ -87,10 +87,10 @@ class PassivityObserver {
   template <std::size_t N, std::size_t K, class EachPending>
   void book(Memory<N>& memory, const Contacts<N, T, K>& contacts, const JointPosition<N, T>& q,
             const T& cycles, EachPending&& each_pending) const noexcept {
-    static_assert(K <= most_contacts<N>);
+    static_assert(K <= max_contacts<N>);
     if (memory.started) spend(memory, q);  // half along the old directions, half along the new ones
     typename Memory<N>::Felt now[K];
-    bool taken[most_contacts<N>] = {};
+    bool taken[max_contacts<N>] = {};
     std::size_t count = 0;
     for (const auto& c : contacts) {
       if (!(c.force > T(0))) continue;

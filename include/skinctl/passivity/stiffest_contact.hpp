@@ -41,7 +41,7 @@ struct StiffestContact {
   /// The damping along contacts with which they all have the required margins [N s/m]; 0 if they need none.
   template <DescribedRobot R, class Skin>
   [[nodiscard]] SKINCTL_COLD double damping(const R& robot, const Skin& skin) const {
-    return least_damping(contacts(robot, skin), robot);
+    return min_damping(contacts(robot, skin), robot);
   }
   /// A damper of that damping, always on: for the description of the same robot.
   template <DescribedRobot R, class Skin>
@@ -65,7 +65,7 @@ struct StiffestContact {
     if (worst(all, robot, given).lack <= 1) return;
     char text[96];
     std::snprintf(text, sizeof text, ">= %.4g N s/m for a contact of %.4g N/m: see StiffestContact::damper",
-                  least_damping(all, robot), series());
+                  min_damping(all, robot), series());
     require(false, may_ring ? "contact damping, always and by observation" : "contact damping, always", given,
             text);
   }
@@ -223,7 +223,7 @@ struct StiffestContact {
     return out;
   }
   template <class R, std::size_t N>
-  [[nodiscard]] double least_damping(const AllContacts<N>& all, const R& robot) const {
+  [[nodiscard]] double min_damping(const AllContacts<N>& all, const R& robot) const {
     double b = 0;
     // The worst contacts get what they need, until none is left; a little more, so that few rounds do.
     for (int round = 0; round < 30; ++round) {

@@ -16,7 +16,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// threshold. For the thread beside the loop.
 class ContactPicture {
  public:
-  static constexpr std::size_t most_cells = 8192, most = 64;
+  static constexpr std::size_t max_cells = 8192, most = 64;
 
   /// @param skin     cells on the links whose places `find` is told.
   /// @param newtons  of a sum of readings of 1.
@@ -28,7 +28,7 @@ class ContactPicture {
         push_(skin.places.size()),
         rest_(skin.places.size(), 1e9),
         memory_(std::make_unique<Memory>()) {
-    require(push_.size() <= most_cells, "ContactPicture: cells", double(push_.size()), "at most 8192");
+    require(push_.size() <= max_cells, "ContactPicture: cells", double(push_.size()), "at most 8192");
     require(skin.ids.size() == push_.size(), "ContactPicture: ids", double(skin.ids.size()),
             "one for each cell");
     for (std::size_t i = 0; i < skin.ids.size(); ++i) index_[skin.ids[i]] = i;
@@ -68,7 +68,7 @@ class ContactPicture {
   }
 
  private:
-  using Memory = SkinContactMemory<most_cells, most>;
+  using Memory = SkinContactMemory<max_cells, most>;
   ContactFinder<> finder_;
   double newtons_, threshold_;
   std::vector<double> push_, rest_;

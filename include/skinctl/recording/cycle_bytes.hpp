@@ -46,7 +46,7 @@ class CycleBytes {
   };
 
   /// A bound on the bytes of a cycle with this input.
-  [[nodiscard]] static std::size_t most(const Input& input) noexcept {
+  [[nodiscard]] static std::size_t max_size(const Input& input) noexcept {
     std::size_t size = fixed_size + input.samples.size() * sample_size;
     if constexpr (has_wrenches) size += input.sensed.wrenches.size() * wrench_size;
     return size;

@@ -47,7 +47,7 @@ class CycleHandOver {
   template <class Watch>
   void operator()(const Input& input, const Output& out, const Watch& watch) noexcept {
     const auto number = number_++;
-    const auto room = ring_.claim(sizeof(Head) + Format::most(input));
+    const auto room = ring_.claim(sizeof(Head) + Format::max_size(input));
     if (room.empty()) return;
     Head head;
     head.number = number;

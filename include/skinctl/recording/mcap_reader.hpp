@@ -20,8 +20,8 @@ struct McapMessage {
 
 /// What a reader found in a file.
 struct McapContents {
-  bool ours = false;   ///< it begins as an MCAP file does
-  bool whole = false;  ///< it ends as one: a summary can be trusted
+  bool ours = false;   ///< the file begins as an MCAP file does
+  bool whole = false;  ///< the file ends as one: a summary can be trusted
   std::string profile, library;
   detail::mcap::Summary summary;  ///< of what was read, not what the file says of itself
   std::map<std::string, detail::mcap::Texts> metadata;
@@ -97,24 +97,81 @@ inline std::optional<Record> next(Cursor& cursor) noexcept {
   return Record{op, cursor.take(length)};
 }
 
-}  // namespace detail::mcap
-
-/// Reads a file from memory, front to back, without its summary: calls `each(message)` for the messages of every whole
-/// chunk whose CRC is right, and says what is there. Any bytes are safe: lengths are checked, and nothing is believed.
+/// Reads a file front to back, a record at a time.
 template <class Each>
-McapContents read_mcap(std::span<const unsigned char> file, Each&& each) {
-  using namespace detail::mcap;
-  McapContents out;
-  Cursor cursor(file);
-  const View begin = cursor.take(magic.size());
-  out.ours = !cursor.broken() && std::equal(begin.begin(), begin.end(), magic.begin());
-  if (!out.ours) return out;
-  out.data_end = out.last_unit_end = cursor.at();
-  std::map<std::uint16_t, Channel> channels;
-  std::vector<bool> schemas(65536);  // which ids there are
-  // Messages are numbered by their channel: one that is not announced before is damage.
-  const auto records_of = [&](View records, std::uint64_t first, std::uint64_t last,
-                              MessageIndexes& indexes) {
+class FrontToBack {
+ public:
+  FrontToBack(McapContents& out, Each& each) : out_(out), each_(each) {}
+
+  void run(std::span<const unsigned char> file) {
+    Cursor cursor(file);
+    const View begin = cursor.take(magic.size());
+    out_.ours = !cursor.broken() && std::equal(begin.begin(), begin.end(), magic.begin());
+    if (!out_.ours) return;
+    out_.data_end = out_.last_unit_end = cursor.at();
+    for (bool data = true;;) {
+      const std::uint64_t start = cursor.at();
+      const auto r = next(cursor);
+      if (!r) break;
+      if (r->op == Op::data_end) {
+        data = false;
+      } else if (r->op == Op::footer && !data) {
+        const View end = cursor.take(magic.size());
+        out_.whole =
+            !cursor.broken() && cursor.left() == 0 && std::equal(end.begin(), end.end(), magic.begin());
+        break;
+      } else if (r->op == Op::header || data) {
+        take(*r, start, cursor.at());
+      }
+      if (data) out_.data_end = cursor.at();
+    }
+  }
+
+ private:
+  void take(const Record& r, std::uint64_t start, std::uint64_t end) {
+    Cursor c(r.content);
+    if (r.op == Op::header) {
+      out_.profile = c.text(), out_.library = c.text();
+      out_.last_unit_end = end;
+    } else if (r.op == Op::chunk) {
+      take_chunk(c, start, end);
+      out_.last_unit_end = end;
+    } else if (r.op == Op::message_index) {
+      const auto id = c.get<std::uint16_t>();
+      if (out_.summary.chunks.empty()) return;
+      ChunkIndex& chunk = out_.summary.chunks.back();
+      if (const auto known = chunk.index_offsets.find(id); known != chunk.index_offsets.end())
+        known->second = start;
+      chunk.index_length = end - (chunk.start + chunk.length);
+    } else if (r.op == Op::metadata) {
+      const std::string name = c.text();
+      Texts facts = c.texts();
+      if (!c.broken()) {
+        out_.metadata[name] = std::move(facts);
+        out_.summary.metadata.push_back({start, end - start});
+        out_.summary.metadata_names.push_back(name);
+      }
+      out_.last_unit_end = end;
+    }
+  }
+  void take_chunk(Cursor& c, std::uint64_t start, std::uint64_t end) {
+    ChunkIndex index;
+    index.first = c.get<std::uint64_t>(), index.last = c.get<std::uint64_t>(),
+    index.size = c.get<std::uint64_t>();
+    const auto crc = c.get<std::uint32_t>();
+    const std::string compression = c.text();
+    const View records = c.take(c.get<std::uint64_t>());
+    index.start = start, index.length = end - start;
+    MessageIndexes messages;
+    if (c.broken() || !compression.empty() || records.size() != index.size || detail::crc32(records) != crc ||
+        !take_records(records, index.first, index.last, messages))
+      ++out_.damaged;
+    for (const auto& [id, entries] : messages)
+      out_.summary.counts[id] += entries.size(), index.index_offsets[id] = 0;
+    out_.summary.chunks.push_back(std::move(index));
+  }
+  /// Messages are numbered by their channel: one that is not announced before is damage.
+  bool take_records(View records, std::uint64_t first, std::uint64_t last, MessageIndexes& indexes) {
     Cursor inner(records);
     while (inner.left() > 0) {
       const std::uint64_t place = inner.at();
@@ -125,77 +182,42 @@ McapContents read_mcap(std::span<const unsigned char> file, Each&& each) {
         Schema s;
         s.id = c.get<std::uint16_t>(), s.name = c.text(), s.encoding = c.text(), s.text = c.text();
         if (c.broken() || s.id == 0) return false;
-        if (!schemas[s.id]) schemas[s.id] = true, out.summary.schemas.push_back(std::move(s));
+        if (!schemas_[s.id]) schemas_[s.id] = true, out_.summary.schemas.push_back(std::move(s));
       } else if (r->op == Op::channel) {
         Channel ch;
         ch.id = c.get<std::uint16_t>(), ch.schema = c.get<std::uint16_t>(), ch.topic = c.text(),
         ch.encoding = c.text(), ch.metadata = c.texts();
-        if (c.broken() || (ch.schema != 0 && !schemas[ch.schema])) return false;
-        if (channels.emplace(ch.id, ch).second) out.summary.channels.push_back(std::move(ch));
+        if (c.broken() || (ch.schema != 0 && !schemas_[ch.schema])) return false;
+        if (channels_.emplace(ch.id, ch).second) out_.summary.channels.push_back(std::move(ch));
       } else if (r->op == Op::message) {
-        const auto found = channels.find(c.get<std::uint16_t>());
+        const auto found = channels_.find(c.get<std::uint16_t>());
         const auto sequence = c.get<std::uint32_t>();
         const auto time = c.get<std::uint64_t>();
         static_cast<void>(c.get<std::uint64_t>());
-        if (c.broken() || found == channels.end() || time < first || time > last) return false;
-        constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
-        each(McapMessage{found->second, Nanoseconds(static_cast<std::int64_t>(std::min(time, most))),
-                         sequence, r->content.subspan(c.at())});
+        if (c.broken() || found == channels_.end() || time < first || time > last) return false;
+        constexpr auto latest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+        each_(McapMessage{found->second, Nanoseconds(static_cast<std::int64_t>(std::min(time, latest))),
+                          sequence, r->content.subspan(c.at())});
         indexes[found->first].emplace_back(time, place);
       }
     }
     return true;
-  };
-  for (bool data = true;;) {
-    const std::uint64_t start = cursor.at();
-    const auto r = next(cursor);
-    if (!r) break;
-    Cursor c(r->content);
-    if (r->op == Op::header) {
-      out.profile = c.text(), out.library = c.text();
-      out.last_unit_end = cursor.at();
-    } else if (r->op == Op::chunk && data) {
-      ChunkIndex index;
-      index.first = c.get<std::uint64_t>(), index.last = c.get<std::uint64_t>(),
-      index.size = c.get<std::uint64_t>();
-      const auto crc = c.get<std::uint32_t>();
-      const std::string compression = c.text();
-      const View records = c.take(c.get<std::uint64_t>());
-      index.start = start, index.length = cursor.at() - start;
-      MessageIndexes messages;
-      if (c.broken() || !compression.empty() || records.size() != index.size ||
-          detail::crc32(records) != crc || !records_of(records, index.first, index.last, messages))
-        ++out.damaged;
-      for (const auto& [id, entries] : messages)
-        out.summary.counts[id] += entries.size(), index.index_offsets[id] = 0;
-      out.summary.chunks.push_back(std::move(index));
-      out.last_unit_end = cursor.at();
-    } else if (r->op == Op::message_index && data) {
-      const auto id = c.get<std::uint16_t>();
-      if (!out.summary.chunks.empty()) {
-        ChunkIndex& chunk = out.summary.chunks.back();
-        if (const auto known = chunk.index_offsets.find(id); known != chunk.index_offsets.end())
-          known->second = start;
-        chunk.index_length = cursor.at() - (chunk.start + chunk.length);
-      }
-    } else if (r->op == Op::metadata && data) {
-      const std::string name = c.text();
-      Texts facts = c.texts();
-      if (!c.broken()) {
-        out.metadata[name] = std::move(facts);
-        out.summary.metadata.push_back({start, cursor.at() - start});
-        out.summary.metadata_names.push_back(name);
-      }
-      out.last_unit_end = cursor.at();
-    } else if (r->op == Op::data_end) {
-      data = false;
-    } else if (r->op == Op::footer && !data) {
-      const View end = cursor.take(magic.size());
-      out.whole = !cursor.broken() && cursor.left() == 0 && std::equal(end.begin(), end.end(), magic.begin());
-      break;
-    }
-    if (data) out.data_end = cursor.at();
   }
+
+  McapContents& out_;
+  Each& each_;
+  std::map<std::uint16_t, Channel> channels_;
+  std::vector<bool> schemas_ = std::vector<bool>(65536);  ///< which ids there are
+};
+
+}  // namespace detail::mcap
+
+/// Reads a file from memory, front to back, without its summary: calls `each(message)` for the messages of every whole
+/// chunk whose CRC is right, and says what is there. Any bytes are safe: lengths are checked, and nothing is believed.
+template <class Each>
+McapContents read_mcap(std::span<const unsigned char> file, Each&& each) {
+  McapContents out;
+  detail::mcap::FrontToBack<std::remove_reference_t<Each>>(out, each).run(file);
   return out;
 }
 

@@ -89,7 +89,8 @@ void save_run(const Recording<C>& recording, const std::string& path, const RunI
     put(start, measured.time, Format::fixed_size, [&](auto& place) { Format::write(place, measured, at); });
   };
   recording.visit(begin, [&](const auto& input, const auto& command) {
-    put(cycle, input.now, Format::most(input), [&](auto& place) { Format::write(place, input, command); });
+    put(cycle, input.now, Format::max_size(input),
+        [&](auto& place) { Format::write(place, input, command); });
   });
   if (!writer.finish() || !fine) refuse("skinctl: " + path + ": cannot be written");
 }

@@ -34,7 +34,7 @@ class Recording {
   /// Adds a cycle; nothing is allocated. Without enough room the cycle and all following ones are dropped:
   /// see `full()`.
   void add(const Input& input, const Command& command) noexcept {
-    full_ = full_ || !bytes_.fits(Format::most(input));
+    full_ = full_ || !bytes_.fits(Format::max_size(input));
     if (full_) return;
     Format::write(bytes_, input, command);
     ++cycles_;

@@ -59,7 +59,7 @@ struct ChosenParts {
   using Integrator = typename OnlyPart<CrankNicolson, Of<IntegratorPart>>::type;
   using Tool = typename OnlyPart<NoToolShape, Of<ToolShapePart>>::type;
   using History = typename OnlyPart<CommandHistory<32>, Of<HistoryPart>>::type;
-  using Keeper = KeeperOf<Of<KeeperPart>>;
+  using Keeper = KeeperOf<Of<PassivityPart>>;
 };
 
 /// The resolver of a described robot, and how it is made of its parts.

@@ -250,10 +250,14 @@ namespace detail {
 template <LinkMask ByTorque, Real T, RobotModel M>
 using HybridConfigurationOf = HybridConfiguration<JointSubset<M::joints, ByTorque>::Others::count,
                                                   JointSubset<M::joints, ByTorque>::count, T>;
+}  // namespace detail
 
-template <Interface I, LinkMask ByTorque, Real T, RobotModel M, class... Parts>
-[[nodiscard]] auto describe_hybrid(const M& model, const HybridConfigurationOf<ByTorque, T, M>& c,
-                                   const Parts&... parts) {
+/// A robot whose joints of the set `ByTorque` take torques, the others velocities:
+/// `by_velocity_and_torque<joints_between(6, 22)>(model, {.stiff = ..., .limits = ...})`.
+template <LinkMask ByTorque, Real T = double, RobotModel M, class... Parts>
+[[nodiscard]] auto by_velocity_and_torque(const M& model,
+                                          const detail::HybridConfigurationOf<ByTorque, T, M>& c,
+                                          const Parts&... parts) {
   using Driven = JointSubset<M::joints, ByTorque>;
   RobotConfiguration<Driven::count, T> driven{.limits = c.limits, .period = c.stiff.period};
   driven.viscous_friction = c.viscous;
@@ -261,25 +265,8 @@ template <Interface I, LinkMask ByTorque, Real T, RobotModel M, class... Parts>
   driven.longest_interval = c.stiff.longest_interval;
   driven.stale_after = c.stiff.stale();
   driven.torque_rate = c.stiff.torque_rate;
-  return by_groups(model, JointGroup<I, Driven::Others::set, T>{c.stiff},
-                   JointGroup<Interface::torque, ByTorque, T>{driven}, parts...);
-}
-}  // namespace detail
-
-/// A robot whose joints of the set `ByTorque` take torques, the others velocities:
-/// `by_velocity_and_torque<joints_between(6, 22)>(model, {.stiff = ..., .limits = ...})`.
-template <LinkMask ByTorque, Real T = double, RobotModel M, class... Parts>
-[[nodiscard]] auto by_velocity_and_torque(const M& model,
-                                          const detail::HybridConfigurationOf<ByTorque, T, M>& configuration,
-                                          const Parts&... parts) {
-  return detail::describe_hybrid<Interface::velocity, ByTorque, T>(model, configuration, parts...);
-}
-/// The same with positions for the others.
-template <LinkMask ByTorque, Real T = double, RobotModel M, class... Parts>
-[[nodiscard]] auto by_position_and_torque(const M& model,
-                                          const detail::HybridConfigurationOf<ByTorque, T, M>& configuration,
-                                          const Parts&... parts) {
-  return detail::describe_hybrid<Interface::position, ByTorque, T>(model, configuration, parts...);
+  return by_groups(model, velocity_joints<Driven::Others::set, T>(c.stiff),
+                   torque_joints<ByTorque, T>(driven), parts...);
 }
 
 SKINCTL_END_NAMESPACE

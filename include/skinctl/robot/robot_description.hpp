@@ -27,7 +27,7 @@ struct FrictionUncompensated {
 
 namespace detail {
 // Kinds of parts of a description.
-struct KeeperPart {};           // monitors energy or contacts inside the resolver
+struct PassivityPart {};        // monitors energy or contacts inside the resolver
 struct ToolShapePart {};        // inertia and friction at the tool
 struct IntegratorPart {};       // integration of the virtual robot
 struct HistoryPart {};          // number of commands under way

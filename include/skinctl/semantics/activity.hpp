@@ -29,7 +29,7 @@ inline constexpr Facts none{};
 inline constexpr Facts seen{1u << 0};     ///< the place of the object is known
 inline constexpr Facts above{1u << 1};    ///< the hand stands above it
 inline constexpr Facts around{1u << 2};   ///< the open hand is around it
-inline constexpr Facts in_hand{1u << 3};  ///< it is between the fingers
+inline constexpr Facts in_hand{1u << 3};  ///< the object is between the fingers
 inline constexpr Facts carried{1u << 4};  ///< and has been moved
 inline constexpr Facts good{1u << 5};     ///< judged
 inline constexpr Facts bad{1u << 6};
@@ -43,7 +43,7 @@ inline constexpr Facts own{1u << (16 + K)};
 /// What is seen of the world at an instant, without asking a plan.
 struct Observed {
   Facts told{};  ///< the facts that the sensors tell, whether they hold or not
-  Facts hold{};  ///< those of them that hold
+  Facts hold{};  ///< the told facts that hold
 };
 /// What features tell: `in_hand` and `carried`. Nothing where the signals do not suffice.
 [[nodiscard]] constexpr Observed observed(const Features& f) noexcept {

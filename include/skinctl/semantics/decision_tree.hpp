@@ -22,9 +22,9 @@ struct Example {
 
 /// Numbers of the learning.
 struct TreeSettings {
-  double confidence = 0.25;    ///< of the pessimistic pruning; smaller: prunes more
-  std::size_t least_leaf = 0;  ///< examples on each side of a split; 0: max(5, n / 400)
-  std::size_t deepest = 24;    ///< levels; `classify` visits no more
+  double confidence = 0.25;  ///< of the pessimistic pruning; smaller: prunes more
+  std::size_t min_leaf = 0;  ///< examples on each side of a split; 0: max(5, n / 400)
+  std::size_t deepest = 24;  ///< levels; `classify` visits no more
 };
 
 /// C4.5 (Quinlan 1993) for numbers: a node splits at the threshold with the largest ratio of gain to split
@@ -69,8 +69,8 @@ class DecisionTree {
     }
     DecisionTree tree;
     Learner learner{examples, settings, {}, {}, tree.nodes_};
-    if (learner.settings.least_leaf == 0)
-      learner.settings.least_leaf = std::max<std::size_t>(5, examples.size() / 400);
+    if (learner.settings.min_leaf == 0)
+      learner.settings.min_leaf = std::max<std::size_t>(5, examples.size() / 400);
     learner.order.resize(examples.size());
     for (std::size_t i = 0; i < examples.size(); ++i) learner.order[i] = static_cast<std::uint32_t>(i);
     learner.z = learner.quantile();
@@ -139,7 +139,7 @@ class DecisionTree {
         ++below[column[i].second];
         if (!(column[i].first < column[i + 1].first)) continue;
         ++distinct;
-        if (i + 1 < settings.least_leaf || column.size() - i - 1 < settings.least_leaf) continue;
+        if (i + 1 < settings.min_leaf || column.size() - i - 1 < settings.min_leaf) continue;
         Counts above{};
         for (std::size_t c = 0; c < Classes; ++c) above[c] = all[c] - below[c];
         const double m = static_cast<double>(i + 1);
@@ -168,7 +168,7 @@ class DecisionTree {
       const std::size_t here = nodes.size();
       nodes.push_back(leaf);
       const double wrong = pessimistic(n, n - *most);
-      if (*most == n || last - first < 2 * settings.least_leaf || depth + 1 >= settings.deepest) return wrong;
+      if (*most == n || last - first < 2 * settings.min_leaf || depth + 1 >= settings.deepest) return wrong;
 
       std::array<Split, A> splits;
       double sum = 0;

@@ -30,7 +30,7 @@ template <Frame W = World>
 struct Taught {
   Activity activity = Activity::unknown;  ///< reach or put: a goal; take, release, squeeze: done there
   std::uint8_t object = no_object;        ///< the goal is relative to this object; `no_object`: to the world
-  ObjectClass role = 0;                   ///< its class
+  ObjectClass role = 0;                   ///< class of that object
   Transform<W, Tool> X_WH{};              ///< pose of the hand
   Transform<ObjectFrame, Tool> X_OH{};    ///< in the object's frame, if it is relative to one
   double force = 0;                       ///< to squeeze with [N]
@@ -42,9 +42,9 @@ struct Taught {
 
 /// Numbers of the segmentation.
 struct DemonstrationSettings {
-  double still = 0.02;        ///< slower than this is at rest [m/s]
-  double untouched = 0.5;     ///< touched with less than this is left alone [N]
-  Nanoseconds least = 200ms;  ///< for at least this long
+  double still = 0.02;           ///< slower than this is at rest [m/s]
+  double untouched = 0.5;        ///< touched with less than this is left alone [N]
+  Nanoseconds min_rest = 200ms;  ///< shortest time at rest and left alone
   Nanoseconds led = 300ms;    ///< after it was touched for this long in one go, since the last goal or switch
   double apart = 0.05;        ///< from the last goal [m]
   double near_object = 0.08;  ///< a goal nearer than this to an object is relative to it [m], ...
@@ -98,7 +98,8 @@ class DemonstrationReader {
       : s_(s), speed_(s.speed), touches_(s.touches) {
     require(s.still > 0 && s.still <= 10, "Demonstration: still", s.still, "> 0, <= 10 m/s");
     require(s.untouched > 0 && s.untouched <= 1e3, "Demonstration: untouched", s.untouched, "> 0, <= 1e3 N");
-    require(s.least > 0ns && s.least <= 60s, "Demonstration: least", milliseconds(s.least), "> 0, <= 6e4 ms");
+    require(s.min_rest > 0ns && s.min_rest <= 60s, "Demonstration: min_rest", milliseconds(s.min_rest),
+            "> 0, <= 6e4 ms");
     require(s.led >= 0ns && s.led <= 60s, "Demonstration: led", milliseconds(s.led), "0 to 6e4 ms");
     require(s.apart >= 0 && s.apart <= 10, "Demonstration: apart", s.apart, "0 to 10 m");
     require(s.near_object >= 0 && s.near_object <= 10, "Demonstration: near_object", s.near_object,
@@ -150,7 +151,7 @@ class DemonstrationReader {
   /// The end of a stretch.
   template <class Objects>
   void close(const Objects& objects) {
-    if (!stretch_.empty() && led_ && last_ - begin_ >= s_.least) {
+    if (!stretch_.empty() && led_ && last_ - begin_ >= s_.min_rest) {
       std::vector<double> x, y, z;
       std::vector<Rotation<double>> R;
       for (const auto& X : stretch_) {
@@ -180,7 +181,7 @@ class DemonstrationReader {
     if (touches_.step(touched_at_, x.time, x.pressed).any()) return;
     if (!touched_at_.on) {
       trail_.push_back(x.X_WH.origin());
-      if (trail_.size() > most_trail) trail_.pop_front();
+      if (trail_.size() > max_trail) trail_.pop_front();
       if (was) pressed_.clear();
       return;
     }
@@ -235,7 +236,7 @@ class DemonstrationReader {
       done.begin = squeezed_;
       done.end = last_;
       done.force = detail::median(forces_);
-      if (done.end - done.begin >= s_.least) taught_.push_back(done);
+      if (done.end - done.begin >= s_.min_rest) taught_.push_back(done);
       forces_.clear();
     }
   }
@@ -250,7 +251,7 @@ class DemonstrationReader {
   Taught<W> goal_{};
   Nanoseconds begin_{}, last_{}, squeezed_{};
   Nanoseconds touched_{};  ///< when nobody touched it last
-  static constexpr std::size_t most_trail = 4000;
+  static constexpr std::size_t max_trail = 4000;
   Bit<> touches_;
   Bit<>::Memory touched_at_{};
   std::deque<Xyz<double>> trail_;  ///< of the hand, since nothing was touched

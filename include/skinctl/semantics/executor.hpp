@@ -11,9 +11,9 @@ enum class StepFailure : std::uint8_t {
   none,
   skill,         ///< the skill reported a failure, see `SkillReport::failure`
   timeout,       ///< the skill did not end in time
-  fact_lost,     ///< what the step needs was seen to hold no more
-  fact_missing,  ///< what it needs was not seen when it began, or what it adds when it ended
-  fact_present,  ///< what it forbids was seen when it began
+  fact_lost,     ///< a fact that the step needs was seen to hold no more
+  fact_missing,  ///< a needed fact was not seen at the begin, or an added one at the end
+  fact_present,  ///< a forbidden fact was seen at the begin
   no_answer,     ///< the answer was no, and the task has no way on from there
   place          ///< the place was not granted in time
 };
@@ -35,7 +35,7 @@ struct StepRequest {
   enum class Kind : std::uint8_t {
     wait,     ///< nothing, until the place is granted
     start,    ///< start `does` with `ticket`; asked until a report has that ticket
-    go_on,    ///< what was started goes on
+    go_on,    ///< go on with the started step
     ask,      ///< call a person; the robot holds
     finished  ///< the task is done; the robot holds
   };
@@ -60,10 +60,11 @@ struct StepInput {
 
 /// Numbers of an executor.
 struct ExecutorSettings {
-  Nanoseconds lost = 50ms;      ///< a needed fact that is not seen to hold for this long is lost
-  Nanoseconds confirm = 300ms;  ///< what a step adds and removes is seen this soon after its skill has ended
-  Nanoseconds place = 30s;      ///< longest wait for a place
-  std::uint8_t reverses = 3;    ///< a task goes back this often; then it asks
+  Nanoseconds lost = 50ms;  ///< a needed fact that is not seen to hold for this long is lost
+  Nanoseconds confirm =
+      300ms;  ///< longest time after the end of a skill until its added and removed facts are seen
+  Nanoseconds place = 30s;    ///< longest wait for a place
+  std::uint8_t reverses = 3;  ///< a task goes back this often; then it asks
 };
 
 /// Executes a task. Immutable; `step` is a pure function from a memory of 24 bytes to a request and the next memory.

@@ -25,10 +25,10 @@ struct Features {
   bool known = false;   ///< the signals are good enough to tell; else the bits mean nothing
   bool moving = false;
   bool in_hand = false;   ///< something is between the fingers
-  bool squeezed = false;  ///< what was carried is pressed harder than it was held
-  bool carried = false;   ///< it has been moved since contact
-  bool tool = false;      ///< it is a tool, and another object is near
-  bool wields = false;    ///< it is a tool
+  bool squeezed = false;  ///< the carried object is pressed harder than it was held
+  bool carried = false;   ///< the object has been moved since contact
+  bool tool = false;      ///< the object is a tool, and another object is near
+  bool wields = false;    ///< the object is a tool
   bool paused = false;    ///< the hand stands, and moved since contact, squeezing or leaving last changed
   bool left = true;       ///< the hand has gone away from what it released last
   std::uint8_t held = no_object;  ///< the object in hand, or the last one that was

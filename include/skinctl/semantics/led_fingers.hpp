@@ -36,8 +36,8 @@ struct TaughtFingers {
 struct LedFingersSettings {
   /// Of the force of the fingertip that presses second most [N]: above it, the hand holds something.
   Bit<>::Settings holds{0.5, 0.25, 16ms, 32ms};
-  double within = 0.02;       ///< fingers stand while no joint moves by more than this [rad], ...
-  Nanoseconds least = 200ms;  ///< ... for at least this long
+  double within = 0.02;          ///< fingers stand while no joint moves by more than this [rad], ...
+  Nanoseconds min_rest = 200ms;  ///< ... for at least this long
 };
 
 /// Reads how fingers are led, cycle by cycle.
@@ -64,7 +64,8 @@ class LedFingersReader {
   SKINCTL_COLD explicit LedFingersReader(const LedFingersSettings& s = {}) : s_(s), holds_(s.holds) {
     require(s.holds.off > 0, "LedFingers: holds.off", s.holds.off, "> 0 N");
     require(s.within > 0 && s.within <= 1, "LedFingers: within", s.within, "> 0, <= 1 rad");
-    require(s.least > 0ns && s.least <= 60s, "LedFingers: least", milliseconds(s.least), "> 0, <= 6e4 ms");
+    require(s.min_rest > 0ns && s.min_rest <= 60s, "LedFingers: min_rest", milliseconds(s.min_rest),
+            "> 0, <= 6e4 ms");
   }
 
   /// Takes a sample. One that is not finite or not later than the last one is ignored.
@@ -101,7 +102,7 @@ class LedFingersReader {
 
  private:
   void end_of_stand() {
-    if (!stretch_.empty() && last_ - stretch_.front().time >= s_.least) {
+    if (!stretch_.empty() && last_ - stretch_.front().time >= s_.min_rest) {
       std::vector<double> values(stretch_.size());
       const auto median_of = [&](const auto& value) {
         std::transform(stretch_.begin(), stretch_.end(), values.begin(), value);

@@ -10,7 +10,7 @@ struct Recognised {
   Activity activity = Activity::unknown;
   Nanoseconds
       since{};        ///< when it began: the stamp of the change of a bit that decided, else of the decision
-  bool sure = false;  ///< it has stood for `settle` since it was first said
+  bool sure = false;  ///< the activity has stood for `settle` since it was first said
   friend bool operator==(const Recognised&, const Recognised&) noexcept = default;
 };
 

@@ -15,7 +15,7 @@ SKINCTL_BEGIN_NAMESPACE
 struct PlaceRequest {
   std::uint8_t wants = 255;  ///< the place that it needs next; 255: none
   std::uint32_t leaves = 0;  ///< bit k: it does not need place k any more, and is away from it
-  bool failed = false;       ///< its step failed, or it asks: it leaves all that it is away from, see `away`
+  bool failed = false;  ///< the step failed, or asks: the robot leaves all that it is away from, see `away`
   std::uint32_t away = ~std::uint32_t(0);  ///< bit k: it is further than `Resources::clear` from place k
 };
 
@@ -41,9 +41,9 @@ class Resources {
     std::array<Nanoseconds, Robots> waits_since{};
   };
   struct Grant {
-    bool granted = false;     ///< it holds what it wants, or wants nothing
+    bool granted = false;     ///< the robot holds the places that it wants
     bool refused = false;     ///< against the order, or no such place
-    bool overdue = false;     ///< it holds a place for too long
+    bool overdue = false;     ///< the robot holds a place for too long
     std::uint32_t holds = 0;  ///< bit k: it holds place k
   };
   struct Result {

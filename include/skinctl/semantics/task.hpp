@@ -38,7 +38,7 @@ struct Task {
   static constexpr std::size_t steps_count = N;
   const char* name = "";
   Facts begins{};             ///< hold when it begins
-  std::array<Step, N> steps;  ///< it begins with the first
+  std::array<Step, N> steps;  ///< the task begins with the first
   /// What is proved to hold when a step begins, and what may hold.
   std::array<Facts, N> holds{}, may_hold{};
   Facts ends{};  ///< hold whenever it is finished

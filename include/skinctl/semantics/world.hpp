@@ -28,7 +28,7 @@ inline constexpr std::uint8_t no_object = 255;
 /// when it arrived).
 template <Frame W = World>
 struct Detection {
-  std::uint8_t object = no_object;  ///< its number in the world
+  std::uint8_t object = no_object;  ///< number of the object in the world
   ObjectPose<W> X_WO{};
   double sigma = 0.005;  ///< deviation of the position along each axis [m], > 0
   Nanoseconds time{};
@@ -42,13 +42,13 @@ struct Object {
   Nanoseconds time{};  ///< of the newest detection
   ObjectClass kind = 0;
   std::uint8_t misses = 0;  ///< detections in a row that were far from where it was thought to be
-  bool known = false;       ///< it has a place
+  bool known = false;       ///< the object has a place
 };
 
 /// Numbers of a world of objects.
 struct ObjectWorldSettings {
   double wander = 0.002;  ///< objects that nobody holds move by this in a second, as a deviation [m/sqrt(s)]
-  double gate = 4;        ///< a detection further off than this many deviations along any axis is a miss
+  double max_deviations = 4;  ///< a detection further off than this many deviations along any axis is a miss
   std::uint8_t believed = 3;  ///< misses in a row after which the object is where they say
   double lost = 0.10;  ///< a held object that is seen further than this from the hand is missed there [m]
 };
@@ -78,7 +78,8 @@ class ObjectWorld {
                                     const ObjectWorldSettings& settings = {})
       : kinds_(kinds), s_(settings) {
     require(s_.wander > 0 && s_.wander <= 10, "ObjectWorld: wander", s_.wander, "> 0, <= 10 m/sqrt(s)");
-    require(s_.gate >= 1 && s_.gate <= 100, "ObjectWorld: gate", s_.gate, "1 to 100 deviations");
+    require(s_.max_deviations >= 1 && s_.max_deviations <= 100, "ObjectWorld: max_deviations",
+            s_.max_deviations, "1 to 100 deviations");
     require(s_.believed >= 1 && s_.believed <= 100, "ObjectWorld: believed", s_.believed, "1 to 100");
     require(s_.lost > 0 && s_.lost <= 10, "ObjectWorld: lost", s_.lost, "> 0, <= 10 m");
   }
@@ -98,7 +99,7 @@ class ObjectWorld {
     if (o.known && d.time <= o.time) return Reason::time_backwards;
     const Xyz<double> off = d.X_WO.origin() - o.X_WO.origin();
     if (m.held == d.object) {
-      const bool elsewhere = norm(off) > s_.lost + s_.gate * d.sigma;
+      const bool elsewhere = norm(off) > s_.lost + s_.max_deviations * d.sigma;
       o.time = d.time;
       o.misses = elsewhere ? static_cast<std::uint8_t>(o.misses + 1) : std::uint8_t(0);
       if (o.misses < s_.believed) return {};
@@ -112,7 +113,7 @@ class ObjectWorld {
       return {};
     }
     const double older = o.sigma * o.sigma + s_.wander * s_.wander * seconds<double>(d.time - o.time);
-    const double theirs = d.sigma * d.sigma, far = s_.gate * s_.gate * (older + theirs);
+    const double theirs = d.sigma * d.sigma, far = s_.max_deviations * s_.max_deviations * (older + theirs);
     o.time = d.time;
     if (off.x * off.x > far || off.y * off.y > far || off.z * off.z > far) {
       o.misses = static_cast<std::uint8_t>(o.misses + 1);

@@ -36,12 +36,12 @@ struct SkillSwitches {
 
 /// The condition under which a skill is finished.
 enum class SkillFinish : unsigned char {
-  never,  ///< it goes on until another one is requested
+  never,  ///< the skill goes on until another one is requested
   settled,  ///< the targets of its tracking laws are at rest, and so is the robot; with a tolerance: the robot is
             ///< within it of the goals of its request, at rest or not
   gripped,   ///< the gripper has stopped at an object; fails if it stops without one
   opened,    ///< the gripper has stopped at its goal, or at an object
-  switched,  ///< its switches are reported in their new positions; without reports after `hold`
+  switched,  ///< the switches are reported in their new positions; without reports after `hold`
   touched,   ///< a contact as `touch` says presses
   released,  ///< one has pressed since the skill began to run, and none does any more
   elapsed    ///< after `hold`
@@ -52,7 +52,7 @@ struct TouchCondition {
   std::uint32_t regions =
       ~std::uint32_t(0);  ///< on one of these, `regions().mask("palm")`; all bits: anywhere
   double force = 0;       ///< pushed with at least this [N]
-  Nanoseconds lasts{};    ///< the same contact, felt for at least this long
+  Nanoseconds lasts{};    ///< shortest time that one contact is felt
 
   /// Whether one of `contacts` is such a contact at `now`.
   template <class Contacts>
@@ -131,8 +131,8 @@ template <std::size_t Terms>
 /// The phase of a skill.
 enum class SkillPhase : unsigned char {
   loading,   ///< the torque changes over to it
-  running,   ///< it works
-  finished,  ///< it has finished and holds
+  running,   ///< the skill works
+  finished,  ///< the skill has finished and holds
   failed     ///< a failure condition has been met: the fallback skill follows
 };
 

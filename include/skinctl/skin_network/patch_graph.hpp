@@ -24,7 +24,7 @@ struct PatchGraph {
 
 struct SkinGraph {
   std::vector<PatchGraph> patches;      ///< the largest first
-  std::vector<std::string> complaints;  ///< what in the reports cannot be, and what came of it
+  std::vector<std::string> complaints;  ///< contradictions in the reports, and their consequences
 };
 
 /// Cells whose id several cells have, or which is none, are left out; so is a connector on which its two cells do not agree.

@@ -32,7 +32,7 @@ struct Contact {
 
 /// Room for the contacts of a robot with `N` links: see `PressedAreas`.
 template <std::size_t N>
-inline constexpr std::size_t most_contacts = N + 6;
+inline constexpr std::size_t max_contacts = N + 6;
 
 /// Up to `K` contacts, several of them on one link if need be.
 template <std::size_t N, Real T, std::size_t K>

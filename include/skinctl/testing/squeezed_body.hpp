@@ -19,13 +19,13 @@ struct SqueezedBody {
   double force_noise = 0.05;    ///< standard deviation [N]
   double force_step = 0.02;     ///< of the sensor [N]
   double closing_noise = 1e-4;  ///< standard deviation [m]
-  double most = 5;              ///< force at which it stops [N]
+  double max_force = 5;         ///< force at which it stops [N]
 
   /// Calls `f(force, closing)` for each reading from the first contact on, until the force is `most`.
   template <class F>
   void squeeze(Random& rng, F&& f) const {
     std::normal_distribution<double> normal;
-    for (double force = 0, n = 0; force < most; ++n) {
+    for (double force = 0, n = 0; force < max_force; ++n) {
       // Closing x = F/own + ln(1 + c F)/(c k): found by Newton steps from the last force.
       const double x = n * speed / rate, c = stiffening > 1e-9 ? stiffening : 1e-9;
       for (int k = 0; k < 8; ++k)

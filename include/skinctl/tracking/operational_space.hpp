@@ -18,9 +18,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// to a singularity the arm slows down (`Reason::slowed`).
 ///
 /// @tparam What         `TaskSpace::pose` or `TaskSpace::position`.
-/// @tparam Orientation  `RotationVectorError`, `QuaternionError` or `ZyzError`.
-/// @tparam Null         `DampedNullSpace`, `FreeNullSpace` or `PostureNullSpace`: the joints' motion in the
-///                      null space of the tool.
+/// @tparam Orientation  `RotationVectorError` or `ZyzError`.
+/// @tparam Null         `DampedNullSpace` or `FreeNullSpace`: the joints' motion in the tool's null space.
 template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace>
 class OperationalSpace : public PoseTargets<N, P, T, What> {
@@ -55,7 +54,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     JointVelocity<coordinates, T> S_delta;  ///< eq. (19)
     JointVelocity<coordinates, T> dI1, dI2;
     JointVelocity<coordinates, T> dx_r;       ///< eq. (18)
-    JointAcceleration<coordinates, T> ddx_r;  ///< its derivative
+    JointAcceleration<coordinates, T> ddx_r;  ///< derivative of dx_r
     JointVelocity<N, T> dq_r;                 ///< eq. (15)
     JointAcceleration<N, T> ddq_r;
     JointVelocity<N, T> S_q;
@@ -80,17 +79,15 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   };
 
   /// @param X_LP  the frame in its link.
-  explicit OperationalSpace(const Transform<Link<I>, P, T>& X_LP, const Settings& settings = {},
-                            const Null& null = Null())
+  explicit OperationalSpace(const Transform<Link<I>, P, T>& X_LP, const Settings& settings = {})
       : X_LP_(X_LP),
-        least_damping_(settings.least_damping),
+        min_damping_(settings.min_damping),
         singularities_(settings.singularities),
         limit_(T(0.99) * settings.tracking.max_velocity),
         kappa_(settings.tracking.kappa),
         slowest_(limit_[0]),
         per_position_(T(1) / settings.reached_position),
-        per_orientation_(T(1) / settings.reached_orientation),
-        null_(null) {
+        per_orientation_(T(1) / settings.reached_orientation) {
     for (const T& v : limit_)
       if (v < slowest_) slowest_ = v;
     const auto positive = [](const char* what, const T& x) {
@@ -131,9 +128,58 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
                                      const Memory& memory) noexcept {
     return errors(error_rows(target, at, memory).rows);
   }
+  /// Eqs. (15)-(21).
   template <class Gains, class J>
   [[nodiscard]] SKINCTL_NOINLINE Surface surface(const Gains& gains, const Inputs& in, const Site<J>& at,
-                                                 const Memory& memory) const noexcept;
+                                                 const Memory& memory) const noexcept {
+    Surface s;
+    const auto error = error_rows(in.target, at, memory);
+    s.near = error.near;
+    const auto x =
+        sliding_surface(gains, in, error.rows, [](const auto&) { return JointVelocity<coordinates, T>(); });
+    s.S_delta = x.S_delta, s.dI1 = x.dI1, s.dI2 = x.dI2, s.dx_r = x.dq_r, s.ddx_r = x.ddq_r;
+
+    Twist<P, Base, P, Base, T> v{get(x.dq_r.data), {}};
+    Acceleration<P, Base, P, Base, T> a{get(x.ddq_r.data), {}};
+    if constexpr (What == TaskSpace::pose) {
+      const auto map = Orientation::map(at.X_BP.axes(), at.V.angular, memory.near);
+      v.angular = map.omega(get(x.dq_r.data + 3));
+      a.angular = map.domega(get(x.dq_r.data + 3), get(x.ddq_r.data + 3));
+    }
+    const DampedInverse<J, What> inverse(at.jacobian, singularities_, [&] {
+      const T speed2 = dot(v.linear, v.linear) + dot(v.angular, v.angular);
+      const T rate = T(2) * (dot(v.linear, a.linear) + dot(v.angular, a.angular));
+      return singularities_.scaled(min_damping_, speed2, rate, slowest_);
+    });
+    const T nearness = inverse.nearness();
+    if constexpr (Null::rests) {
+      s.dq_r = inverse.solve(v);
+      s.ddq_r = inverse.solve_rate(at.dq, at.V, v, a, s.dq_r);
+    } else {
+      v = v - at.V;
+      a = a - jacobian_rate_times(at.jacobian, at.dq, at.dq, at.V);
+      const auto dq = inverse.solve(v);
+      s.ddq_r = inverse.solve_rate(at.dq, at.V, v, a, dq);
+      s.dq_r = at.dq + dq;
+    }
+    s.rests = false;
+    if (nearness > T(0)) [[unlikely]] {
+      rest(in, at, errors(error.rows), memory.rest, nearness, s);
+      if (!s.rests) s.way_out = memory.escape.template wish<What>(at.jacobian, v, limit_);
+    }
+    using R = detail::Row<N, T>;
+    R dq_r = R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return s.dq_r[i]; }) + memory.escape.v;
+    R ddq_r = R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return s.ddq_r[i]; }) + memory.escape.a;
+    s.slowed = nearness > T(0);
+    s.slowed |= limit_speed(limit_, dq_r, ddq_r);
+    const R drift = memory.drift;
+    dq_r = dq_r + drift;
+    ddq_r = ddq_r - kappa_ * drift;
+    dq_r.store(s.dq_r);
+    ddq_r.store(s.ddq_r);
+    (at.dq - dq_r).store(s.S_q);
+    return s;
+  }
   template <class J>
   static void rows(const Site<J>& at, T (&rows)[coordinates][N]) noexcept {
     static_assert(!std::same_as<Orientation, ZyzError>, "a moment has no component along an angle's rate");
@@ -184,9 +230,29 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
                                                       const Where& X_BP) noexcept {
     return {q, dq, jacobian, X_BP, jacobian * dq};
   }
+  /// At a goal that stands still and is reached, next to a singularity: see `SingularRest`.
   template <class J>
-  void rest(const Inputs& in, const Site<J>& at, const Errors& error, const SingularRest<N, T>& rest,
-            const T& nearness, Surface& s) const noexcept;
+  SKINCTL_COLD void rest(const Inputs& in, const Site<J>& at, const Errors& error,
+                         const SingularRest<N, T>& rest, const T& nearness, Surface& s) const noexcept {
+    const auto square = [](const Xyz<T>& x) { return dot(x, x); };
+    T far = per_position_ * per_position_ * square(get(error.e)), speed = square(in.target.V.linear);
+    if constexpr (What == TaskSpace::pose) {
+      far = far + per_orientation_ * per_orientation_ * square(get(error.e + 3));
+      speed = speed + square(in.target.V.angular);
+    }
+    s.rests = rest.reached(far, speed);
+    s.q = at.q;
+    if (!(rest.r > T(0))) return;
+    const typename SingularRest<N, T>::template Directions<What, J> directions(at.jacobian, nearness);
+    rest.hold(directions, at.q, at.dq, in.K_p.K, s.dq_r, s.ddq_r);
+    for (auto* rate : {&s.dI1, &s.dI2}) {
+      Twist<P, Base, P, Base, T> v{get(rate->data), {}};
+      if constexpr (What == TaskSpace::pose) v.angular = get(rate->data + 3);
+      const auto held = directions.of_frame(v);
+      put(rate->data, v.linear - rest.r * held.linear);
+      if constexpr (What == TaskSpace::pose) put(rate->data + 3, v.angular - rest.r * held.angular);
+    }
+  }
   using Row = detail::Row<coordinates, T>;
   /// Errors, and the branch of that of the orientation.
   struct Errant {
@@ -224,97 +290,13 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   }
 
   Transform<Link<I>, P, T> X_LP_;
-  T least_damping_;
+  T min_damping_;
   SingularityDamping<T> singularities_;
   JointVelocity<N, T> limit_;  ///< of the reference: a hundredth is left for the overshoot of the joints
   T kappa_;                    ///< decay of the drift
   T slowest_;                  ///< of the limits
   T per_position_;             ///< one over the tolerances of a goal that is reached
   T per_orientation_;
-  [[no_unique_address]] Null null_;
 };
-
-/// At a goal that stands still and is reached, next to a singularity: see `SingularRest`.
-template <std::size_t N, std::size_t I, Frame P, Real T, TaskSpace What, class Orientation, class Null>
-template <class J>
-SKINCTL_COLD void OperationalSpace<N, I, P, T, What, Orientation, Null>::rest(
-    const Inputs& in, const Site<J>& at, const Errors& error, const SingularRest<N, T>& rest,
-    const T& nearness, Surface& s) const noexcept {
-  const auto square = [](const Xyz<T>& x) { return dot(x, x); };
-  T far = per_position_ * per_position_ * square(get(error.e)), speed = square(in.target.V.linear);
-  if constexpr (What == TaskSpace::pose) {
-    far = far + per_orientation_ * per_orientation_ * square(get(error.e + 3));
-    speed = speed + square(in.target.V.angular);
-  }
-  s.rests = rest.reached(far, speed);
-  s.q = at.q;
-  if (!(rest.r > T(0))) return;
-  const typename SingularRest<N, T>::template Directions<What, J> directions(at.jacobian, nearness);
-  rest.hold(directions, at.q, at.dq, in.K_p.K, s.dq_r, s.ddq_r);
-  for (auto* rate : {&s.dI1, &s.dI2}) {
-    Twist<P, Base, P, Base, T> v{get(rate->data), {}};
-    if constexpr (What == TaskSpace::pose) v.angular = get(rate->data + 3);
-    const auto held = directions.of_frame(v);
-    put(rate->data, v.linear - rest.r * held.linear);
-    if constexpr (What == TaskSpace::pose) put(rate->data + 3, v.angular - rest.r * held.angular);
-  }
-}
-
-/// Eqs. (15)-(21).
-template <std::size_t N, std::size_t I, Frame P, Real T, TaskSpace What, class Orientation, class Null>
-template <class Gains, class J>
-SKINCTL_NOINLINE auto OperationalSpace<N, I, P, T, What, Orientation, Null>::surface(
-    const Gains& gains, const Inputs& in, const Site<J>& at, const Memory& memory) const noexcept -> Surface {
-  Surface s;
-  const auto error = error_rows(in.target, at, memory);
-  s.near = error.near;
-  const auto x =
-      sliding_surface(gains, in, error.rows, [](const auto&) { return JointVelocity<coordinates, T>(); });
-  s.S_delta = x.S_delta, s.dI1 = x.dI1, s.dI2 = x.dI2, s.dx_r = x.dq_r, s.ddx_r = x.ddq_r;
-
-  Twist<P, Base, P, Base, T> v{get(x.dq_r.data), {}};
-  Acceleration<P, Base, P, Base, T> a{get(x.ddq_r.data), {}};
-  if constexpr (What == TaskSpace::pose) {
-    const auto map = Orientation::map(at.X_BP.axes(), at.V.angular, memory.near);
-    v.angular = map.omega(get(x.dq_r.data + 3));
-    a.angular = map.domega(get(x.dq_r.data + 3), get(x.ddq_r.data + 3));
-  }
-  const DampedInverse<J, What> inverse(at.jacobian, singularities_, [&] {
-    const T speed2 = dot(v.linear, v.linear) + dot(v.angular, v.angular);
-    const T rate = T(2) * (dot(v.linear, a.linear) + dot(v.angular, a.angular));
-    return singularities_.scaled(least_damping_, speed2, rate, slowest_);
-  });
-  const T nearness = inverse.nearness();
-  if constexpr (Null::rests) {
-    s.dq_r = inverse.solve(v);
-    s.ddq_r = inverse.solve_rate(at.dq, at.V, v, a, s.dq_r);
-  } else {
-    const NullMotion<N, T> z = null_.motion(at.q, at.dq);
-    v = v - at.jacobian * z.v;
-    const auto J_a = at.jacobian * JointVelocity<N, T>::generate([&](std::size_t i) { return z.a[i]; });
-    const auto dJ_v = jacobian_rate_times(at.jacobian, at.dq, z.v, at.V);
-    a = {a.linear - J_a.linear - dJ_v.linear, a.angular - J_a.angular - dJ_v.angular};
-    const auto dq = inverse.solve(v);
-    s.ddq_r = z.a + inverse.solve_rate(at.dq, at.V, v, a, dq);
-    s.dq_r = z.v + dq;
-  }
-  s.rests = false;
-  if (nearness > T(0)) [[unlikely]] {
-    rest(in, at, errors(error.rows), memory.rest, nearness, s);
-    if (!s.rests) s.way_out = memory.escape.template wish<What>(at.jacobian, v, limit_);
-  }
-  using R = detail::Row<N, T>;
-  R dq_r = R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return s.dq_r[i]; }) + memory.escape.v;
-  R ddq_r = R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return s.ddq_r[i]; }) + memory.escape.a;
-  s.slowed = nearness > T(0);
-  s.slowed |= limit_speed(limit_, dq_r, ddq_r);
-  const R drift = memory.drift;
-  dq_r = dq_r + drift;
-  ddq_r = ddq_r - kappa_ * drift;
-  dq_r.store(s.dq_r);
-  ddq_r.store(s.ddq_r);
-  (at.dq - dq_r).store(s.S_q);
-  return s;
-}
 
 SKINCTL_END_NAMESPACE

@@ -1,4 +1,4 @@
-// Measures of an orientation error: on SO(3), as a quaternion, in ZYZ angles.
+// Measures of an orientation error: on SO(3), in ZYZ angles.
 #pragma once
 
 #include "skinctl/kinematics/zyz.hpp"
@@ -45,29 +45,6 @@ struct RotationVectorError {
     const auto [phi, factor] = detail::log_factors(E, near);
     const Xyz<T> slope = detail::left_jacobian_inverse(phi, factor, Xyz<T>(omega - E * target.omega));
     return {phi, omega - target.omega, slope, target.omega, target.domega, phi};
-  }
-};
-
-/// Twice the vector part of the unit quaternion of `R R_d^T`: no trigonometric function, `2 sin(angle/2)`
-/// along the axis. Its slope falls beyond a right angle; it is largest at half a turn, where the branch is
-/// kept.
-struct QuaternionError {
-  template <Real T>
-  using Map = RotationVectorError::Map<T>;
-  template <Real T>
-  [[nodiscard]] static Map<T> map(const Rotation<T>&, const Xyz<T>&, const Xyz<T>&) noexcept {
-    return {};
-  }
-  template <Real T>
-  [[nodiscard]] static OrientationErrors<T> errors(const Rotation<T>& R, const Xyz<T>& omega,
-                                                   const RotationReference<T>& target,
-                                                   const Xyz<T>& near) noexcept {
-    const Rotation<T> E = R * target.R.transpose();
-    auto q = detail::unit_quaternion(E.x, E.y, E.z);
-    if (q.w < T(0.5) && dot(q.v, near) < T(0)) q = {T(-q.w), -q.v};
-    const Xyz<T> e = T(2) * q.v;
-    const Xyz<T> w_e = omega - E * target.omega;
-    return {e, omega - target.omega, q.w * w_e + cross(w_e, q.v), target.omega, target.domega, e};
   }
 };
 

@@ -26,7 +26,7 @@ struct OperationalSettings {
   T max_angular_jerk = T(50);          ///< [rad/s^3]
   /// Where J^+ is damped, and the largest damping; the joints' speed determines how much of it is used.
   SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
-  T least_damping = T(0.02);  ///< l at a singularity when the reference is nearly at rest
+  T min_damping = T(0.02);  ///< l at a singularity when the reference is nearly at rest
   /// Next to a singularity a goal that stands still counts as reached within these, and nothing moves.
   T reached_position = T(2e-4);     ///< [m]
   T reached_orientation = T(1e-3);  ///< [rad]

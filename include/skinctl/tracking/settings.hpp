@@ -13,7 +13,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The treatment of a goal that would need more speed than `max_velocity`.
 enum class GoalPolicy : unsigned char {
-  stretch,  ///< it gets more time (`Reason::goal_stretched`)
+  stretch,  ///< the goal gets more time (`Reason::goal_stretched`)
   refuse    ///< the old goal is kept (`Reason::goal_refused`)
 };
 
@@ -52,7 +52,7 @@ struct JointControlSettings {
   Nanoseconds target_age =
       100ms;  ///< a moving target is extrapolated so long after its last sample, then slows down
   T max_acceleration = T(4);  ///< of every joint after a reactive target [rad/s^2]
-  T max_jerk = T(40);         ///< the same [rad/s^3]
+  T max_jerk = T(40);         ///< of every joint after a reactive target [rad/s^3]
   GoalPolicy reach = GoalPolicy::stretch;
   /// Of the robot that carries the torque, as in its resolver: `Y_r Theta` compensates its inertia and
   /// friction, so that a slow virtual robot still tracks. Coulomb friction is left to the integrals.

@@ -12,12 +12,12 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Real T = double>
 struct SingularEscape {
   JointVelocity<N, T> v;
-  JointAcceleration<N, T> a;  ///< its derivative
+  JointAcceleration<N, T> a;  ///< derivative of `v`
 
-  static constexpr double zone = 0.03;    ///< singular value below which a direction counts as singular
-  static constexpr double lag = 0.03;     ///< of either filter [s]
-  static constexpr double share = 0.97;   ///< largest speed of a joint in an escape, over its limit
-  static constexpr double least = 0.004;  ///< commanded speed [m/s, rad/s] for 0.7 of this pace
+  static constexpr double zone = 0.03;        ///< singular value below which a direction counts as singular
+  static constexpr double lag = 0.03;         ///< of either filter [s]
+  static constexpr double share = 0.97;       ///< largest speed of a joint in an escape, over its limit
+  static constexpr double min_speed = 0.004;  ///< commanded speed [m/s, rad/s] for 0.7 of this pace
 
   /// `dt` seconds later, by backward Euler: stable for every dt. A wish that is not finite changes nothing.
   [[nodiscard]] SingularEscape advanced(const JointVelocity<N, T>& wish, const T& dt) const noexcept {
@@ -64,7 +64,8 @@ struct SingularEscape {
       if (detail::magnitude(bend) < T(2 * bent) * size * sqrt(size)) most = -most;
     }
     const T other = left / (left + size), straight = slowest * slowest * moved / size;
-    const T pace = sqrt(size / (size + straight + T(least) * T(least))) * (T(1) - other * other * other);
+    const T pace =
+        sqrt(size / (size + straight + T(min_speed) * T(min_speed))) * (T(1) - other * other * other);
     return T(T(share) * pace / most) * turn;
   }
 

@@ -39,7 +39,7 @@ struct SlidingSurface {
   JointVelocity<N, T> dI1;        ///< rate of the integral of S_delta
   JointVelocity<N, T> dI2;        ///< rate of the integral of its sign
   JointVelocity<N, T> dq_r;       ///< eq. (10)
-  JointAcceleration<N, T> ddq_r;  ///< its derivative in time
+  JointAcceleration<N, T> ddq_r;  ///< derivative of dq_r in time
   JointVelocity<N, T> S_q;        ///< `dq - dq_r`, eq. (9)
 };
 
@@ -102,7 +102,7 @@ struct SurfaceErrors {
   T de[N];     ///< of velocity, as S reads it, eqs. (12), (21)
   T slope[N];  ///< the true derivative of `e`: `de` in joint space
   T v_d[N];    ///< velocity of the target
-  T a_d[N];    ///< its acceleration
+  T a_d[N];    ///< acceleration of the target
 };
 
 /// The same in lanes.

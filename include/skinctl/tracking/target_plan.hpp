@@ -23,7 +23,7 @@ struct TargetPlan {
 
   Goal target;
   PlanClock<T> clock;  ///< time since it was received
-  bool aged = false;   ///< it is older than `target_age`, and slows down
+  bool aged = false;   ///< the target is older than `target_age`, and slows down
 
   [[nodiscard]] static SKINCTL_INLINE constexpr TargetPlan standing(const Where& at,
                                                                     const Settings&) noexcept {

@@ -54,7 +54,7 @@ template <Real T>
 template <Real T = double>
 struct MovingStart {
   T rate = T(0);  ///< da1/dt at the start [1/s]
-  T bend = T(0);  ///< its derivative [1/s^2]
+  T bend = T(0);  ///< derivative of `rate` [1/s^2]
 
   /// The start of a way `d` with the velocity `v` and the acceleration `a`: as much of them as does not lead
   /// beyond the goal, and nothing of a motion away from it.

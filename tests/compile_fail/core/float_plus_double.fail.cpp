@@ -6,5 +6,9 @@ using namespace skinctl;
 int main() {
   const JointPosition<6> q;
   const JointPosition<6, float> q_float;
+#ifdef SKINCTL_RIGHT
+  static_cast<void>(q + q_float.cast<double>());
+#else
   static_cast<void>(q + q_float);
+#endif
 }

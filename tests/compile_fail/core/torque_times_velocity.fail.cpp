@@ -6,5 +6,9 @@ using namespace skinctl;
 int main() {
   const JointTorque<6> tau;
   const JointVelocity<6> dq;
+#ifdef SKINCTL_RIGHT
+  static_cast<void>(power(tau, dq));
+#else
   static_cast<void>(tau * dq);
+#endif
 }

@@ -9,7 +9,11 @@ struct Push : Composable {
   static constexpr LawRole role = LawRole::reactive;
   Memory start(const auto&) const noexcept { return {}; }
   JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
+#ifdef SKINCTL_RIGHT
+  Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
+#else
   Memory advance(const Memory&, const auto&, double) const noexcept { return {}; }
+#endif
 };
 
 auto build() {

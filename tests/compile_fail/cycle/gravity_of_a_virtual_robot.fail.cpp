@@ -4,8 +4,15 @@
 using namespace skinctl;
 
 auto build() {
+#ifdef SKINCTL_RIGHT
+  const auto arm = by_position(
+      ur5::Model{},
+      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
+  return Cycle(arm, SkinJointControl{} + GravityControl{});
+#else
   const auto arm = by_position(
       ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .virtual_damping = 4},
       RobotHoldsGravity{});
   return Cycle(arm, SkinJointControl{});
+#endif
 }

@@ -6,5 +6,9 @@ using namespace skinctl;
 auto build() {
   const auto arm = by_torque(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 2ms},
                              RobotHoldsGravity{}, FrictionUncompensated{});
+#ifdef SKINCTL_RIGHT
+  return Cycle(arm, SkinJointControl{});
+#else
   return Cycle(arm, SkinJointControl{} + GravityControl{});
+#endif
 }

@@ -4,8 +4,12 @@
 using namespace skinctl;
 
 auto build() {
-  const auto arm = by_position(
-      ur5::Model{},
-      {.limits = limits_of<ur5::Description>(15.0), .period = 4ms, .lag = 8_ms, .virtual_damping = 4});
-  return Cycle(arm, GravityControl{});
+#ifdef SKINCTL_RIGHT
+  constexpr auto lag = 8ms;
+#else
+  constexpr auto lag = 8_ms;
+#endif
+  return Cycle(
+      by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 4ms, .lag = lag}),
+      GravityControl{});
 }

@@ -8,7 +8,11 @@ struct Push : Composable {
   static constexpr Needs needs = {};
   static constexpr LawRole role = LawRole::tracking;
   Memory start(const auto&) const noexcept { return {}; }
+#ifdef SKINCTL_RIGHT
+  TorqueParts<6> parts(const Memory&, const auto&) const noexcept { return {}; }
+#else
   TorqueParts<7> parts(const Memory&, const auto&) const noexcept { return {}; }
+#endif
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
 };
 

@@ -9,5 +9,10 @@ std::vector<CellSample> poll();
 
 int main() {
   CycleInput<6> input;
+#ifdef SKINCTL_RIGHT
+  const auto samples = poll();
+  input.samples = samples;
+#else
   input.samples = poll();
+#endif
 }

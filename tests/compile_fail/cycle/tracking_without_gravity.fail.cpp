@@ -5,7 +5,11 @@ using namespace skinctl;
 
 struct Push : Composable {
   struct Memory {};
+#ifdef SKINCTL_RIGHT
+  static constexpr Needs needs = {.gravity = true};
+#else
   static constexpr Needs needs = {};
+#endif
   static constexpr LawRole role = LawRole::tracking;
   Memory start(const auto&) const noexcept { return {}; }
   TorqueParts<6> parts(const Memory&, const auto&) const noexcept { return {}; }

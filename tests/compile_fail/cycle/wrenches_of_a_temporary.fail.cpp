@@ -9,5 +9,10 @@ std::vector<WrenchSample> poll();
 
 int main() {
   WristInput input;
+#ifdef SKINCTL_RIGHT
+  const auto wrenches = poll();
+  input.wrenches = wrenches;
+#else
   input.wrenches = poll();
+#endif
 }

@@ -10,5 +10,9 @@ int main() {
   const auto A = operational_mobility(J, MassFactors<ur5::Model>(mass_matrix(model, q)));
   [[maybe_unused]] const Twist<Link<5>, Base> V;
   [[maybe_unused]] const Wrench<Link<5>, Link<5>, Base> F;
+#ifdef SKINCTL_RIGHT
+  static_cast<void>(A * F);
+#else
   static_cast<void>(A * V);
+#endif
 }

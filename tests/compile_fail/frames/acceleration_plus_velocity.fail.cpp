@@ -6,5 +6,9 @@ using namespace skinctl;
 int main() {
   [[maybe_unused]] const Acceleration<Tool, Base> a, b;
   [[maybe_unused]] const Twist<Tool, Base> V;
+#ifdef SKINCTL_RIGHT
+  static_cast<void>(a + b);
+#else
   static_cast<void>(a + V);
+#endif
 }

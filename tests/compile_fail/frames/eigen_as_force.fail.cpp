@@ -7,6 +7,10 @@ using namespace skinctl;
 
 int main() {
   const Eigen::Vector3d f = Eigen::Vector3d::Zero();
+#ifdef SKINCTL_RIGHT
+  const Wrench<Tool> G{as_xyz(f), {}};
+#else
   const Wrench<Tool> G{f, {}};
+#endif
   static_cast<void>(G);
 }

@@ -8,5 +8,9 @@ using namespace skinctl;
 int main() {
   const Eigen::Vector3d f = Eigen::Vector3d::Zero();
   Wrench<Tool> G;
+#ifdef SKINCTL_RIGHT
+  G.force = as_xyz(f);
+#else
   G.force = f;
+#endif
 }

@@ -8,5 +8,9 @@ using namespace skinctl;
 int main() {
   const Vec6<double> v = Vec6<double>::Zero();
   Wrench<Tool> F;
+#ifdef SKINCTL_RIGHT
+  F = Wrench<Tool>::from_eigen(v);
+#else
   F = v;
+#endif
 }

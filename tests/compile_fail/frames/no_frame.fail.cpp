@@ -3,7 +3,11 @@
 
 using namespace skinctl;
 
+#ifdef SKINCTL_RIGHT
+struct Arm : FrameTag {};
+#else
 struct Arm {};
+#endif
 
 using X_WA = Transform<World, Arm>;
 

@@ -11,6 +11,9 @@ struct Push : Composable {
   JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
   using Goal = double;
+#ifdef SKINCTL_RIGHT
+  Received<Memory> receive(const Memory& memory, const auto&, double) const noexcept { return {memory, {}}; }
+#endif
 };
 
 int main() {

@@ -9,6 +9,9 @@ struct Push : Composable {
   static constexpr LawRole role = LawRole::reactive;
   Memory start(const auto&) const noexcept { return {}; }
   JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
+#ifdef SKINCTL_RIGHT
+  Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
+#endif
 };
 
 int main() {

@@ -8,6 +8,9 @@ struct Push : Composable {
   static constexpr Needs needs = {};
   static constexpr LawRole role = LawRole::reactive;
   Memory start(const auto&) const noexcept { return {}; }
+#ifdef SKINCTL_RIGHT
+  JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
+#endif
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
 };
 

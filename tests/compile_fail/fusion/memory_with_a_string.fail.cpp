@@ -5,7 +5,11 @@ using namespace skinctl;
 
 struct Push : Composable {
   struct Memory {
+#ifdef SKINCTL_RIGHT
+    char text[8];
+#else
     std::string text;
+#endif
   };
   static constexpr Needs needs = {};
   static constexpr LawRole role = LawRole::reactive;

@@ -10,6 +10,9 @@ struct Push : Composable {
   Memory start(const auto&) const noexcept { return {}; }
   JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
+#ifdef SKINCTL_RIGHT
+  using Goal = double;
+#endif
   Received<Memory> receive(const Memory& memory, const auto&, double) const noexcept { return {memory, {}}; }
 };
 

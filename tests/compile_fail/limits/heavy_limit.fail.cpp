@@ -1,6 +1,7 @@
 // expect: the Memory of a limit is trivially copyable
+#ifndef SKINCTL_RIGHT
 #include <vector>
-
+#endif
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
@@ -10,7 +11,11 @@ using Robot = ResolverBy<Interface::position, ur5::Model>;
 struct Slow {
   using Kind = Slow;
   struct Memory {
+#ifdef SKINCTL_RIGHT
+    double all = 0;
+#else
     std::vector<double> all;
+#endif
   };
   static constexpr Precedence precedence = Precedence::free;
   template <class Going, class Seen, class U>

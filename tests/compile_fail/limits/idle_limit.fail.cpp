@@ -9,6 +9,12 @@ struct Slow {
   using Kind = Slow;
   struct Memory {};
   static constexpr Precedence precedence = Precedence::free;
+#ifdef SKINCTL_RIGHT
+  template <class Going, class Seen, class U>
+  SpeedShare<double> share(Memory&, const Going&, const Seen&, const U&) const noexcept {
+    return {0.5, {}};
+  }
+#endif
 };
 
 auto wrong(const Cycle<Robot, GravityControl>& plain) {

@@ -3,8 +3,16 @@
 
 using namespace skinctl;
 
+#ifdef SKINCTL_RIGHT
+using Robot = ResolverBy<Interface::torque, ur5::Model>;
+
+auto right(const Cycle<Robot, GravityControl>& plain) {
+  return plain.without<MotionByTorque>();
+}
+#else
 using Robot = ResolverBy<Interface::position, ur5::Model>;
 
 auto wrong(const Cycle<Robot, GravityControl>& plain) {
   return plain.without<SkinWatch>();
 }
+#endif

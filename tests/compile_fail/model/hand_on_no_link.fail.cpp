@@ -4,5 +4,9 @@
 using namespace skinctl;
 
 int main() {
+#ifdef SKINCTL_RIGHT
+  static_cast<void>(attach<5>(ur5::Model{}, allegro::right_hand()));
+#else
   static_cast<void>(attach<6>(ur5::Model{}, allegro::right_hand()));
+#endif
 }

@@ -4,5 +4,9 @@
 using namespace skinctl;
 
 int main() {
+#ifdef SKINCTL_RIGHT
+  static_cast<void>(Poses<ur5::Model, link_bit<5>>(ur5::Model{}, JointPosition<6>{}));
+#else
   static_cast<void>(Poses<ur5::Model, link_bit<6>>(ur5::Model{}, JointPosition<6>{}));
+#endif
 }

@@ -4,5 +4,9 @@
 using namespace skinctl;
 
 int main() {
+#ifdef SKINCTL_RIGHT
+  static_cast<void>(gravity_torque(calibrated_from<ur5::Description>(), JointPosition<6, double>{}));
+#else
   static_cast<void>(gravity_torque(calibrated_from<ur5::Description>(), JointPosition<6, float>{}));
+#endif
 }

@@ -9,6 +9,13 @@ struct Set {
     return 0;
   }
 };
+#ifdef SKINCTL_RIGHT
+constexpr auto robot = boost::hana::make_map(done_by<activity::Reverse, behaviour::Reaching>(),
+                                             done_by<activity::Look, behaviour::Reaching>());
+constexpr auto look = task("look", {}, step_of<activity::Look>({}));
+const auto right = skill_map<Set>(robot, look);
+#else
 constexpr auto robot = boost::hana::make_map(done_by<activity::Reverse, behaviour::Reaching>());
 constexpr auto look = task("look", {}, step_of<activity::Look>({}));
 const auto wrong = skill_map<Set>(robot, look);
+#endif

@@ -3,4 +3,8 @@
 
 using namespace skinctl;
 
+#ifdef SKINCTL_RIGHT
+const auto right = task("look", {}, step_of<activity::Look>({.done = finish}));
+#else
 const auto wrong = task("look", {}, step_of<activity::Look>({.done = 7}));
+#endif

@@ -3,5 +3,10 @@
 
 using namespace skinctl;
 
+#ifdef SKINCTL_RIGHT
+const auto right = task("look", {}, step_of<activity::Look>({.done = 1}),
+                        step_of<activity::Look>({.done = 0, .no = finish}));
+#else
 const auto wrong =
     task("look", {}, step_of<activity::Look>({.done = 1}), step_of<activity::Look>({.done = 0}));
+#endif

@@ -5,6 +5,9 @@ using namespace skinctl;
 
 struct Push : Composable {
   struct Memory {};
+#ifdef SKINCTL_RIGHT
+  static constexpr Needs needs = {};
+#endif
   static constexpr LawRole role = LawRole::reactive;
   Memory start(const auto&) const noexcept { return {}; }
   JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }

@@ -10,5 +10,9 @@ struct Description {
 
 int main() {
   const Transform<NamedFrame<"tool0">, Cell> X_NC;
+#ifdef SKINCTL_RIGHT
+  return static_cast<int>(patch_on<Description, "tool0">({{1, X_NC}}).placed().size());
+#else
   return static_cast<int>(patch_on<Description, "wrist_3_link">({{1, X_NC}}).placed().size());
+#endif
 }

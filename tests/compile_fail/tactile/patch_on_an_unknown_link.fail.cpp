@@ -8,6 +8,11 @@ struct Description {
 };
 
 int main() {
+#ifdef SKINCTL_RIGHT
+  const Transform<NamedFrame<"wrist_3_link">, Cell> X_NC;
+  static_cast<void>(patch_on<Description, "wrist_3_link">({{1, X_NC}}));
+#else
   const Transform<NamedFrame<"writs_3_link">, Cell> X_NC;
   static_cast<void>(patch_on<Description, "writs_3_link">({{1, X_NC}}));
+#endif
 }

@@ -4,7 +4,11 @@
 using namespace skinctl;
 
 struct Description {
+#ifdef SKINCTL_RIGHT
+  static constexpr std::array<NamedLink, 1> named_links = {{{"pedestal", 0, {}, {0, 0, 0.1}}}};
+#else
   static constexpr std::array<NamedLink, 1> named_links = {{{"pedestal", -1, {}, {0, 0, 0.1}}}};
+#endif
 };
 
 int main() {

@@ -4,8 +4,14 @@
 using namespace skinctl;
 
 auto build() {
+#ifdef SKINCTL_RIGHT
+  const auto arm = by_position(
+      ur10e::Model{},
+      {.limits = limits_of<ur10e::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
+#else
   const auto arm = by_position(
       ur5::Model{},
       {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
+#endif
   return Cycle(arm, wrist_sensor<5>(ur10e::Model{}), SkinJointControl{} + GravityControl{});
 }

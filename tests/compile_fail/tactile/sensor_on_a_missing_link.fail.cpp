@@ -4,5 +4,9 @@
 using namespace skinctl;
 
 auto build() {
+#ifdef SKINCTL_RIGHT
+  return wrist_sensor<5>(ur5::Model{});
+#else
   return wrist_sensor<6>(ur5::Model{});
+#endif
 }

@@ -7,7 +7,11 @@ struct Dotted : WrappedTouch<Dotted, decltype(ur5_skin<260>())> {
   struct Memory : decltype(ur5_skin<260>())::Memory {};
   Dotted() : WrappedTouch<Dotted, decltype(ur5_skin<260>())>(ur5_skin<260>()) {}
   Status take(Memory& m, const auto& given, auto* means) const noexcept { return take_on(m, given, means); }
+#ifdef SKINCTL_RIGHT
+  Coverage coverage(const Memory& m) const noexcept { return wrapped().coverage(m); }
+#else
   double coverage(const Memory& m) const noexcept { return wrapped().coverage(m).least; }
+#endif
 };
 
 auto build() {

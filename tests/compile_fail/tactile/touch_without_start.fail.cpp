@@ -6,6 +6,9 @@ using namespace skinctl;
 struct Still {
   using Wrenches = LinkWrenches<ur5::Model, link_bit<5>>;
   struct Memory {};
+#ifdef SKINCTL_RIGHT
+  Memory start(Nanoseconds) const noexcept { return {}; }
+#endif
   Status receive(Memory&, std::span<const CellSample>, Nanoseconds, Nanoseconds, std::size_t,
                  Wrenches*) const noexcept {
     return {};

@@ -37,9 +37,9 @@ struct FittedCell {
   /// Cross-axis sensitivity, the symmetric X: between y and z, z and x, x and y. What is not symmetric of it is a turn.
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
   int body = 0;
-  double deviation = 0.005;                            ///< of a block's mean [g]
-  int patch = -1;                                      ///< it is tied to; -1: none
-  Eigen::Matrix3d R_PC = Eigen::Matrix3d::Identity();  ///< its pose in the patch
+  double deviation = 0.005;  ///< of a block's mean [g]
+  int patch = -1;            ///< number of the patch to which the cell is tied; -1: none
+  Eigen::Matrix3d R_PC = Eigen::Matrix3d::Identity();  ///< orientation of the cell in the patch
   Eigen::Vector3d p_PC = Eigen::Vector3d::Zero();
 
   [[nodiscard]] FittedCell moved(const CellVector& d) const {

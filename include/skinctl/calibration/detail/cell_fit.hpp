@@ -99,6 +99,9 @@ class CellFit {
   }
 
  private:
+  void add_cell(CellEquations& e, std::size_t c, const BodySignals& signal, const Eigen::MatrixXd& G,
+                const Eigen::Ref<const Eigen::MatrixXd>& Y, const Eigen::Ref<const Eigen::MatrixXd>& X) const;
+  void add_priors(CellEquations& e) const;
   void move(const Eigen::VectorXd& g, const std::vector<CellVector>& cell_g) {
     motion = motion.moved(g.head(motion.unknowns()));
     for (std::size_t k = 0; k < patches.size(); ++k) {
@@ -122,85 +125,57 @@ class CellFit {
   }
 };
 
+/// What the readings of a cell say: `G` is its body's normal matrix of the blocks that the cell saw, `Y` its three readings,
+/// `X` the body's columns times these.
 template <class Motion>
-CellEquations CellFit<Motion>::equations() const {
+void CellFit<Motion>::add_cell(CellEquations& e, std::size_t c, const BodySignals& signal,
+                               const Eigen::MatrixXd& G, const Eigen::Ref<const Eigen::MatrixXd>& Y,
+                               const Eigen::Ref<const Eigen::MatrixXd>& X) const {
   using Index = Eigen::Index;
-  const Index n = globals();
-  CellEquations e;
-  e.H = Eigen::MatrixXd::Zero(n, n), e.g = Eigen::VectorXd::Zero(n);
-  e.cell_H.assign(cells.size(), Eigen::MatrixXd::Zero(cell_unknowns, cell_unknowns));
-  e.cell_g.assign(cells.size(), CellVector::Zero());
-  e.cross.assign(cells.size(), Eigen::MatrixXd::Zero(n, cell_unknowns));
-  e.squares.assign(cells.size(), 0);
-  Eigen::MatrixXd gram, own_gram, Y, X;
-  std::vector<Index> members, lost;
-  for (std::size_t body = 0; body < signals_.size(); ++body) {
-    const BodySignals& signal = signals_[body];
-    members.clear();
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      if (std::size_t(cells[c].body) == body) members.push_back(Index(c));
-    if (members.empty()) continue;
-    const Eigen::MatrixXd& phi = signal.columns;
-    const Index width = phi.cols(), unknowns = Index(signal.unknowns.size());
-    gram.noalias() = phi.transpose() * phi;
-    Y.resize(phi.rows(), 3 * Index(members.size()));
-    for (std::size_t m = 0; m < members.size(); ++m)
-      Y.middleCols(3 * Index(m), 3) = data_.y.middleCols(3 * members[m], 3);
-    X.noalias() = phi.transpose() * Y;
-    for (std::size_t m = 0; m < members.size(); ++m) {
-      const auto c = std::size_t(members[m]);
-      lost.clear();
-      for (Index k = 0; k < data_.blocks(); ++k)
-        if (data_.missing(k, Index(c))) lost.push_back(k);
-      const Eigen::MatrixXd* G = &gram;
-      if (!lost.empty()) {
-        Eigen::MatrixXd rows(Index(lost.size()), width);
-        for (std::size_t k = 0; k < lost.size(); ++k) rows.row(Index(k)) = phi.row(lost[k]);
-        own_gram = gram;
-        own_gram.noalias() -= rows.transpose() * rows;
-        G = &own_gram;
+  const Index width = signal.columns.cols(), unknowns = Index(signal.unknowns.size());
+  const CellWeights w(cells[c]);
+  const double weight = 1 / (cells[c].deviation * cells[c].deviation);
+  const Eigen::MatrixXd own = G.topLeftCorner(13, 13);
+  Eigen::MatrixXd T(width, unknowns), across, by_own;
+  for (int k = 0; k < 3; ++k) {
+    // Of the body's columns: those of the cell's place, and by unknown of the motion.
+    const Eigen::VectorXd &v = w.c[k], y = Y.col(k), x = X.col(k);
+    const Eigen::VectorXd seen = own * v, rest = x.head(13) - seen, pulled = w.by_cell[k].transpose() * rest;
+    e.squares[c] += y.squaredNorm() - v.dot(x.head(13)) - v.dot(rest);
+    by_own.noalias() = own * w.by_cell[k];
+    across.noalias() = w.by_cell[k].transpose() * by_own;
+    for (Index j = 0; j < cell_unknowns; ++j) {
+      e.cell_g[c](j) += weight * pulled(j);
+      for (Index i = 0; i < cell_unknowns; ++i) e.cell_H[c](i, j) += weight * across(i, j);
+    }
+    T.setZero();
+    for (Index i = 0; i < unknowns; ++i)
+      for (Index a = 0; a < 12; ++a)
+        for (Index column = 0; column < width; ++column) T(column, i) += v(a) * G(column, 13 + 12 * i + a);
+    by_own.noalias() = w.by_cell[k].transpose() * T.topRows(13);  // cell_unknowns x unknowns
+    for (Index i = 0; i < unknowns; ++i) {
+      const Index row = signal.unknowns[std::size_t(i)];
+      double pull = 0;
+      for (Index a = 0; a < 12; ++a) pull += v(a) * x(13 + 12 * i + a);
+      for (Index a = 0; a < 13; ++a) pull -= T(a, i) * v(a);
+      e.g(row) += weight * pull;
+      for (Index a = 0; a < cell_unknowns; ++a) e.cross[c](row, a) += weight * by_own(a, i);
+      for (Index j = 0; j <= i; ++j) {
+        double h = 0;
+        for (Index a = 0; a < 12; ++a) h += T(13 + 12 * j + a, i) * v(a);
+        const Index column = signal.unknowns[std::size_t(j)];
+        e.H(row, column) += weight * h;
+        if (i != j) e.H(column, row) += weight * h;
       }
-      const CellWeights w(cells[c]);
-      const double weight = 1 / (cells[c].deviation * cells[c].deviation);
-      const Eigen::MatrixXd own = G->topLeftCorner(13, 13);
-      Eigen::MatrixXd T(width, unknowns), across, by_own;
-      for (int k = 0; k < 3; ++k) {
-        // Of the body's columns: those of the cell's place, and by unknown of the motion.
-        const Eigen::VectorXd &v = w.c[k], y = Y.col(3 * Index(m) + k), x = X.col(3 * Index(m) + k);
-        const Eigen::VectorXd seen = own * v, rest = x.head(13) - seen,
-                              pulled = w.by_cell[k].transpose() * rest;
-        e.squares[c] += y.squaredNorm() - v.dot(x.head(13)) - v.dot(rest);
-        by_own.noalias() = own * w.by_cell[k];
-        across.noalias() = w.by_cell[k].transpose() * by_own;
-        for (Index j = 0; j < cell_unknowns; ++j) {
-          e.cell_g[c](j) += weight * pulled(j);
-          for (Index i = 0; i < cell_unknowns; ++i) e.cell_H[c](i, j) += weight * across(i, j);
-        }
-        T.setZero();
-        for (Index i = 0; i < unknowns; ++i)
-          for (Index a = 0; a < 12; ++a)
-            for (Index column = 0; column < width; ++column)
-              T(column, i) += v(a) * (*G)(column, 13 + 12 * i + a);
-        by_own.noalias() = w.by_cell[k].transpose() * T.topRows(13);  // cell_unknowns x unknowns
-        for (Index i = 0; i < unknowns; ++i) {
-          const Index row = signal.unknowns[std::size_t(i)];
-          double pull = 0;
-          for (Index a = 0; a < 12; ++a) pull += v(a) * x(13 + 12 * i + a);
-          for (Index a = 0; a < 13; ++a) pull -= T(a, i) * v(a);
-          e.g(row) += weight * pull;
-          for (Index a = 0; a < cell_unknowns; ++a) e.cross[c](row, a) += weight * by_own(a, i);
-          for (Index j = 0; j <= i; ++j) {
-            double h = 0;
-            for (Index a = 0; a < 12; ++a) h += T(13 + 12 * j + a, i) * v(a);
-            const Index column = signal.unknowns[std::size_t(j)];
-            e.H(row, column) += weight * h;
-            if (i != j) e.H(column, row) += weight * h;
-          }
-        }
-      }
-      e.cost += 0.5 * weight * e.squares[c];
     }
   }
+  e.cost += 0.5 * weight * e.squares[c];
+}
+
+/// What is known beforehand of cells, patches and the motion.
+template <class Motion>
+void CellFit<Motion>::add_priors(CellEquations& e) const {
+  using Index = Eigen::Index;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const double bias = 1 / (settings.bias * settings.bias), scale = 1 / (settings.scale * settings.scale);
     const double place = 1 / (settings.weak_position * settings.weak_position);
@@ -225,7 +200,50 @@ CellEquations CellFit<Motion>::equations() const {
     e.g(k) += gradient(k);
     e.cost += 0.5 * gradient(k) * gradient(k) / std::max(diagonal(k), 1e-300);
   }
-  for (Index k = own; k < n; ++k) e.H(k, k) += 1e-6;
+  for (Index k = own; k < globals(); ++k) e.H(k, k) += 1e-6;
+}
+
+template <class Motion>
+CellEquations CellFit<Motion>::equations() const {
+  using Index = Eigen::Index;
+  const Index n = globals();
+  CellEquations e;
+  e.H = Eigen::MatrixXd::Zero(n, n), e.g = Eigen::VectorXd::Zero(n);
+  e.cell_H.assign(cells.size(), Eigen::MatrixXd::Zero(cell_unknowns, cell_unknowns));
+  e.cell_g.assign(cells.size(), CellVector::Zero());
+  e.cross.assign(cells.size(), Eigen::MatrixXd::Zero(n, cell_unknowns));
+  e.squares.assign(cells.size(), 0);
+  Eigen::MatrixXd gram, own_gram, Y, X;
+  std::vector<Index> members, lost;
+  for (std::size_t body = 0; body < signals_.size(); ++body) {
+    const BodySignals& signal = signals_[body];
+    members.clear();
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      if (std::size_t(cells[c].body) == body) members.push_back(Index(c));
+    if (members.empty()) continue;
+    const Eigen::MatrixXd& phi = signal.columns;
+    gram.noalias() = phi.transpose() * phi;
+    Y.resize(phi.rows(), 3 * Index(members.size()));
+    for (std::size_t m = 0; m < members.size(); ++m)
+      Y.middleCols(3 * Index(m), 3) = data_.y.middleCols(3 * members[m], 3);
+    X.noalias() = phi.transpose() * Y;
+    for (std::size_t m = 0; m < members.size(); ++m) {
+      const auto c = std::size_t(members[m]);
+      lost.clear();
+      for (Index k = 0; k < data_.blocks(); ++k)
+        if (data_.missing(k, Index(c))) lost.push_back(k);
+      const Eigen::MatrixXd* G = &gram;
+      if (!lost.empty()) {
+        Eigen::MatrixXd rows(Index(lost.size()), phi.cols());
+        for (std::size_t k = 0; k < lost.size(); ++k) rows.row(Index(k)) = phi.row(lost[k]);
+        own_gram = gram;
+        own_gram.noalias() -= rows.transpose() * rows;
+        G = &own_gram;
+      }
+      add_cell(e, c, signal, *G, Y.middleCols(3 * Index(m), 3), X.middleCols(3 * Index(m), 3));
+    }
+  }
+  add_priors(e);
   return e;
 }
 

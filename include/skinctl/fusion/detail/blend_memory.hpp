@@ -57,7 +57,7 @@ class BlendMemory : public Composable {
     std::array<double, terms> asked;  ///< requested weights
     Factors from, to;                 ///< shares before and after the ramp
     Nanoseconds elapsed = clock_end;  ///< since the ramp began
-    Nanoseconds ramp{};               ///< its duration
+    Nanoseconds ramp{};               ///< duration of the ramp
     Nanoseconds settle{};             ///< then: fade-in of the feedback of new tracking laws
     Nanoseconds next_ramp{};          ///< of the next change
     bool waiting = false;             ///< a change of weights is waiting

@@ -64,14 +64,14 @@ class LineIterator {
   int* line_;
 };
 
-/// Builds the tree of a JSON text, at most `most_depth` deep. `finished(path, item)` sees each table that is
+/// Builds the tree of a JSON text, at most `max_depth` deep. `finished(path, item)` sees each table that is
 /// an item of a list as soon as it ends; true: it is used, and leaves the tree. `path` are the keys above it.
 class JsonTree {
  public:
   using Finished = std::function<bool(const std::vector<std::string>& path, const JsonValue& item,
                                       const JsonValue& owner)>;
-  static constexpr std::size_t most_depth = 8, longest_text = 1024, most_keys = 64;
-  static constexpr std::size_t most_values = std::size_t(1) << 21;  ///< in the tree at any time
+  static constexpr std::size_t max_depth = 8, longest_text = 1024, max_keys = 64;
+  static constexpr std::size_t max_values = std::size_t(1) << 21;  ///< in the tree at any time
 
   JsonTree(std::string_view text, std::string source, Finished finished)
       : source_(std::move(source)), finished_(std::move(finished)) {
@@ -100,7 +100,7 @@ class JsonTree {
     JsonValue& table = *open_.back();
     if (x.size() > longest_text) fail("a key of " + std::to_string(x.size()) + " bytes, allowed: 1024");
     if (table.find(x) != nullptr) fail("\"" + x + "\" occurs twice");
-    if (table.keys.size() == most_keys) fail("more than 64 keys in a table");
+    if (table.keys.size() == max_keys) fail("more than 64 keys in a table");
     table.keys.push_back(std::move(x));
     return true;
   }
@@ -118,7 +118,7 @@ class JsonTree {
   bool add_number(double x) { return add({JsonValue::Kind::number, 0, x, {}, {}, {}}); }
   JsonValue& put(JsonValue value) {
     value.line = line_;
-    if (++values_ > most_values) fail("more than 2^21 values outside of cells");
+    if (++values_ > max_values) fail("more than 2^21 values outside of cells");
     if (open_.empty()) {
       root_ = std::move(value);
       return root_;
@@ -131,7 +131,7 @@ class JsonTree {
     return true;
   }
   bool open(JsonValue::Kind kind) {
-    if (open_.size() == most_depth) fail("lists and tables more than 8 deep");
+    if (open_.size() == max_depth) fail("lists and tables more than 8 deep");
     JsonValue value;
     value.kind = kind;
     const std::size_t before = values_;

@@ -37,9 +37,9 @@ class SkinCheck {
 
   void all() {
     check_links();
-    count(file_.patches.size(), 1, File::most_patches, "patches");
+    count(file_.patches.size(), 1, File::max_patches, "patches");
     for (const typename File::Patch& patch : file_.patches) check_patch(patch);
-    count(cells_.size(), 1, File::most_cells, "cells");
+    count(cells_.size(), 1, File::max_cells, "cells");
     for (const typename File::Link& link : file_.links)
       if (!covered_.contains(link.name)) {
         at("link " + skin_quoted(link.name), link.line);
@@ -133,7 +133,7 @@ class SkinCheck {
     range("gains.force", patch.gains.force, 0, 1e6, " N");
     range("gains.proximity", patch.gains.proximity, 0, 1e6, " N");
     covariance(patch.covariance);
-    count(patch.cells.size(), 1, File::most_cells_of_a_patch, "cells");
+    count(patch.cells.size(), 1, File::max_cells_of_a_patch, "cells");
     for (const typename File::Cell& cell : patch.cells) check_cell(patch, cell);
     at("", 0);
   }
@@ -180,7 +180,7 @@ class SkinCheck {
       at("region " + skin_quoted(region.name), region.line);
       name("name", region.name);
       if (!names.insert(region.name).second) fail("the name occurs twice");
-      count(region.cells.size(), 1, File::most_cells, "cells");
+      count(region.cells.size(), 1, File::max_cells, "cells");
       range("weight", region.weight, 0, 1000, "");
       if (!(region.force_limit > 0))
         fail("force_limit = " + skin_number(region.force_limit) + ", allowed: > 0 N");

@@ -152,7 +152,7 @@ class SkinJsonReader {
   }
 
   void cell(const JsonValue& item, const JsonValue& owner) {
-    room(item, cells_.size(), SkinFile::most_cells_of_a_patch, "cells of a patch");
+    room(item, cells_.size(), SkinFile::max_cells_of_a_patch, "cells of a patch");
     const JsonValue* id = item.find("id");
     SkinFields fields(file_.source,
                       called("patch", owner, file_.patches.size()) + ", cell " +
@@ -186,7 +186,7 @@ class SkinJsonReader {
     cells_.push_back(std::move(cell));
   }
   void patch(const JsonValue& item) {
-    room(item, file_.patches.size(), SkinFile::most_patches, "patches");
+    room(item, file_.patches.size(), SkinFile::max_patches, "patches");
     SkinFields fields(file_.source, called("patch", item, file_.patches.size()), item);
     SkinFile::Patch patch;
     patch.line = item.line;
@@ -206,11 +206,11 @@ class SkinJsonReader {
     patch.cells = std::move(cells_);
     cells_.clear();
     total_ += patch.cells.size();
-    room(item, total_ - 1, SkinFile::most_cells, "cells");
+    room(item, total_ - 1, SkinFile::max_cells, "cells");
     file_.patches.push_back(std::move(patch));
   }
   void link(const JsonValue& item) {
-    room(item, file_.links.size(), SkinFile::most_patches, "links");
+    room(item, file_.links.size(), SkinFile::max_patches, "links");
     SkinFields fields(file_.source, called("link", item, file_.links.size()), item);
     SkinFile::Link link;
     link.line = item.line;
@@ -224,7 +224,7 @@ class SkinJsonReader {
     file_.links.push_back(std::move(link));
   }
   void region(const JsonValue& item) {
-    room(item, file_.regions.size(), SkinFile::most_patches, "regions");
+    room(item, file_.regions.size(), SkinFile::max_patches, "regions");
     SkinFields fields(file_.source, called("region", item, file_.regions.size()), item);
     SkinFile::Region region;
     region.line = item.line;

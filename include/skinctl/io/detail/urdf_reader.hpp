@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "skinctl/io/detail/urdf_motion.hpp"
+#include "skinctl/io/detail/urdf_links.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -22,11 +22,6 @@ class UrdfReader {
  private:
   using Element = tinyxml2::XMLElement;
   using Place = UrdfPlace;
-  struct Link {
-    const Element* xml;
-    std::string name;
-    int joint = -1;  ///< index into joints_ of the joint that carries it
-  };
   /// The links that move with a joint, as one body.
   struct Body {
     LinkInertia inertia{};
@@ -45,107 +40,15 @@ class UrdfReader {
     if (robot == nullptr) text_.fail(0, "no XML: it has no element");
     if (std::strcmp(robot->Name(), "robot") != 0) text_.fail(*robot, "no URDF: its root is not <robot>");
     if (const char* name = robot->Attribute("name")) urdf_.name = name;
-    read_tree(*robot);
-    const std::size_t base = choose_base(root());
-    choose_chain(base);
-    walk(base, UrdfMotion(text_, joints_, options_));
+    const UrdfLinks links(text_, *robot, options_);
+    urdf_.base = links[links.base()].name;
+    walk(links, UrdfMotion(text_, links.joints(), options_));
     if (urdf_.joints.empty())
       text_.fail(*robot, options_.base.empty() && options_.tip.empty() && options_.locked.empty()
                              ? "no joint that moves"
                              : "no joint that moves between base and tip");
-    for (std::size_t j = 0; j < urdf_.joints.size(); ++j) finish(j);
+    for (std::size_t j = 0; j < urdf_.joints.size(); ++j) finish(j, *links[bodies_[j].link].xml);
     turn_frames();
-  }
-
-  void read_tree(const Element& robot) {
-    for (auto* e = robot.FirstChildElement("link"); e; e = e->NextSiblingElement("link")) {
-      const std::string name = text_.text_of(*e, "name");
-      if (!link_index_.emplace(name, links_.size()).second) text_.fail(*e, "a second link of this name");
-      links_.push_back({e, name});
-    }
-    if (links_.empty()) text_.fail(robot, "no <link>");
-    std::map<std::string, int> names;
-    for (auto* e = robot.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) {
-      UrdfFileJoint joint{e, text_.text_of(*e, "name"), text_.text_of(*e, "type"), link_of(*e, "parent"),
-                          link_of(*e, "child")};
-      if (!names.emplace(joint.name, 0).second) text_.fail(*e, "a second joint of this name");
-      Link& child = links_[joint.child];
-      if (child.joint >= 0)
-        text_.fail(*e, "its child link \"" + child.name + "\" hangs on joint \"" +
-                           joints_[std::size_t(child.joint)].name + "\" already");
-      child.joint = static_cast<int>(joints_.size());
-      joints_.push_back(joint);
-    }
-    below_.resize(links_.size());
-    for (const UrdfFileJoint& j : joints_) below_[j.parent].push_back(j.child);
-  }
-  std::size_t link_of(const Element& joint, const char* end) const {
-    const Element* e = joint.FirstChildElement(end);
-    if (e == nullptr) text_.fail(joint, std::string("no <") + end + ">");
-    const char* link = e->Attribute("link");
-    const auto found = link_index_.find(link ? link : "");
-    if (found == link_index_.end())
-      text_.fail(joint, std::string("its ") + end + " link \"" + (link ? link : "") + "\" is unknown");
-    return found->second;
-  }
-  /// The only link that no joint carries; it carries all others.
-  std::size_t root() const {
-    std::size_t root = links_.size();
-    for (std::size_t i = 0; i < links_.size(); ++i) {
-      if (links_[i].joint >= 0) continue;
-      if (root < links_.size())
-        text_.fail(*links_[i].xml, "hangs on no joint, and neither does \"" + links_[root].name +
-                                       "\": one link only is the base");
-      root = i;
-    }
-    if (root == links_.size())
-      text_.fail(*joints_[0].xml, "a loop: every link is the child of a joint, so there is no base");
-    const auto reached = carried_by(root);
-    for (std::size_t i = 0; i < links_.size(); ++i)
-      if (!reached[i])
-        text_.fail(*joints_[std::size_t(links_[i].joint)].xml,
-                   "a loop: its child link \"" + links_[i].name + "\" carries itself");
-    return root;
-  }
-  /// The links below one, itself included; by a stack of its own, because a file may nest deeper than the
-  /// program's stack.
-  std::vector<bool> carried_by(std::size_t link) const {
-    std::vector<bool> reached(links_.size());
-    std::vector<std::size_t> open = {link};
-    while (!open.empty()) {
-      const std::size_t at = open.back();
-      open.pop_back();
-      reached[at] = true;
-      open.insert(open.end(), below_[at].begin(), below_[at].end());
-    }
-    return reached;
-  }
-
-  std::size_t find_link(const std::string& name, const char* what) const {
-    const auto found = link_index_.find(name);
-    if (found == link_index_.end())
-      text_.fail(0, std::string("no link \"") + name + "\" for the " + what + "; there are " +
-                        listed(links_, [](const Link& l) { return l.name; }));
-    return found->second;
-  }
-  std::size_t choose_base(std::size_t root) {
-    const std::size_t base = options_.base.empty() ? root : find_link(options_.base, "base");
-    urdf_.base = links_[base].name;
-    const auto reached = carried_by(base);
-    for (UrdfFileJoint& j : joints_) j.inside = reached[j.parent];
-    return base;
-  }
-  void choose_chain(std::size_t base) {
-    if (options_.tip.empty()) return;
-    for (UrdfFileJoint& j : joints_) j.on_chain = false;
-    const std::size_t tip = find_link(options_.tip, "tip");
-    for (std::size_t at = tip; at != base;) {
-      if (links_[at].joint < 0)
-        text_.fail(*links_[tip].xml, "the tip does not hang on the base \"" + urdf_.base + '"');
-      UrdfFileJoint& joint = joints_[std::size_t(links_[at].joint)];
-      joint.on_chain = true;
-      at = joint.parent;
-    }
   }
 
   /// The body of a link in its own frame, mass 0 where it has none. `bad`: the fault of its moments.
@@ -206,28 +109,29 @@ class UrdfReader {
     body.bad_size = size;
   }
 
-  /// Places the links below `base`.
-  void walk(std::size_t base, const UrdfMotion& motion) {
+  /// Places the links below the base.
+  void walk(const UrdfLinks& links, const UrdfMotion& motion) {
     struct Step {
       std::size_t link;
       int carrier;  ///< of the parent link
       Place X;      ///< of the parent link in the carrier's frame
     };
-    std::vector<Step> open = {{base, -1, {}}};
+    std::vector<Step> open = {{links.base(), -1, {}}};
     while (!open.empty()) {
       Step step = open.back();
       open.pop_back();
-      const Link& link = links_[step.link];
-      if (step.link != base) pass(std::size_t(link.joint), motion, step.carrier, step.X);
+      const UrdfLinks::Link& link = links[step.link];
+      if (step.link != links.base()) pass(links, std::size_t(link.joint), motion, step.carrier, step.X);
       urdf_.frames.push_back({link.name, step.carrier, step.X.R, step.X.p});
       add_body(*link.xml, step.carrier, step.X);
-      for (auto child = below_[step.link].rbegin(); child != below_[step.link].rend(); ++child)
+      const auto& below = links.below(step.link);
+      for (auto child = below.rbegin(); child != below.rend(); ++child)
         open.push_back({*child, step.carrier, step.X});
     }
   }
   /// From a joint's parent link to its child link.
-  void pass(std::size_t index, const UrdfMotion& motion, int& carrier, Place& X) {
-    const UrdfFileJoint& j = joints_[index];
+  void pass(const UrdfLinks& links, std::size_t index, const UrdfMotion& motion, int& carrier, Place& X) {
+    const UrdfFileJoint& j = links.joints()[index];
     X = product(X, text_.origin(*j.xml, *j.xml));
     if (!j.fixed() && !j.slides() && j.type != "continuous" && j.type != "revolute")
       text_.fail(*j.xml, "type \"" + j.type + "\" is none of revolute, continuous, prismatic, fixed");
@@ -238,7 +142,7 @@ class UrdfReader {
     }
     UrdfJoint joint;
     joint.name = j.name;
-    joint.link = links_[j.child].name;
+    joint.link = links[j.child].name;
     joint.parent = carrier;
     joint.line = j.xml->GetLineNum();
     joint.kind = j.slides() ? JointKind::prismatic : JointKind::revolute;
@@ -278,10 +182,9 @@ class UrdfReader {
   }
 
   /// Refuses a joint that moves no mass.
-  void finish(std::size_t j) {
+  void finish(std::size_t j, const Element& link) {
     UrdfJoint& joint = urdf_.joints[j];
     const Body& body = bodies_[j];
-    const Element& link = *links_[body.link].xml;
     const LinkInertia& in = body.inertia;
     if (!body.given)
       text_.fail(link, "joint \"" + joint.name +
@@ -321,10 +224,6 @@ class UrdfReader {
   UrdfOptions options_;
   UrdfText text_;
   Urdf urdf_;
-  std::vector<Link> links_;
-  std::vector<UrdfFileJoint> joints_;
-  std::vector<std::vector<std::size_t>> below_;  // per link, its children
-  std::map<std::string, std::size_t, std::less<>> link_index_;
   std::vector<Body> bodies_;  // per joint that moves
 };
 

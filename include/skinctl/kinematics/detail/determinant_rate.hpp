@@ -1,12 +1,26 @@
-// The determinant of a symmetric matrix that changes.
+// A product of a matrix with itself, and the determinant of a symmetric matrix that changes.
 #pragma once
 
 #include <cstddef>
 
+#include "skinctl/core/config.hpp"
 #include "skinctl/core/real.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
+
+/// Element (i, j) of `J'J` (by joints) or of `J J'`, of rows that each are a joint's column; with `d` its rate.
+template <bool ByJoints, std::size_t Joints, std::size_t Rows, class T>
+[[nodiscard]] SKINCTL_INLINE T row_product(const T (&r)[Joints][Rows], const T (&s)[Joints][Rows],
+                                           std::size_t i, std::size_t j) noexcept {
+  T sum(0);
+  if constexpr (ByJoints) {
+    for (std::size_t k = 0; k < Rows; ++k) sum = sum + r[i][k] * s[j][k];
+  } else {
+    for (std::size_t k = 0; k < Joints; ++k) sum = sum + r[k][i] * s[k][j];
+  }
+  return sum;
+}
 
 /// Determinant of a symmetric positive semi-definite matrix and its time derivative.
 template <Real T>

@@ -13,7 +13,7 @@ namespace detail {
 template <class Limits>
 class ClearanceWays {
  public:
-  static constexpr std::size_t joints = Limits::joints, most_pairs = Limits::most_pairs;
+  static constexpr std::size_t joints = Limits::joints, max_pairs = Limits::max_pairs;
   static constexpr int looks = Limits::looks;
   using T = typename Limits::scalar;
   using Velocity = typename Limits::Velocity;
@@ -60,7 +60,7 @@ class ClearanceWays {
   /// gradient until the robot stands, because a motion along the margin would not be kept.
   [[nodiscard]] Velocity slid(Velocity u, const T& h) const noexcept {
     constexpr T leaving(0.05);  // [m/s]
-    T gradient[most_pairs][joints], gradient_off[most_pairs][joints];
+    T gradient[max_pairs][joints], gradient_off[max_pairs][joints];
     of_.clearances_.gradients(q_, near(), gradient);
     if (seen_.is_off) of_.clearances_.gradients(q_ + seen_.off, near(), gradient_off);
     for (int round = 0; round < 4; ++round) {
@@ -75,8 +75,8 @@ class ClearanceWays {
   static SKINCTL_INLINE T size(const T& x) noexcept { return x < T(0) ? T(-x) : x; }
 
   /// A round of `slid`.
-  void open(Velocity& u, const T& h, const T& leaving, const T (&gradient)[most_pairs][joints],
-            const T (&distance)[most_pairs]) const noexcept {
+  void open(Velocity& u, const T& h, const T& leaving, const T (&gradient)[max_pairs][joints],
+            const T (&distance)[max_pairs]) const noexcept {
     for (std::size_t k = 0; k < count_; ++k) {
       const T longest = of_.time_to_rest(u);
       T closing(0), square(0), sum(0), rate = std::numeric_limits<T>::infinity();
@@ -116,7 +116,7 @@ class ClearanceWays {
       for (std::size_t k = c.size(); k < count_; ++k)
         close = close || (!(distance_[k] - inner > grows) && c.approach(k, near()) == T(0));
       if (!close) return true;
-      using Volume = Surroundings<most_exposed_capsules, Base, T>;
+      using Volume = Surroundings<max_exposed_capsules, Base, T>;
       const auto least = [&](const Volume& volume, std::size_t k) {
         const std::size_t n = count_ - c.size(), per = n / volume.count, of = k - c.size();
         return skinctl::distance(volume.obstacles[of / per].shape, near().obstacles[of % per].shape).distance;
@@ -154,19 +154,19 @@ class ClearanceWays {
   }
   /// The same from `q`, where the distances are `here`.
   template <class Way>
-  [[nodiscard]] bool clear_from(const Position& q, const T (&here)[most_pairs], const Position& moved,
+  [[nodiscard]] bool clear_from(const Position& q, const T (&here)[max_pairs], const Position& moved,
                                 const T& time, const Way& way) const noexcept {
     Position x = moved, before;
     T all(0);
     for (std::size_t i = 0; i < joints; ++i) all = all + size(moved[i]) + size(way(T(1))[i]);
-    bool close[most_pairs], any = false;
+    bool close[max_pairs], any = false;
     for (std::size_t k = 0; k < count_; ++k)
       any = (close[k] = !(here[k] - margin(k, time) > of_.reach_ * all)) || any;
     if (!any) return true;
     for (int n = 0; n <= looks; ++n) {
       const T part = T(n) / T(looks);
       if (n > 0) x = moved + way(part);
-      T distance[most_pairs];
+      T distance[max_pairs];
       of_.clearances_.distances(q + x, near(), distance, [&](std::size_t k) { return close[k]; });
       for (std::size_t k = 0; k < count_; ++k) {
         if (!close[k]) continue;
@@ -191,8 +191,8 @@ class ClearanceWays {
   const Memory& seen_;
   Position q_;
   std::size_t count_;
-  T distance_[most_pairs];
-  T distance_off_[most_pairs];  ///< of a robot that stands off its commands, where it is
+  T distance_[max_pairs];
+  T distance_off_[max_pairs];  ///< of a robot that stands off its commands, where it is
 };
 
 }  // namespace detail

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {
 
 /// The largest reduced argument of rounding to nearest, and some room (proven: 0.7855).
-inline constexpr float most_reduced = 0.7857f;
+inline constexpr float max_reduced = 0.7857f;
 
 /// Constants by type. `half_pi` is pi/2 in parts, the first two so short that their product with a count of
 /// quarter turns up to `limit` is exact, with FMA or without. The polynomials are minimax on |r| <= 0.7856,
@@ -49,7 +49,7 @@ struct SinCosTable<float> {
   static constexpr float cos[] = {-0.5f, 0x1.55554ap-5f, -0x1.6c0c1ap-10f, 0x1.99e0eep-16f};
 };
 
-/// Returns the reduced argument: above `most_reduced` the results are not accurate. That happens beyond the limit,
+/// Returns the reduced argument: above `max_reduced` the results are not accurate. That happens beyond the limit,
 /// and where the thread does not round to nearest, so that the count of quarter turns is one off.
 template <class T, std::size_t W>
 SKINCTL_INLINE Lane<T, W> sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W>& cos) noexcept {
@@ -123,7 +123,7 @@ SKINCTL_INLINE void sincos_lanes(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B],
     largest = max(largest, abs(x[i]));
   });
   const auto beyond = largest > L(SinCosTable<T>::limit);
-  const auto off = reduced > L(T(most_reduced));
+  const auto off = reduced > L(T(max_reduced));
   if (any(beyond | off)) [[unlikely]]
     sincos_beyond(x, sin, cos, any(off & !beyond));
 }

@@ -64,7 +64,7 @@ class SkillParts {
     SkillReport told;      ///< of the request that the skill, or the one that failed last, serves
     SkillReport refused;   ///< of the last request that was refused
     bool waits = false;    ///< for the end of a change
-    bool goes_on = false;  ///< what waits is the next skill of a sequence, or the fallback
+    bool goes_on = false;  ///< the next skill of a sequence, or the fallback, waits
     bool touched = false, was_touched = false;  ///< as the skill's `touch` says; and since it began to run
   };
 

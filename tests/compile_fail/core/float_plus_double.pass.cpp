@@ -1,9 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
-
-int main() {
-  const JointPosition<6> q;
-  const JointPosition<6, float> q_float;
-  static_cast<void>(q + q_float.cast<double>());
-}

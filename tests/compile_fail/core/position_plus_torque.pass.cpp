@@ -1,9 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
-
-int main() {
-  const JointPosition<6> q;
-  const JointTorque<6> tau;
-  static_cast<void>(tau + tau);
-}

@@ -1,3 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-int main() {}

@@ -1,9 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
-
-int main() {
-  const JointTorque<6> tau;
-  const JointTorque<6> q = tau;
-  static_cast<void>(q);
-}

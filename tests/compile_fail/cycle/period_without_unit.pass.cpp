@@ -1,9 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
-
-auto build() {
-  const auto arm = by_position(
-      ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 4ms, .virtual_damping = 4});
-  return Cycle(arm, GravityControl{});
-}

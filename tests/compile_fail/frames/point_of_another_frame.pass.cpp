@@ -1,9 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
-
-int main() {
-  const Transform<World, Cell> X_WC;
-  const Point<World> p_W;
-  static_cast<void>(X_WC.inverse() * p_W);
-}

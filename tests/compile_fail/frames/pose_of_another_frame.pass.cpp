@@ -1,9 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
-
-int main() {
-  const Transform<Cell, World> X_CW;
-  const Transform<World, Cell> X_WC = X_CW.inverse();
-  static_cast<void>(X_WC);
-}

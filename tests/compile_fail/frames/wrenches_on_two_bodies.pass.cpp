@@ -1,9 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
-
-int main() {
-  const Wrench<Link<2>, Cell> F_arm;
-  [[maybe_unused]] const Wrench<Link<3>, Cell> F_wrist;
-  static_cast<void>(F_arm + F_arm);
-}

@@ -1,8 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-int main() {
-  const skinctl::GravityControl gravity;
-  const skinctl::SkinJointControl skin;
-  const skinctl::SplineJoint<6> reach{};
-  static_cast<void>(blended(skin + reach + gravity));
-}

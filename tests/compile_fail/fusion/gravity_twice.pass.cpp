@@ -1,7 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-int main() {
-  const skinctl::GravityControl gravity;
-  const skinctl::SkinJointControl skin;
-  static_cast<void>(gravity + skin);
-}

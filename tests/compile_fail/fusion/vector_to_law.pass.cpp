@@ -1,7 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-int main() {
-  const skinctl::SkinJointControl skin;
-  const skinctl::GravityControl gravity;
-  static_cast<void>(skin + gravity);
-}

@@ -1,9 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
-
-int main() {
-  const auto J = jacobian<3>(link_poses(ur5::Model{}, JointPosition<6>{}));
-  const Wrench<Link<3>, Link<3>, Base> F;
-  static_cast<void>(transpose(J) * F);
-}

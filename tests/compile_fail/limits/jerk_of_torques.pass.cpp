@@ -1,9 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
-
-using Robot = ResolverBy<Interface::position, ur5::Model>;
-
-auto scene(const Robot& robot, const MaxJerk<6>& jerk) {
-  return Cycle(robot, GravityControl{}).with(jerk);
-}

@@ -1,7 +1,0 @@
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
-
-auto build() {
-  return wrist_sensor<5>(ur5::Model{});
-}

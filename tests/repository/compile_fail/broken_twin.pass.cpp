@@ -1,4 +1,0 @@
-// expect: missing
-int main() {
-  return missing;
-}
