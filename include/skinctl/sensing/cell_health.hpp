@@ -5,12 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <span>
 #include <vector>
 
 #include "skinctl/core/contract.hpp"
-#include "skinctl/core/detail/lane_vector.hpp"
 #include "skinctl/sensing/cell_fault.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/detail/frame_scan.hpp"
@@ -77,16 +75,6 @@ struct MessageRecord {
   bool known = false;                    ///< a sample has come
   friend bool operator==(const MessageRecord&, const MessageRecord&) noexcept = default;
 };
-/// Four whole numbers in a register; on a target without, the compiler takes them one by one.
-typedef std::int32_t FourNumbers __attribute__((vector_size(16)));
-[[nodiscard]] SKINCTL_INLINE FourNumbers four_numbers(const std::array<std::uint16_t, 4>& from) noexcept {
-  typedef std::uint16_t Shorts __attribute__((vector_size(8)));
-  return __builtin_convertvector(std::bit_cast<Shorts>(from), FourNumbers);
-}
-[[nodiscard]] SKINCTL_INLINE std::array<std::uint16_t, 4> short_numbers(FourNumbers n) noexcept {
-  typedef std::uint16_t Shorts __attribute__((vector_size(8)));
-  return std::bit_cast<std::array<std::uint16_t, 4>>(__builtin_convertvector(n, Shorts));
-}
 }  // namespace detail
 
 /// Finds faulty cells of a skin with `Cells` cells. sigma is that of the sum of the force sensors, with rounding.
@@ -157,7 +145,7 @@ class CellHealth {
       cell_[i] = {static_cast<float>(sigma), static_cast<std::uint16_t>(needed < 60000 ? needed : 65535),
                   double(n.rest) > 4 * double(n.force) + 1, 3 * n.rest};
     }
-    most_messages_ = s_.equal_messages > 0 ? static_cast<std::int32_t>(s_.equal_messages) : 65535;
+    most_messages_ = s_.equal_messages > 0 ? s_.equal_messages : 65535;
     per_step_ = static_cast<float>(1 / s_.step),
     top_ = static_cast<std::uint16_t>(std::ceil(s_.top / s_.step - 1e-9));
   }
@@ -181,25 +169,20 @@ class CellHealth {
     detail::MessageRecord& r = m.record[i];
     detail::HealthRow& row = m.row[i / 16];
     const std::size_t k = i % 16;
-    // All eight numbers lie side by side: see `CellSample`.
-    typedef float Four __attribute__((vector_size(16)));
-    std::array<std::uint64_t, 4> words;
-    std::memcpy(words.data(), reinterpret_cast<const char*>(&s) + offsetof(CellSample, force), sizeof words);
-    const auto mix = [](std::uint64_t x, std::uint64_t y)
-                         SKINCTL_INLINE_LAMBDA { return ((x ^ (x >> 32)) + y) * 0xD6E8FEB86659FD93u; };
-    const std::uint64_t hash = mix(mix(mix(words[0] * 0x9E3779B97F4A7C15u, words[1]), words[2]), words[3]);
-    const Four x = {s.force[0], s.force[1], s.force[2], 0.0f};
-    detail::FourNumbers n = __builtin_convertvector(x * per_step_ + 0.5f, detail::FourNumbers);
-    n[3] = static_cast<std::int32_t>(hash >> 48);
-    const detail::FourNumbers more = detail::four_numbers(r.equal) + 1;
-    const auto same = n == detail::four_numbers(r.last);
-    const detail::FourNumbers equal = same ? (more < 65534 ? more : more * 0 + 65534) : more * 0 + 1;
-    r.last = detail::short_numbers(n), r.equal = detail::short_numbers(equal);
-    const std::int32_t stuck = cell_[i].equal, messages = equal[3];
-    const auto repeats = equal >= detail::FourNumbers{stuck, stuck, stuck, most_messages_};
-    const auto highest = n >= detail::FourNumbers{top_, top_, top_, 65536};
-    const std::uint32_t suspect = detail::any_bit(repeats) ? 1u : 0u,
-                        top = detail::any_bit(highest) ? 1u : 0u;
+    std::uint64_t hash = 0;
+    for (const float x : detail::readings_of(s))
+      hash = ((hash ^ (hash >> 32)) + std::bit_cast<std::uint32_t>(x)) * 0xD6E8FEB86659FD93u;
+    std::uint32_t suspect = 0, top = 0;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const auto n =
+          static_cast<std::uint16_t>(c < 3 ? static_cast<std::uint32_t>(s.force[c] * per_step_ + 0.5f)
+                                           : static_cast<std::uint32_t>(hash >> 48));
+      const std::uint32_t equal = n != r.last[c] ? 1u : r.equal[c] < 65534 ? r.equal[c] + 1u : 65534u;
+      r.last[c] = n, r.equal[c] = static_cast<std::uint16_t>(equal);
+      suspect |= equal >= (c < 3 ? cell_[i].equal : most_messages_) ? 1u : 0u;
+      top |= c < 3 && n >= top_ ? 1u : 0u;
+    }
+    const std::uint32_t messages = r.equal[3];
     const std::size_t b = i / 16;
     const auto set = [k](std::uint16_t& bits, std::uint32_t value) {
       bits = static_cast<std::uint16_t>((bits & ~(1u << k)) | (value << k));
@@ -318,7 +301,7 @@ class CellHealth {
   std::vector<Constants> cell_;
   float per_step_ = 1024;
   std::uint16_t top_ = 1004;
-  std::int32_t most_messages_ = 65535;  ///< equal ones in a row; 65535: never
+  std::uint32_t most_messages_ = 65535;  ///< equal ones in a row; 65535: never
 };
 
 SKINCTL_END_NAMESPACE

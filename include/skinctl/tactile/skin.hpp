@@ -6,6 +6,17 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+namespace detail {
+template <class First, class... Rest>
+struct KindOfAll {
+  static_assert((std::is_same_v<typename First::kind, typename Rest::kind> && ...),
+                "patches of two kinds of cell: make a skin of each, and add them");
+  using type = typename First::kind;
+};
+template <class... Patches>
+using KindOfPatches = typename KindOfAll<Patches...>::type;
+}  // namespace detail
+
 /// Patches of cells on a robot of topology `M`. Immutable; the changing data are a trivially
 /// copyable `Memory` of 17 bytes a cell.
 ///
@@ -20,24 +31,34 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 /// **Method.** The sums of the held readings times their unit wrenches are updated event by event, in integer
 /// steps (unit wrenches to 2^-24, readings to 2^-14 and 2^-16), so they stay exact in any order.
+///
+/// **Kinds.** All patches have one kind of cell, `Hexagon` unless they name another one (`SensorKind`). A scene with two
+/// kinds adds two skins.
 template <Topology M, Real T, class... Patches>
 class Skin : public detail::SkinCore<M, T, (link_bit<Patches::link> | ...), (Patches::cells + ...),
-                                     (detail::sums_of(Patches::cells) + ...), false> {
+                                     sizeof...(Patches), detail::KindOfPatches<Patches...>> {
   using Core = detail::SkinCore<M, T, (link_bit<Patches::link> | ...), (Patches::cells + ...),
-                                (detail::sums_of(Patches::cells) + ...), false>;
+                                sizeof...(Patches), detail::KindOfPatches<Patches...>>;
 
  public:
-  static_assert(sizeof...(Patches) > 0, "a skin has at least one patch");
   static_assert(((Patches::link < M::joints) && ...), "a patch sits on a link that the model does not have");
+  using typename Core::Settings;
   using typename Core::Wrenches;
   static constexpr std::size_t patches = sizeof...(Patches);
   static constexpr std::size_t cells = (Patches::cells + ...);
 
   /// Throws `ConfigurationError` for an id that occurs twice or is 2^20 or more, and for settings that
   /// `SkinSettings::check` refuses.
-  SKINCTL_COLD explicit Skin(const Patches&... patch, const SkinSettings& settings = {})
-      : Core(settings, cells) {
-    (this->tables_.add(patch.any(), patch.gains(), Patches::link, Wrenches::slot(Patches::link)), ...);
+  SKINCTL_COLD explicit Skin(const Patches&... patch, const Settings& settings = {}) : Core(settings) {
+    this->tables_.reserve(cells);
+    const auto add = [&](const auto& one, std::size_t link) {
+      const auto gain = detail::gain_list(one.gains());
+      std::vector<detail::NewCell<typename Core::kind>> all;
+      all.reserve(one.any().size());
+      for (const detail::AnyCell& cell : one.any()) all.push_back({cell, settings.gates(), gain});
+      this->tables_.add(all, gain, link, Wrenches::slot(link));
+    };
+    (add(patch, Patches::link), ...);
   }
 };
 
