@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string_view>
 
 #include "skinctl/core/time.hpp"
@@ -76,6 +77,56 @@ struct SensorSample {
   std::uint32_t cell = 0;  ///< id of the cell
   std::array<float, Kind::readings.size()> readings{};
 };
+
+namespace detail {
+
+/// What makes no kind of sensor.
+enum class KindFault {
+  none,
+  pushes_nothing,
+  told_first,
+  missing_reading,
+  no_direction,
+  no_amount,
+  no_pressure
+};
+
+constexpr KindFault kind_fault(std::span<const Channel> channels, std::size_t readings) {
+  bool told = false, pushes = false, pressed = false, cone = false;
+  for (const Channel& c : channels) {
+    const auto& d = c.direction;
+    const double off = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1;
+    const bool contact = c.use == ChannelUse::contact;
+    if (told && c.use != ChannelUse::told) return KindFault::told_first;
+    if (c.readings == 0 || (std::uint64_t(c.readings) >> readings) != 0) return KindFault::missing_reading;
+    told = c.use == ChannelUse::told;
+    if (told) continue;
+    if (!(off < 1e-9 && off > -1e-9)) return KindFault::no_direction;
+    if (!(c.greatest > 1e-6 && c.greatest < 1e6)) return KindFault::no_amount;
+    if (c.cone.friction < 0 || (c.cone.friction > 0 && !contact)) return KindFault::no_pressure;
+    pushes = true, pressed = pressed || (contact && !(c.cone.friction > 0)),
+    cone = cone || c.cone.friction > 0;
+  }
+  if (!pushes) return KindFault::pushes_nothing;
+  return cone && !pressed ? KindFault::no_pressure : KindFault::none;
+}
+
+/// Says in words why a kind is none.
+template <class Kind>
+constexpr bool is_sound() {
+  constexpr KindFault fault = kind_fault(Kind::channels, Kind::readings.size());
+  static_assert(fault != KindFault::pushes_nothing, "a kind of sensor has a channel that pushes");
+  static_assert(fault != KindFault::told_first, "channels that are told stand behind those that push");
+  static_assert(fault != KindFault::missing_reading,
+                "a channel is a sum of its kind's readings: bit r is reading r");
+  static_assert(fault != KindFault::no_direction, "the direction of a channel has unit length");
+  static_assert(fault != KindFault::no_amount, "the greatest amount of a channel lies between 1e-6 and 1e6");
+  static_assert(fault != KindFault::no_pressure,
+                "a cone is that of a contact, beside a pressure of the same kind");
+  return fault == KindFault::none;
+}
+
+}  // namespace detail
 
 /// What is asked of a kind, as numbers.
 template <SensorKind Kind>
@@ -159,56 +210,6 @@ struct KindTable {
     }
     return hash;
   }
-
-  static_assert(pushing > 0, "a kind of sensor has a channel that pushes");
-  static_assert(
-      [] {
-        bool last = false, good = true;
-        for (const Channel& c : Kind::channels) {
-          last = last || c.use == ChannelUse::told;
-          good = good && (last == (c.use == ChannelUse::told));
-        }
-        return good;
-      }(),
-      "channels that are told stand behind those that push");
-  static_assert(
-      [] {
-        bool good = true;
-        for (const Channel& c : Kind::channels)
-          good = good && c.readings != 0 && (std::uint64_t(c.readings) >> readings) == 0;
-        return good;
-      }(),
-      "a channel is a sum of readings that the kind has: bit r is reading r");
-  static_assert(
-      [] {
-        bool good = true;
-        for (const Channel& c : Kind::channels) {
-          const auto& d = c.direction;
-          const double off = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1;
-          good = good && (c.use == ChannelUse::told || (off < 1e-9 && off > -1e-9));
-        }
-        return good;
-      }(),
-      "the direction of a channel has unit length");
-  static_assert(
-      [] {
-        bool good = true;
-        for (const Channel& c : Kind::channels)
-          good = good && (c.use == ChannelUse::told || (c.greatest > 1e-6 && c.greatest < 1e6));
-        return good;
-      }(),
-      "the greatest amount of a channel lies between 1e-6 and 1e6");
-  static_assert(
-      [] {
-        bool pressed = !has_cones, good = true;
-        for (std::size_t c = 0; c < pushing; ++c) {
-          pressed = pressed || is_pressure(c);
-          good = good && (!has_cone(c) || Kind::channels[c].use == ChannelUse::contact) &&
-                 !(Kind::channels[c].cone.friction < 0);
-        }
-        return pressed && good;
-      }(),
-      "a cone is that of a contact, beside a pressure of the same kind");
 };
 
 /// Counts of a cell: of each channel that pushes its amount in steps, as an integer whose sums are exact in any order.

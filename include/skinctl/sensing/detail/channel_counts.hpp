@@ -48,21 +48,27 @@ template <SensorKind Kind, std::size_t C>
     if ((mask >> r) & 1u) sum = first ? x[r] : sum + x[r], first = false;
   return sum;
 }
-/// The count of an amount.
+/// The count of an amount of any size; 0 for NaN.
+template <SensorKind Kind, std::size_t C>
+[[nodiscard]] SKINCTL_INLINE constexpr std::uint16_t cut_count_of(float amount) noexcept {
+  using Table = KindTable<Kind>;
+  constexpr auto limit = static_cast<float>(Table::limit(C)), least = Table::has_cone(C) ? -limit : 0.0f;
+  const float steps = amount * static_cast<float>(1 / Table::step(C));
+  const float cut = steps > limit ? limit : steps > least ? steps : steps <= least ? least : 0.0f;
+  return static_cast<std::uint16_t>(static_cast<std::int32_t>(cut < 0 ? cut - 0.5f : cut + 0.5f));
+}
+/// The count of an amount that lies within the range of its readings.
 template <SensorKind Kind, std::size_t C>
 [[nodiscard]] SKINCTL_INLINE constexpr std::uint16_t count_of(float amount) noexcept {
   using Table = KindTable<Kind>;
-  constexpr auto per_unit = static_cast<float>(1 / Table::step(C));
-  constexpr auto limit = static_cast<float>(Table::limit(C));
-  if constexpr (Table::has_cone(C)) {
-    const float steps = amount * per_unit;
-    const float cut = steps > limit ? limit : steps < -limit ? -limit : steps;
-    return static_cast<std::uint16_t>(static_cast<std::int32_t>(cut < 0 ? cut - 0.5f : cut + 0.5f));
+  if constexpr (Table::has_cone(C) || Table::range(C)[0] < 0 ||
+                Table::range(C)[1] > Kind::channels[C].greatest) {
+    return cut_count_of<Kind, C>(amount);
   } else {
-    constexpr std::array<double, 2> range = Table::range(C);
-    float steps = amount * per_unit + 0.5f;
-    if constexpr (range[1] / Table::step(C) > double(limit)) steps = steps > limit ? limit : steps;
-    if constexpr (range[0] < 0) steps = steps > 0 ? steps : 0;
+    const float steps = amount * static_cast<float>(1 / Table::step(C)) + 0.5f;
+    constexpr auto limit = static_cast<float>(Table::limit(C));
+    if constexpr (Table::range(C)[1] / Table::step(C) > double(limit))
+      return static_cast<std::uint16_t>(static_cast<std::int32_t>(steps > limit ? limit : steps));
     return static_cast<std::uint16_t>(static_cast<std::int32_t>(steps));
   }
 }

@@ -9,9 +9,12 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// The front end of a skin that trusts its cells: the readings are those of the samples.
+template <class Kind, Real T>
 struct AsSent {
-  [[nodiscard]] SKINCTL_INLINE auto reading(std::size_t, const auto& sample) const noexcept {
-    return counts(sample);
+  const SkinTables<Kind, T>& tables;
+  [[nodiscard]] SKINCTL_INLINE CountsOf<Kind> reading(std::size_t i,
+                                                      const SampleOf<Kind>& sample) const noexcept {
+    return counts_of<Kind>(tables.counts(i, sample));
   }
 };
 

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <span>
+#include <tuple>
 
 #include "skinctl/tactile/cell_place.hpp"
 #include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/held_wrenches.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
 #include "skinctl/tactile/detail/summand.hpp"
+#include "skinctl/tactile/kind_input.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
 
@@ -16,7 +18,7 @@ namespace detail {
 
 /// See `Skin`, whose rules these are. It has room for `Cells` of a kind in `Patches`.
 template <Topology M, Real T, LinkMask Links, std::size_t Cells, std::size_t Patches, SensorKind Kind>
-class SkinCore : public sensor_sums::Summand {
+class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   using Table = KindTable<Kind>;
 
  public:
@@ -80,14 +82,23 @@ class SkinCore : public sensor_sums::Summand {
     if (memory.owes && parts.from != parts.to) [[unlikely]]
       pay(memory, parts.per_whole, means, substeps);
     const Reception<Kind, T, Memory, Means> reception(tables_, memory, parts, means);
-    const AsSent as_sent;
-    auto& judge = either(front..., as_sent);
-    Status status = reception.take(samples, judge);
+    const AsSent<Kind, T> as_sent{tables_};
+    Status status = reception.take(samples, std::get<0>(std::tie(front..., as_sent)));
     (front.settle([&](std::size_t i, const Counts& raw)
                       SKINCTL_INLINE_LAMBDA { reception.revise(i, raw_of<Kind>(raw)); }),
      ...);
     status |= reception.age();
     return parts.from == parts.to ? status | Reason::interval_empty : status;
+  }
+
+  /// The same as the touch of a scene, of a kind whose samples the input has in `sensed`.
+  template <class Hexagons, class State, class Means, class... Front>
+    requires(!std::is_same_v<Kind, Hexagon>)
+  Status receive(Memory& memory, const Hexagons&, const KindInput<Kind>& sensed, const State&,
+                 Nanoseconds from, Nanoseconds to, std::size_t substeps, Means* means,
+                 Front&&... front) const noexcept {
+    return receive(memory, std::span<const Sample>(sensed.taxels), from, to, substeps, means,
+                   std::forward<Front>(front)...);
   }
 
   /// The wrenches of the held readings, as after the last `receive`; fading cells count fully until they are
@@ -97,7 +108,7 @@ class SkinCore : public sensor_sums::Summand {
     write_held(tables_, memory, &out, 1);
     return out;
   }
-  /// The same, forces and proximities apart.
+  /// Contacts and what is seen apart.
   [[nodiscard]] Touch touch(const Memory& memory) const noexcept {
     Touch out;
     write_held(tables_, memory, &out, 1);
@@ -233,6 +244,17 @@ class SkinCore : public sensor_sums::Summand {
     SKINCTL_EXPECTS(i < size(), "a cell of this skin");
     return memory.hears(i) ? counts_of<Kind>(memory.records[i].held) : Counts{};
   }
+  /// The amounts of cell `i`'s channels that push, of a sample that passed `check`: by its calibration if it has one.
+  [[nodiscard]] auto amounts(std::size_t i, const Sample& sample) const noexcept {
+    return tables_.amounts(i, sample);
+  }
+  /// See `calibrated`.
+  SKINCTL_COLD void calibrate(std::vector<ChannelCalibration<Kind>> calibration) {
+    require(calibration.size() == 1 || calibration.size() == size(), "calibrated: calibrations of a skin",
+            double(calibration.size()), "one for all cells, or one a cell");
+    for (const auto& one : calibration) one.check();
+    tables_.calibration = std::move(calibration);
+  }
   /// Index of the cell `id` in the order of the patches; `size()` if no patch has it.
   [[nodiscard]] std::size_t index(std::uint32_t id) const noexcept {
     const std::size_t i = tables_.index(id);
@@ -263,11 +285,6 @@ class SkinCore : public sensor_sums::Summand {
     for (const std::uint32_t i : tables_.numb)
       n += i >= first && i - first < count && memory.hears(i) ? 1u : 0u;
     return n;
-  }
-  /// The front end that was given, or the last argument.
-  template <class Front, class... Rest>
-  static SKINCTL_INLINE auto& either(Front& front, Rest&...) noexcept {
-    return front;
   }
   [[nodiscard]] Xyz<T> place_of(std::size_t i) const noexcept {
     const Xyz<float>& p = tables_.places[i].first;
