@@ -94,6 +94,7 @@
 
 #include "skinctl/sensing/cell_fault.hpp"
 #include "skinctl/sensing/cell_health.hpp"
+#include "skinctl/sensing/cell_health_settings.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
 #include "skinctl/sensing/event_gate.hpp"

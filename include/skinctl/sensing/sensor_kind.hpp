@@ -154,6 +154,26 @@ struct KindTable {
     for (std::size_t c = 0; c < pushing; ++c) any = any || is_seen(c);
     return any;
   }();
+  /// Number of pressures.
+  static constexpr std::size_t pressures = [] {
+    std::size_t n = 0;
+    for (std::size_t c = 0; c < pushing; ++c) n += is_pressure(c) ? 1u : 0u;
+    return n;
+  }();
+  /// The readings of all pressures, a bit each.
+  static constexpr std::uint32_t pressed_readings = [] {
+    std::uint32_t bits = 0;
+    for (std::size_t c = 0; c < pushing; ++c) bits |= is_pressure(c) ? Kind::channels[c].readings : 0u;
+    return bits;
+  }();
+  /// The greatest maximum of a channel's readings: what a step of a sensor is a share of.
+  static constexpr double full(std::size_t c) {
+    double most = 0;
+    for (std::size_t r = 0; r < readings; ++r)
+      if (((Kind::channels[c].readings >> r) & 1u) && Kind::readings[r].max > most)
+        most = Kind::readings[r].max;
+    return most;
+  }
   /// Channels that act along one line share a unit wrench: its number, in the order of their first ones.
   static constexpr std::array<std::size_t, pushing> line = [] {
     std::array<std::size_t, pushing> out{};

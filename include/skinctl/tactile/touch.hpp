@@ -254,9 +254,10 @@ class WrappedTouch : public detail::WithSensed<S, NoSensors, Adds...>, public de
   }
   /// See `Skin::recomputed`: what `Own` has added stays.
   template <class Memory>
-  [[nodiscard]] Memory recomputed(Memory memory) const noexcept
+  [[nodiscard]] Memory recomputed(const Memory& given) const noexcept
     requires detail::HasRecomputed<S>
   {
+    Memory memory = given;
     static_cast<typename S::Memory&>(memory) = wrapped().recomputed(memory);
     return memory;
   }

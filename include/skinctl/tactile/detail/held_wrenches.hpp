@@ -51,5 +51,41 @@ SKINCTL_NOINLINE void pay(Memory& memory, const T& per_whole, Means* means, std:
   memory.owes = false;
 }
 
+/// Adds the wrenches of pushes on cell `i`, one a channel [N].
+template <class Kind, Real T, class W>
+void add_pushes(const SkinTables<Kind, T>& tables, std::size_t i, const PerChannel<Kind, T>& push,
+                TouchWrenches<W>& to) noexcept {
+  const CellRow<Kind>& row = tables.cells[i];
+  each_channel<Kind>([&](auto c) {
+    auto& wrenches = KindTable<Kind>::is_seen(c) ? to.proximity : to.force;
+    tables.patch_of(i).add_unit(row.unit[KindTable<Kind>::line[c]], push[c], wrenches.data[row.slot]);
+  });
+}
+/// Adds the contact of cell `i` to the areas that are pressed, if there is one; `push` of each channel [N].
+template <class Kind, Real T, class Areas>
+void add_area(const SkinTables<Kind, T>& tables, std::size_t i, const PerChannel<Kind, T>& push,
+              Areas& areas) noexcept {
+  using Table = KindTable<Kind>;
+  using std::sqrt;
+  const CellRow<Kind>& row = tables.cells[i];
+  const PatchRow<Kind, T>& patch = tables.patch_of(i);
+  T unit[6] = {}, size(0);
+  if constexpr (Table::lines == 1) {
+    each_channel<Kind>([&](auto c) {
+      if constexpr (!Table::is_seen(c)) size = size + push[c];
+    });
+    patch.add_unit(row.unit[0], T(1), unit);
+  } else {
+    each_channel<Kind>([&](auto c) {
+      if constexpr (!Table::is_seen(c)) patch.add_unit(row.unit[Table::line[c]], push[c], unit);
+    });
+    size = sqrt(unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2]);
+    if (size > T(0))
+      for (T& x : unit) x = x / size;
+  }
+  const Xyz<float>& p = tables.places[i].first;
+  if (size > T(0)) areas.add(patch.link, {T(p.x), T(p.y), T(p.z)}, unit, size);
+}
+
 }  // namespace detail
 SKINCTL_END_NAMESPACE

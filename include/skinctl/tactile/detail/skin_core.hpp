@@ -130,25 +130,12 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   [[nodiscard]] Pressed pressed(const Memory& memory, const auto&) const noexcept { return pressed(memory); }
   [[nodiscard]] Pressed pressed(const Memory& memory) const noexcept {
     Pressed areas;
-    each_pressed(memory, [&](std::size_t i, const T& pressure) {
-      T wrench[6] = {};
-      const CellRow<Kind>& row = tables_.cells[i];
-      const PatchRow<Kind, T>& patch = tables_.patch_of(i);
-      if constexpr (Table::lines == 1) {
-        patch.add_unit(row.unit[0], T(1), wrench);
-        areas.add(patch.link, place_of(i), wrench, pressure);
-      } else {
-        const auto held = row.weigh(memory.records[i].held);
-        each_channel<Kind>([&](auto c) {
-          if constexpr (!Table::is_seen(c))
-            patch.add_unit(row.unit[Table::line[c]], patch.gain[c] * real_of<T>(held[c]), wrench);
-        });
-        using std::sqrt;
-        const T push = sqrt(wrench[0] * wrench[0] + wrench[1] * wrench[1] + wrench[2] * wrench[2]);
-        if (!(push > T(0))) return;
-        for (T& x : wrench) x = x / push;
-        areas.add(patch.link, place_of(i), wrench, push);
-      }
+    memory.each_cell(&BlockStates::pressed, 0, size(), [&](std::size_t i) {
+      const auto held = tables_.cells[i].weigh(memory.records[i].held);
+      PerChannel<Kind, T> push;
+      for (std::size_t c = 0; c < push.size(); ++c)
+        push[c] = tables_.patch_of(i).gain[c] * real_of<T>(held[c]);
+      add_area(tables_, i, push, areas);
     });
     return areas;
   }
@@ -285,10 +272,6 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
     for (const std::uint32_t i : tables_.numb)
       n += i >= first && i - first < count && memory.hears(i) ? 1u : 0u;
     return n;
-  }
-  [[nodiscard]] Xyz<T> place_of(std::size_t i) const noexcept {
-    const Xyz<float>& p = tables_.places[i].first;
-    return {T(p.x), T(p.y), T(p.z)};
   }
 };
 

@@ -72,6 +72,9 @@ struct SkinMemory {
   [[nodiscard]] SKINCTL_INLINE bool hears(std::size_t i) const noexcept {
     return ((states[i / 64].heard >> (i % 64)) & 1u) != 0;
   }
+  [[nodiscard]] bool presses(std::size_t i) const noexcept {
+    return ((states[i / 64].pressed >> (i % 64)) & 1u) != 0;
+  }
   /// Calls `f(i)` for each of `count` cells from `first` on that is in a state.
   template <class F>
   SKINCTL_INLINE void each_cell(std::uint64_t BlockStates::* state, std::size_t first, std::size_t count,
