@@ -10,7 +10,6 @@
 #include <memory>
 #include <string>
 
-#include "bench/studies/floor/event_floor.hpp"
 #include "bench/tactile/kdl_skin.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin_of.hpp"
@@ -41,13 +40,6 @@ std::vector<SkinPatch> some_cells(std::size_t count) {
   }
   return patches;
 }
-std::vector<detail::AnyCell> any_cells(const std::vector<SkinPatch>& patches) {
-  std::vector<detail::AnyCell> all;
-  for (const SkinPatch& patch : patches)
-    for (const SkinCell& cell : patch.cells) all.push_back({cell.id, cell.X_LC});
-  return all;
-}
-
 /// The samples of some cycles of 2 ms; stamped anew for each pass.
 struct Batches {
   std::size_t events, cycles;
@@ -96,7 +88,7 @@ SkinSettings settings() {
   return s;
 }
 
-/// Events through a skin, or the floor under it.
+/// Events through a skin.
 template <class S, class Receive>
 Row events(const std::string& name, std::shared_ptr<Batches> batches, S skin, std::size_t cells, double bytes,
            Receive receive) {
@@ -152,28 +144,8 @@ void print_rows(std::size_t most, int repetitions) {
   auto busy = std::make_shared<Batches>(cells, true);
   auto calm = std::make_shared<Batches>(cells, false);
   std::vector<Row> rows;
-  const double event_bytes = sizeof(CellSample) + 2 * sizeof(detail::CellRecord) + sizeof(detail::CellUnit) +
-                             sizeof(detail::CellKey);
-  {
-    detail::CellTable flat(cells);
-    std::size_t number = 0;
-    for (const SkinPatch& p : patches) {
-      const auto one = any_cells({p});
-      for (std::size_t from = 0; from < one.size(); from += detail::ExactSums::most_cells)
-        flat.add(one.data() + from, std::min(one.size() - from, detail::ExactSums::most_cells), number++,
-                 p.link);
-    }
-    const std::int32_t threshold[2] = {1311, 3277};
-    const double gain[2] = {10 * CellCounts::force_unit, 3 * CellCounts::proximity_unit};
-    auto floor = std::make_shared<bench_floor::EventFloor>(
-        flat, std::uint32_t(cells + 1), number, Nanoseconds(hour).count(), Nanoseconds(6ms).count(),
-        Nanoseconds(22ms).count(), threshold, gain);
-    rows.push_back(events("event, floor", busy, floor, cells, event_bytes,
-                          [](auto& s, std::span<const CellSample> x, Nanoseconds from, Nanoseconds to) {
-                            auto refused = s.take(x, from.count(), to.count());
-                            keep(refused);
-                          }));
-  }
+  using Record = detail::CellRecord<Hexagon>;
+  const double event_bytes = sizeof(CellSample) + 2 * sizeof(Record) + sizeof(detail::CellRow<Hexagon>) + 4;
   using S = SkinWithMemory<cells>;
   const auto receive = [](S& s, std::span<const CellSample> x, Nanoseconds from, Nanoseconds to) {
     typename S::Skin::Touch mean;
@@ -183,12 +155,9 @@ void print_rows(std::size_t most, int repetitions) {
   const auto skin = std::make_shared<S>(patches);
   const double memory = double(sizeof(skin->memory)) / double(cells);
   const double table = double(skin->skin.table_bytes()) / double(cells);
-  rows.push_back(events("event, force and proximity apart", busy, skin, cells,
-                        event_bytes + sizeof(detail::CellTuning), receive));
-  rows.push_back(events("sample that changes nothing", calm, std::make_shared<S>(patches), cells,
-                        sizeof(CellSample) + 2 * sizeof(detail::CellRecord) + sizeof(detail::CellKey) +
-                            sizeof(detail::CellTuning),
-                        receive));
+  rows.push_back(events("event, force and proximity apart", busy, skin, cells, event_bytes, receive));
+  rows.push_back(
+      events("sample that changes nothing", calm, std::make_shared<S>(patches), cells, event_bytes, receive));
   rows.push_back(scan(cells));
   if (cells <= 10000) {
     std::vector<bench::KdlCell> k;

@@ -58,28 +58,6 @@ void receive(benchmark::State& state, std::size_t events, Readings readings, std
   }
 }
 
-/// The sums alone: the floor of an event.
-template <std::size_t Cells>
-void sums_alone(benchmark::State& state) {
-  detail::CellTable table(Cells);
-  std::size_t patch = 0;
-  std::apply([&](const auto&... p) { (table.add(p.any().data(), p.any().size(), patch++, p.link), ...); },
-             ur5::skin_patches<Cells>());
-  std::mt19937_64 random(1);
-  std::vector<std::uint32_t> order(4096);
-  for (auto& i : order) i = static_cast<std::uint32_t>(random() % Cells);
-  detail::ExactSums sums[6];
-  std::size_t k = 0;
-  const bench::CountAllocations counted(state);
-  for (auto _ : state) {
-    const std::size_t i = order[k % 4096];
-    sums[table.seat(i).sums].add(table[i], int(k % 1000) - 500, int(k % 777) - 388);
-    ++k;
-    benchmark::ClobberMemory();
-  }
-  benchmark::DoNotOptimize(sums);
-}
-
 template <std::size_t Cells, class T>
 void rows() {
   const std::string end = std::string("/skinctl/") + bench::scalar_name<T>;
@@ -102,7 +80,6 @@ const bool registered = [] {
   rows<1260, double>();
   rows<10000, double>();
   rows<1260, float>();
-  benchmark::RegisterBenchmark("tactile/event/ur5-1260/sums_alone/double", sums_alone<1260>);
   return true;
 }();
 

@@ -52,8 +52,8 @@ CellSample pressed(Nanoseconds time, std::uint32_t cell, double newtons) {
 
 }  // namespace
 
-static_assert(sizeof(CycleInput<6>) == sizeof(Nanoseconds) + sizeof(State<6>) + sizeof(std::span<const int>) +
-                                           8 + sizeof(Status),
+static_assert(sizeof(CycleInput<6>) ==
+                  sizeof(Nanoseconds) + sizeof(State<6>) + sizeof(std::span<const int>) + 8 + sizeof(Status),
               "sensors and goals that a scene does not have cost its input nothing");
 
 TEST_CASE("TouchSum: laws see the torques of skin and wrist sensor, contacts are of both") {

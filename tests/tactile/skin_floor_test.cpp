@@ -6,10 +6,8 @@
 
 #include <cmath>
 
-#include "bench/studies/floor/event_floor.hpp"
 #include "bench/tactile/kdl_skin.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "tests/support/random_skin.hpp"
 
@@ -74,51 +72,5 @@ TEST_CASE("KDL as a peer: per cell and per link it is skinctl's torque") {
     kdl.per_link(q.data, newton.data(), per_link.data);
     CHECK(compare(tau, per_cell).first <= 1e-12 * compare(tau, per_cell).second);
     CHECK(compare(tau, per_link).first <= 1e-12 * compare(tau, per_link).second);
-  }
-}
-
-TEST_CASE("Floor of an event: the sums by hand are the skin's to the bit, and its means to rounding") {
-  const auto patches = ur5::skin_patches<260>();
-  const auto skin = ur5_skin<260>({10, 3});
-  detail::CellTable table(260);
-  std::size_t number = 0;
-  std::apply([&](const auto&... p) { (table.add(p.any().data(), p.any().size(), number++, p.link), ...); },
-             patches);
-  const double gain[2] = {10 * CellCounts::force_unit, 3 * CellCounts::proximity_unit};
-  const std::int32_t threshold[2] = {1311, 3277};
-  bench_floor::EventFloor floor(table, 261, 6, Nanoseconds(200ms).count(), Nanoseconds(6ms).count(),
-                                Nanoseconds(22ms).count(), threshold, gain);
-  auto memory = skin.start(0ns);
-  Random rng = seeded(4);
-  Nanoseconds now = 100ms;
-  const auto batch = [&](Nanoseconds earlier) {
-    std::vector<CellSample> samples(260);
-    for (std::uint32_t i = 0; i < 260; ++i) {
-      samples[i].cell = i + 1;
-      samples[i].time = now - earlier - Nanoseconds(rng() % 900000u);
-      for (float& f : samples[i].force) f = float(rng() % 1025) / 1024;
-      samples[i].proximity = float(rng() % 65537) / 65536;
-    }
-    return samples;
-  };
-  decltype(skin)::Wrenches mean;
-  const auto first = batch(1ms);  // until then the skin has not heard its cells
-  skin.receive(memory, first, now - 2ms, now, 1, &mean);
-  floor.take(first, (now - 2ms).count(), now.count());
-  for (int k = 0; k < 50; ++k) {
-    const auto before = skin.wrenches(memory);
-    now += 2ms;
-    const auto samples = batch(1ms);
-    skin.receive(memory, samples, now - 2ms, now, 1, &mean);
-    CHECK(floor.take(samples, (now - 2ms).count(), now.count()) == 0);
-    for (std::size_t l = 0; l < 6; ++l)
-      for (std::size_t r = 0; r < 6; ++r) {
-        const auto& s = floor.sums[l];
-        constexpr std::size_t w = bench_floor::EventFloor::width;
-        CHECK(s.force[r / w][r % w] == memory.sums[l].force[r]);
-        CHECK(s.proximity[r / w][r % w] == memory.sums[l].proximity[r]);
-        CHECK(std::abs(before.data[l][r] + s.mean[r / w][r % w] - mean.data[l][r]) <=
-              1e-12 * (1 + std::abs(mean.data[l][r])));
-      }
   }
 }

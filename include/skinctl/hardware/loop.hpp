@@ -16,6 +16,7 @@
 #include "skinctl/hardware/histogram.hpp"
 #include "skinctl/hardware/robot.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
+#include "skinctl/tactile/kind_input.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -53,6 +54,7 @@ struct LoopReport {
     typename C::Input input;
     std::vector<CellSample> samples;
     std::vector<WrenchSample> wrenches;
+    TaxelStore<decltype(C::Input::sensed)> taxels;
   };
   std::unique_ptr<Worst> worst;
 };
@@ -93,6 +95,8 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
   constexpr bool has_wrenches = SensesWrenches<decltype(C::Input::sensed)>;
   constexpr bool has_motors = SensesMotors<decltype(C::Input::sensed)>;
   if constexpr (has_wrenches) report.worst->wrenches.reserve(options.max_samples);
+  report.worst->taxels.each(report.worst->input.sensed,
+                            [&](auto&, auto& kept) { kept.reserve(options.max_samples); });
   const auto previous = std::make_unique<typename C::Memory>();
 
   BudgetMemory budget;
@@ -206,6 +210,11 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
         worst.wrenches.assign(wrenches.begin(), wrenches.begin() + static_cast<std::ptrdiff_t>(few));
         worst.input.sensed.wrenches = worst.wrenches;
       }
+      worst.taxels.each(worst.input.sensed, [&](auto& samples, auto& kept_taxels) {
+        const auto few = std::min(samples.size(), options.max_samples);
+        kept_taxels.assign(samples.begin(), samples.begin() + static_cast<std::ptrdiff_t>(few));
+        samples = kept_taxels;
+      });
     }
     report.whole.record(watch.total());
     (recorders(input, output, watch), ...);

@@ -44,14 +44,8 @@ template <class S>
   SkinReport out;
   for (const auto& c : skin.table()) {
     const std::size_t i = out.cells.size();
-    out.cells.push_back({c.id,
-                         c.link,
-                         c.place,
-                         {-c.unit[0], -c.unit[1], -c.unit[2]},
-                         skin.faults(memory, i),
-                         double(skin.mask(memory, i)),
-                         skin.rest(memory, i),
-                         skin.is_unexplained(memory, i)});
+    out.cells.push_back({c.id, c.link, c.place, c.normal, skin.faults(memory, i),
+                         double(skin.mask(memory, i)), skin.rest(memory, i), skin.is_unexplained(memory, i)});
   }
   out.usable = skin.usable(memory);
   return out;

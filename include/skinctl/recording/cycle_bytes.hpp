@@ -7,12 +7,14 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/recording/detail/byte_stream.hpp"
 #include "skinctl/recording/each_number.hpp"
+#include "skinctl/tactile/kind_input.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// The bytes of the cycles of `C`; in this order, without padding, as they lie in memory: now, measured state, request,
 /// observed status, goal, configuration (if `C` has several), cell samples, wrenches and motor torques (if its skin
-/// takes them), what its law adds (the gripper's state), what its limits add (what is around), weights of patches (of a `WeightedSkin`),
+/// takes them), taxels of other kinds, what its law adds (the gripper's state), what its limits add (what is around), weights
+/// of patches (of a `WeightedSkin`),
 /// command.
 template <class C>
 class CycleBytes {
@@ -37,6 +39,7 @@ class CycleBytes {
   struct Samples {
     std::vector<CellSample> cells;
     std::vector<WrenchSample> wrenches;
+    TaxelStore<typename C::Sensed> taxels;
   };
   /// Where a scene starts: at a measured state, perhaps told to be elsewhere.
   struct Beginning {
@@ -49,6 +52,8 @@ class CycleBytes {
   [[nodiscard]] static std::size_t max_size(const Input& input) noexcept {
     std::size_t size = fixed_size + input.samples.size() * sample_size;
     if constexpr (has_wrenches) size += input.sensed.wrenches.size() * wrench_size;
+    TaxelStore<typename C::Sensed>::look(
+        input.sensed, [&](const auto& samples) { size += 4 + samples.size() * taxel_size(samples); });
     return size;
   }
   /// And of a beginning.
@@ -75,6 +80,10 @@ class CycleBytes {
       for (const WrenchSample& s : input.sensed.wrenches) numbers(out, s);
     }
     if constexpr (has_motors) numbers(out, input.sensed.motor_torque);
+    TaxelStore<typename C::Sensed>::look(input.sensed, [&](const auto& samples) {
+      out.put(static_cast<std::uint32_t>(samples.size()));
+      for (const auto& s : samples) numbers(out, s);
+    });
     each_part(Added(),
               [&]<class Part>(std::type_identity<Part>) { numbers(out, static_cast<const Part&>(input)); });
     if constexpr (has_weights) numbers(out, input.sensed.patch_weights);
@@ -107,6 +116,10 @@ class CycleBytes {
       input.sensed.wrenches = samples.wrenches;
     }
     if constexpr (has_motors) read_numbers(in, input.sensed.motor_torque);
+    samples.taxels.each(input.sensed, [&](auto& span, auto& kept) {
+      read_samples(in, taxel_size(span), kept);
+      span = kept;
+    });
     each_part(Added(),
               [&]<class Part>(std::type_identity<Part>) { read_numbers(in, static_cast<Part&>(input)); });
     if constexpr (has_weights) read_numbers(in, input.sensed.patch_weights);
@@ -119,13 +132,13 @@ class CycleBytes {
     if (begin.has_told) read_numbers(in, begin.told);
     return begin;
   }
-  /// Which kind of scene writes such bytes: its first number tells byte orders apart, the others kinds of input,
+  /// Which kind of scene writes such bytes: its first number tells byte orders apart, the others kinds of input and of cells,
   /// joints, scalars and goals.
   [[nodiscard]] static std::array<std::uint32_t, 5> kind() noexcept {
     return {0x01020304,
-            64u * own_inputs + (has_surroundings ? 32u : 0u) + (has_weights ? 16u : 0u) +
-                (has_gripper ? 8u : 0u) + (configured ? 4u : 0u) + (has_motors ? 2u : 0u) +
-                (has_wrenches ? 1u : 0u),
+            ((TaxelStore<typename C::Sensed>::fingerprint >> 6) << 6) + 64u * own_inputs +
+                (has_surroundings ? 32u : 0u) + (has_weights ? 16u : 0u) + (has_gripper ? 8u : 0u) +
+                (configured ? 4u : 0u) + (has_motors ? 2u : 0u) + (has_wrenches ? 1u : 0u),
             static_cast<std::uint32_t>(C::joints), static_cast<std::uint32_t>(sizeof(typename C::scalar)),
             static_cast<std::uint32_t>(sizeof(typename C::Goal))};
   }
@@ -139,6 +152,10 @@ class CycleBytes {
   template <class... Parts, class F>
   static void each_part(std::type_identity<std::tuple<Parts...>>, F&& f) {
     (f(std::type_identity<Parts>()), ...);
+  }
+  template <class Samples>
+  static constexpr std::size_t taxel_size(const Samples&) noexcept {
+    return 8 + 4 + sizeof(Samples::value_type::readings);
   }
   template <class Out, class V>
   static void numbers(Out& out, V value) noexcept {

@@ -42,6 +42,12 @@ void each_number(CellSample& s, F&& f) {
   for (float& x : s.acceleration) f(x);
   f(s.temperature);
 }
+template <SensorKind Kind, class F>
+void each_number(SensorSample<Kind>& s, F&& f) {
+  each_number(s.time, f);
+  f(s.cell);
+  for (float& x : s.readings) f(x);
+}
 template <class F>
 void each_number(WrenchSample& s, F&& f) {
   each_number(s.time, f);

@@ -5,88 +5,26 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <span>
 #include <vector>
 
-#include "skinctl/core/contract.hpp"
-#include "skinctl/core/detail/lane_vector.hpp"
 #include "skinctl/sensing/cell_fault.hpp"
+#include "skinctl/sensing/cell_health_settings.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/detail/frame_scan.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What one cell reads untouched, in steps of its sensors: the standard deviation of its noise before the sensor
-/// rounds, and the mean.
-struct SensorNoise {
-  float force = 0.7f;      ///< of one force sensor
-  float proximity = 0.7f;  ///< of the proximity
-  float rest = 0;          ///< mean of one force sensor; 0: it may read exact zeros while untouched
-  /// Equal readings may follow one another for any time, pressed or not, because its step is coarse or its readings are
-  /// filtered before they arrive. Then equal readings show no fault; whole messages that are equal still do.
-  bool repeats = false;
-
-  /// The deviation before rounding of readings with the deviation `sigma` [steps].
-  [[nodiscard]] static float before_rounding(float sigma) noexcept {
-    const float rest = sigma * sigma - 1.0f / 12;
-    return rest > 0.01f ? std::sqrt(rest) : 0.1f;
-  }
-};
-
-struct CellHealthSettings {
-  double step = 1.0 / 1024;  ///< of the readings
-  /// Of cells that send changes only: the smallest change of a force sensor that is sent (`SendOnDelta`) [steps]. What
-  /// they send moves in steps of it, which is no noise. 0: they send all that they read.
-  double delta = 0;
-  /// So many messages in a row with all eight numbers equal show a dead cell, also in between touches. 0: never,
-  /// for cells without an accelerometer or other number that always has noise.
-  std::uint32_t equal_messages = 5;
-  double top = 0.98;  ///< a force reading from here on is at the top of its range
-  Nanoseconds saturated_for = 200ms;
-  Nanoseconds fade_in = 50ms, fade_out = 250ms;  ///< of masks
-  Nanoseconds hold = 2s, hold_blinking = 10s;    ///< a mask stays for so long after the last finding
-  Nanoseconds witnessed_within = 12ms;           ///< before or after a jump
-  /// A force that steps is no touch for so long, in which the rules find its fault, and not before it has moved since.
-  Nanoseconds doubt = 500ms;
-
-  /// Throws `ConfigurationError` for a number out of its range.
-  SKINCTL_COLD void check() const {
-    require(step >= 1.0 / 60000 && step <= 0.1, "CellHealth: step", step, "1/60000 to 0.1");
-    require(delta >= 0 && delta * step <= 0.1, "CellHealth: delta", delta, ">= 0 steps, <= 0.1 of the range");
-    require(equal_messages != 1 && equal_messages <= 1000, "CellHealth: equal_messages",
-            double(equal_messages), "0, or 2 to 1000");
-    require(top > 0.5 && top <= 1, "CellHealth: top", top, "> 0.5, <= 1");
-    const auto time = [](Nanoseconds t, const char* name) {
-      require(t > 0ns && t <= 60s, name, milliseconds(t), "> 0 ms, <= 60 s");
-    };
-    time(saturated_for, "CellHealth: saturated_for"), time(fade_in, "CellHealth: fade_in");
-    time(fade_out, "CellHealth: fade_out"), time(hold, "CellHealth: hold");
-    time(hold_blinking, "CellHealth: hold_blinking"), time(witnessed_within, "CellHealth: witnessed_within");
-    require(doubt >= 0ns && doubt <= 60s, "CellHealth: doubt", milliseconds(doubt), "0 ms to 60 s");
-  }
-};
-
 namespace detail {
-/// The last message of a cell, and how often it has come.
+/// The last message of a cell with `Sensors` force sensors, and how often it has come.
+template <std::size_t Sensors>
 struct MessageRecord {
-  /// In steps, of the three force sensors; a hash of all eight numbers.
-  std::array<std::uint16_t, 4> last{};
-  std::array<std::uint16_t, 4> equal{};  ///< each of these for so many times in a row
-  CellFaults faults;                     ///< found, while the mask is held
-  bool known = false;                    ///< a sample has come
+  std::array<std::uint16_t, Sensors + 1> last{};   ///< of each sensor [steps]; a hash of all readings
+  std::array<std::uint16_t, Sensors + 1> equal{};  ///< each of these for so many times in a row
+  CellFaults faults;                               ///< found, while the mask is held
+  bool known = false;                              ///< a sample has come
   friend bool operator==(const MessageRecord&, const MessageRecord&) noexcept = default;
 };
-/// Four whole numbers in a register; on a target without, the compiler takes them one by one.
-typedef std::int32_t FourNumbers __attribute__((vector_size(16)));
-[[nodiscard]] SKINCTL_INLINE FourNumbers four_numbers(const std::array<std::uint16_t, 4>& from) noexcept {
-  typedef std::uint16_t Shorts __attribute__((vector_size(8)));
-  return __builtin_convertvector(std::bit_cast<Shorts>(from), FourNumbers);
-}
-[[nodiscard]] SKINCTL_INLINE std::array<std::uint16_t, 4> short_numbers(FourNumbers n) noexcept {
-  typedef std::uint16_t Shorts __attribute__((vector_size(8)));
-  return std::bit_cast<std::array<std::uint16_t, 4>>(__builtin_convertvector(n, Shorts));
-}
 }  // namespace detail
 
 /// Finds faulty cells of a skin with `Cells` cells. sigma is that of the sum of the force sensors, with rounding.
@@ -102,14 +40,22 @@ typedef std::int32_t FourNumbers __attribute__((vector_size(16)));
 /// not heard one of its age. Masks fade in over `fade_in`, and out over `fade_out` after `hold` without finding.
 ///
 /// A sample is a measurement: a network that repeats old readings under new stamps makes healthy cells look stuck.
-template <std::size_t Cells>
+///
+/// Of another kind than the hexagon, the force sensors are the readings of its pressures, as shares of their greatest
+/// value; its proximity is what it sees.
+template <std::size_t Cells, SensorKind Kind = Hexagon>
 class CellHealth {
+  using Table = KindTable<Kind>;
+  static constexpr std::size_t sensors = static_cast<std::size_t>(std::popcount(Table::pressed_readings));
+  using Record = detail::MessageRecord<sensors>;
+
  public:
+  static_assert(sensors > 0, "cells without a pressure have no faults that show");
   static constexpr std::size_t cells = Cells, rows = (Cells + 15) / 16;
   /// `Memory{}` has heard no cell, and masks none.
   struct Memory {
     std::array<detail::HealthRow, rows> row{};
-    std::array<detail::MessageRecord, rows * 16> record{};
+    std::array<Record, rows * 16> record{};
     std::array<std::uint16_t, rows> suspect{};  ///< cells whose messages repeat
     std::array<std::uint16_t, rows> fresh{};    ///< a sample has come since the last frame
     std::array<std::uint16_t, rows> at_top{};   ///< a force sensor is at its top
@@ -145,19 +91,20 @@ class CellHealth {
               "0 to 1000 steps");
       require(n.rest >= 0 && double(n.rest) * s_.step < 1, "SensorNoise: rest", double(n.rest),
               ">= 0 steps, < range");
-      const double sigma = std::sqrt(3 * (double(n.force) * double(n.force) + 1.0 / 12));
+      const double sigma = std::sqrt(double(sensors) * (double(n.force) * double(n.force) + 1.0 / 12));
       auto& limits = limits_[i / 16];
-      limits.per_sigma[i % 16] = static_cast<float>(1 / std::sqrt(sigma * sigma + 3 * s_.delta * s_.delta));
+      limits.per_sigma[i % 16] =
+          static_cast<float>(1 / std::sqrt(sigma * sigma + double(sensors) * s_.delta * s_.delta));
       limits.jump[i % 16] = static_cast<float>(std::max(12 * sigma, 0.1 / s_.step));
-      limits.moves[i % 16] = static_cast<float>(12 * sigma + 3 * s_.delta);
+      limits.moves[i % 16] = static_cast<float>(12 * sigma + double(sensors) * s_.delta);
       limits.proximity[i % 16] =
           static_cast<float>(6 * s_.step * std::sqrt(double(n.proximity) * double(n.proximity) + 1.0 / 12));
       const double p = std::erf(1 / (2 * std::sqrt(2.0) * std::max(double(n.force), 0.05)));
       const double needed = p < 1 && !n.repeats ? std::ceil(23 / -std::log(p)) : 1e9;
       cell_[i] = {static_cast<float>(sigma), static_cast<std::uint16_t>(needed < 60000 ? needed : 65535),
-                  double(n.rest) > 4 * double(n.force) + 1, 3 * n.rest};
+                  double(n.rest) > 4 * double(n.force) + 1, float(sensors) * n.rest};
     }
-    most_messages_ = s_.equal_messages > 0 ? static_cast<std::int32_t>(s_.equal_messages) : 65535;
+    most_messages_ = s_.equal_messages > 0 ? s_.equal_messages : 65535;
     per_step_ = static_cast<float>(1 / s_.step),
     top_ = static_cast<std::uint16_t>(std::ceil(s_.top / s_.step - 1e-9));
   }
@@ -171,45 +118,46 @@ class CellHealth {
   [[nodiscard]] static bool spoke(const Memory& m, std::size_t i) noexcept {
     return ((m.fresh[i / 16] >> (i % 16)) & 1u) != 0;
   }
-  /// The sum of a sample's forces [steps].
-  [[nodiscard]] float steps(const CellSample& s) const noexcept {
-    return (s.force[0] + s.force[1] + s.force[2]) * per_step_;
-  }
-
   /// Takes a sample of cell `i` < Cells that passed `check`.
   SKINCTL_INLINE void take(Memory& m, std::size_t i, const CellSample& s) const noexcept {
-    detail::MessageRecord& r = m.record[i];
+    take(m, i, s, (s.force[0] + s.force[1] + s.force[2]) * per_step_, s.proximity);
+  }
+  /// The same of any kind, with the sum of its pressures [steps] and what it sees, 0 to 1.
+  SKINCTL_INLINE void take(Memory& m, std::size_t i, const SampleOf<Kind>& s, float force,
+                           float proximity) const noexcept {
+    Record& r = m.record[i];
     detail::HealthRow& row = m.row[i / 16];
     const std::size_t k = i % 16;
-    // All eight numbers lie side by side: see `CellSample`.
-    typedef float Four __attribute__((vector_size(16)));
-    std::array<std::uint64_t, 4> words;
-    std::memcpy(words.data(), reinterpret_cast<const char*>(&s) + offsetof(CellSample, force), sizeof words);
-    const auto mix = [](std::uint64_t x, std::uint64_t y)
-                         SKINCTL_INLINE_LAMBDA { return ((x ^ (x >> 32)) + y) * 0xD6E8FEB86659FD93u; };
-    const std::uint64_t hash = mix(mix(mix(words[0] * 0x9E3779B97F4A7C15u, words[1]), words[2]), words[3]);
-    const Four x = {s.force[0], s.force[1], s.force[2], 0.0f};
-    detail::FourNumbers n = __builtin_convertvector(x * per_step_ + 0.5f, detail::FourNumbers);
-    n[3] = static_cast<std::int32_t>(hash >> 48);
-    const detail::FourNumbers more = detail::four_numbers(r.equal) + 1;
-    const auto same = n == detail::four_numbers(r.last);
-    const detail::FourNumbers equal = same ? (more < 65534 ? more : more * 0 + 65534) : more * 0 + 1;
-    r.last = detail::short_numbers(n), r.equal = detail::short_numbers(equal);
-    const std::int32_t stuck = cell_[i].equal, messages = equal[3];
-    const auto repeats = equal >= detail::FourNumbers{stuck, stuck, stuck, most_messages_};
-    const auto highest = n >= detail::FourNumbers{top_, top_, top_, 65536};
-    const std::uint32_t suspect = detail::any_bit(repeats) ? 1u : 0u,
-                        top = detail::any_bit(highest) ? 1u : 0u;
+    const auto& x = detail::readings_of(s);
+    std::uint64_t hash = 0;
+    for (const float number : x)
+      hash = ((hash ^ (hash >> 32)) + std::bit_cast<std::uint32_t>(number)) * 0xD6E8FEB86659FD93u;
+    std::uint32_t suspect = 0, top = 0;
+    const auto note = [&](std::size_t c, std::uint32_t steps, std::uint32_t most) SKINCTL_INLINE_LAMBDA {
+      const auto n = static_cast<std::uint16_t>(steps);
+      const std::uint32_t equal = n != r.last[c] ? 1u : r.equal[c] < 65534 ? r.equal[c] + 1u : 65534u;
+      r.last[c] = n, r.equal[c] = static_cast<std::uint16_t>(equal);
+      suspect |= equal >= most ? 1u : 0u;
+    };
+    std::size_t sensor = 0;
+    for (std::size_t c = 0; c < Table::readings; ++c) {
+      if (((Table::pressed_readings >> c) & 1u) == 0) continue;
+      const float share = x[c] * static_cast<float>(1 / Kind::readings[c].max);
+      note(sensor, static_cast<std::uint32_t>(share > 0 ? share * per_step_ + 0.5f : 0.0f), cell_[i].equal);
+      top |= r.last[sensor++] >= top_ ? 1u : 0u;
+    }
+    note(sensors, static_cast<std::uint32_t>(hash >> 48), most_messages_);
+    const std::uint32_t messages = r.equal[sensors];
     const std::size_t b = i / 16;
     const auto set = [k](std::uint16_t& bits, std::uint32_t value) {
       bits = static_cast<std::uint16_t>((bits & ~(1u << k)) | (value << k));
     };
     set(m.suspect[b], suspect), set(m.at_top[b], top), set(m.fresh[b], 1);
-    row.force[k] = steps(s), row.proximity[k] = s.proximity;
+    row.force[k] = force, row.proximity[k] = proximity;
     // A message that repeats sees nothing, and the first one after a silence has no predecessor.
     if (s_.equal_messages > 0 && messages >= 3) row.seen[k] = 0;
     if (!r.known || row.gap[k] > 0.5f) {
-      row.last[k] = row.force[k], row.last_proximity[k] = s.proximity, row.change[k] = 0, row.gap[k] = 0;
+      row.last[k] = force, row.last_proximity[k] = proximity, row.change[k] = 0, row.gap[k] = 0;
       row.anchor[k] = row.force[k], row.life[k] = 0;
       // Nobody knows how it came to be pressed.
       if (row.force[k] - cell_[i].rest > limits_[b].jump[k]) row.doubt[k] = seconds<float>(s_.doubt);
@@ -292,19 +240,19 @@ class CellHealth {
   SKINCTL_NOINLINE void judge(Memory& m, std::size_t i, bool jumped, bool expired,
                               const Ask& ask) const noexcept {
     detail::HealthRow& row = m.row[i / 16];
-    detail::MessageRecord& r = m.record[i];
+    Record& r = m.record[i];
     const std::size_t k = i % 16;
     const Witness witness = ask(i);
     // A jump is judged when its witnesses have had their time, or when the next one comes.
     if ((expired || (jumped && row.pending[k] > 0)) && !witness.moved) row.jumps[k] += 1;
     if (jumped) row.pending[k] = seconds<float>(s_.witnessed_within);
     CellFaults found;
-    for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t c = 0; c < sensors; ++c) {
       const bool zero = r.last[c] == 0, top = r.last[c] >= top_;
       if (r.equal[c] >= cell_[i].equal && (!zero || cell_[i].rests_above_zero) && !(top && witness.touched))
         found |= CellFault::stuck;
     }
-    if (r.equal[3] >= most_messages_) found |= CellFault::stuck;
+    if (r.equal[sensors] >= most_messages_) found |= CellFault::stuck;
     if (row.top[k] >= seconds<float>(s_.saturated_for) && !witness.touched) found |= CellFault::saturated;
     if (row.capped[k] > 40 && row.second[k] > 1.5f * row.first[k]) found |= CellFault::noisy;
     if (row.jumps[k] > 2.5f) found |= CellFault::blinking;
@@ -318,7 +266,7 @@ class CellHealth {
   std::vector<Constants> cell_;
   float per_step_ = 1024;
   std::uint16_t top_ = 1004;
-  std::int32_t most_messages_ = 65535;  ///< equal ones in a row; 65535: never
+  std::uint32_t most_messages_ = 65535;  ///< equal ones in a row; 65535: never
 };
 
 SKINCTL_END_NAMESPACE

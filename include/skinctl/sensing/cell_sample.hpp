@@ -1,15 +1,10 @@
-// The sample of a skin cell at one time, and its plausibility check.
+// The hexagonal cell of TUM: its sample at one time, its kind, and its plausibility check.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
+#include <bit>
 #include <type_traits>
 
-#include "skinctl/core/lane.hpp"
-#include "skinctl/core/status.hpp"
-#include "skinctl/core/time.hpp"
+#include "skinctl/sensing/detail/channel_counts.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -25,45 +20,43 @@ struct CellSample {
   float temperature = 0;                ///< [C]
 };
 
+/// The kind of these cells: what a skin is made of unless another kind is named.
+struct Hexagon {
+  static constexpr std::string_view name = "tum-hexagon";
+  static constexpr std::array readings{Reading{"force 1"},
+                                       Reading{"force 2"},
+                                       Reading{"force 3"},
+                                       Reading{"proximity"},
+                                       Reading{"acceleration x", -Reading::any, Reading::any},
+                                       Reading{"acceleration y", -Reading::any, Reading::any},
+                                       Reading{"acceleration z", -Reading::any, Reading::any},
+                                       Reading{"temperature", -Reading::any, Reading::any}};
+  static constexpr std::array channels{Channel{"force", ChannelUse::contact, 0b111, 3},
+                                       Channel{"proximity", ChannelUse::seen, 0b1000, 1},
+                                       Channel{"acceleration x", ChannelUse::told, 0b10000},
+                                       Channel{"acceleration y", ChannelUse::told, 0b100000},
+                                       Channel{"acceleration z", ChannelUse::told, 0b1000000},
+                                       Channel{"temperature", ChannelUse::told, 0b10000000}};
+};
+
 namespace detail {
-/// The readings in [0, 1] and the other numbers lie side by side, four each, so that a check loads them as
-/// they are.
+/// The readings lie side by side.
 static_assert(std::is_standard_layout_v<CellSample> &&
               offsetof(CellSample, proximity) == offsetof(CellSample, force) + 12 &&
               offsetof(CellSample, acceleration) == offsetof(CellSample, force) + 16 &&
               offsetof(CellSample, temperature) == offsetof(CellSample, force) + 28);
 
-/// Whether a sample passes `check`: all its numbers at once, in registers of eight or four where the target
-/// has them. No NaN and no infinity is within bounds.
-[[nodiscard]] SKINCTL_INLINE bool believable(const CellSample& s) noexcept {
-  constexpr float most = std::numeric_limits<float>::max();
-  constexpr float lower[8] = {0, 0, 0, 0, -most, -most, -most, -most};
-  constexpr float upper[8] = {1, 1, 1, 1, most, most, most, most};
-  if constexpr (native_lanes<float> >= 4) {
-    // Without registers this branch is discarded, but still compiled: hence the 1.
-    using L = Lane<float, native_lanes<float> >= 4 ? native_lanes<float> : 1>;
-    const auto* x =
-        reinterpret_cast<const float*>(reinterpret_cast<const char*>(&s) + offsetof(CellSample, force));
-    bool good = true;
-    for (std::size_t k = 0; k < 8; k += L::lanes) {
-      const L n = L::load(x + k);
-      good = good & all((n >= L::load(lower + k)) & (n <= L::load(upper + k)));
-    }
-    return good;
-  } else {
-    const float x[8] = {s.force[0],        s.force[1],        s.force[2],        s.proximity,
-                        s.acceleration[0], s.acceleration[1], s.acceleration[2], s.temperature};
-    for (std::size_t k = 0; k < 8; ++k)
-      if (!(x[k] >= lower[k] && x[k] <= upper[k])) return false;
-    return true;
-  }
+[[nodiscard]] SKINCTL_INLINE constexpr std::array<float, 8> readings_of(const CellSample& s) noexcept {
+  return {s.force[0],        s.force[1],        s.force[2],        s.proximity,
+          s.acceleration[0], s.acceleration[1], s.acceleration[2], s.temperature};
 }
-[[nodiscard]] inline bool finite(const CellSample& s) noexcept {
-  float none = 0;  // NaN as soon as one of them is not finite
-  for (const float x : s.force) none += x - x;
-  for (const float x : s.acceleration) none += x - x;
-  none += (s.proximity - s.proximity) + (s.temperature - s.temperature);
-  return none == 0;
+[[nodiscard]] SKINCTL_INLINE bool believable(const CellSample& s) noexcept {
+  return within_ranges<Hexagon>(
+      reinterpret_cast<const float*>(reinterpret_cast<const char*>(&s) + offsetof(CellSample, force)));
+}
+template <SensorKind Kind>
+[[nodiscard]] SKINCTL_INLINE bool believable(const SensorSample<Kind>& s) noexcept {
+  return within_ranges<Kind>(s.readings.data());
 }
 }  // namespace detail
 
@@ -72,7 +65,20 @@ static_assert(std::is_standard_layout_v<CellSample> &&
 [[nodiscard]] SKINCTL_INLINE Status check(const CellSample& sample) noexcept {
   if (detail::believable(sample)) [[likely]]
     return {};
-  return detail::finite(sample) ? Reason::sample_out_of_range : Reason::sample_not_finite;
+  float none = 0;  // NaN as soon as one of them is not finite
+  for (const float x : detail::readings_of(sample)) none += x - x;
+  return none == 0 ? Reason::sample_out_of_range : Reason::sample_not_finite;
+}
+
+/// Empty if a sample is valid; `sample_not_finite` if any reading is NaN or infinite, else `sample_out_of_range` if one
+/// lies outside of the range that its kind states.
+template <SensorKind Kind>
+[[nodiscard]] Status check(const SensorSample<Kind>& sample) noexcept {
+  if (detail::within_ranges<Kind>(sample.readings.data())) [[likely]]
+    return {};
+  float none = 0;
+  for (const float x : sample.readings) none += x - x;
+  return none == 0 ? Reason::sample_out_of_range : Reason::sample_not_finite;
 }
 
 /// The readings of a sample as integers, whose sums are exact in any order: the sum of the three forces in
@@ -90,10 +96,33 @@ struct CellCounts {
 
 /// The counts of a sample that passed `check`.
 [[nodiscard]] SKINCTL_INLINE constexpr CellCounts counts(const CellSample& s) noexcept {
-  const float force = (s.force[0] + s.force[1] + s.force[2]) * 16384.0f + 0.5f;
-  const float proximity = s.proximity * 65536.0f + 0.5f;
-  const auto p = static_cast<std::uint32_t>(proximity);
-  return {static_cast<std::uint16_t>(force), static_cast<std::uint16_t>(p < 65535u ? p : 65535u)};
+  const std::array<float, 8> x = detail::readings_of(s);
+  return {detail::count_of<Hexagon, 0>(detail::amount_of<Hexagon, 0>(x.data())),
+          detail::count_of<Hexagon, 1>(detail::amount_of<Hexagon, 1>(x.data()))};
+}
+template <SensorKind Kind>
+[[nodiscard]] SKINCTL_INLINE constexpr ChannelCounts<Kind> counts(const SensorSample<Kind>& s) noexcept {
+  return [&]<std::size_t... C>(std::index_sequence<C...>) {
+    return ChannelCounts<Kind>{{detail::count_of<Kind, C>(detail::amount_of<Kind, C>(s.readings.data()))...}};
+  }(std::make_index_sequence<KindTable<Kind>::pushing>{});
+}
+
+/// The sample of a kind, and its counts.
+template <SensorKind Kind>
+using SampleOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, CellSample, SensorSample<Kind>>;
+template <SensorKind Kind>
+using CountsOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, CellCounts, ChannelCounts<Kind>>;
+
+/// The amount of a channel of a sample, one that is told too: `amount<Uskin>(sample, 3)`. 0 for a channel that the kind
+/// does not have.
+template <SensorKind Kind>
+[[nodiscard]] constexpr float amount(const SampleOf<Kind>& sample, std::size_t channel) noexcept {
+  const auto x = detail::readings_of(sample);
+  float sum = 0;
+  if (channel < Kind::channels.size())
+    for (std::size_t r = 0; r < x.size(); ++r)
+      if ((Kind::channels[channel].readings >> r) & 1u) sum += x[r];
+  return sum;
 }
 
 SKINCTL_END_NAMESPACE

@@ -16,8 +16,8 @@ struct CellPlace {
 };
 
 /// The places of all cells in the order of the patches, which is that of a skin's cell indices.
-template <std::size_t... I, std::size_t... N>
-[[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(const Patch<I, N>&... patch) {
+template <std::size_t... I, std::size_t... N, class Kind>
+[[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(const Patch<I, N, Kind>&... patch) {
   std::vector<CellPlace> all;
   all.reserve((std::size_t(0) + ... + N));
   std::size_t number = 0;
@@ -29,8 +29,9 @@ template <std::size_t... I, std::size_t... N>
   return all;
 }
 /// The same for patches in a tuple, such as those of `ur5::skin_patches`.
-template <std::size_t... I, std::size_t... N>
-[[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(const std::tuple<Patch<I, N>...>& patches) {
+template <std::size_t... I, std::size_t... N, class Kind>
+[[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(
+    const std::tuple<Patch<I, N, Kind>...>& patches) {
   return std::apply([](const auto&... patch) { return cell_places(patch...); }, patches);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <tuple>
 #include <type_traits>
@@ -16,8 +17,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A masked cell i counts as if it read `s_i = sum_j w_ij s_j` over the cells around it, within 0 and the largest of
-/// these readings: its unit wrench times that. Weights are multiples of 2^-24. A cell around it that is masked too reads
+/// A masked cell i counts as if it read `s_i = sum_j w_ij s_j` over the cells around it, within 0 and the least and
+/// largest of these readings: its unit wrench times that. Weights are multiples of 2^-24. A cell around it that is masked too reads
 /// the mean of its own neighbours, or if these are masked the mean of the others around i. Immutable.
 ///
 /// A contact smaller than the distance of two cells cannot be filled in.
@@ -117,27 +118,28 @@ class FillIn {
     const auto from = around(i);
     if (std::none_of(from.begin(), from.end(), counts)) return out;
     const std::int32_t* w = weights_.data() + first_[i];
-    double sum[K] = {}, all[K] = {}, most[K] = {}, known = 0, unknown = 0;
+    double sum[K] = {}, all[K] = {}, least[K] = {}, most[K] = {}, known = 0, unknown = 0;
     for (std::size_t k = 0; k < from.size(); ++k) {
       const Values s = value(from[k]);
-      if (s[0] < 0) {
+      if (!(s[0] == s[0])) {
         unknown += w[k];
         continue;
       }
       known += 1;
       for (std::size_t r = 0; r < K; ++r) {
         const double x = s[r];
-        sum[r] += w[k] * x, all[r] += x, most[r] = x > most[r] ? x : most[r];
+        sum[r] += w[k] * x, all[r] += x, most[r] = x > most[r] ? x : most[r],
+                                         least[r] = x < least[r] ? x : least[r];
       }
     }
     for (std::size_t r = 0; r < K; ++r) {
       const double x = unit * (sum[r] + unknown * (all[r] / known));
-      out[r] = static_cast<typename Values::value_type>(x < 0 ? 0 : x < most[r] ? x : most[r]);
+      out[r] = static_cast<typename Values::value_type>(x < least[r] ? least[r] : x < most[r] ? x : most[r]);
     }
     return out;
   }
   /// What cell `j` is taken to read while others are filled in: its readings, an array, if it counts, else the means of those of
-  /// its neighbours that count, -1 if none does.
+  /// its neighbours that count, NaN if none does.
   template <class Readings, class Counts>
   [[nodiscard]] auto read_as(std::size_t j, const Readings& readings, const Counts& counts) const noexcept {
     using Values = std::remove_cvref_t<decltype(readings(j))>;
@@ -150,7 +152,8 @@ class FillIn {
       for (std::size_t r = 0; r < mean.size(); ++r) mean[r] += s[r];
       known += 1;
     }
-    for (auto& x : mean) x = known > 0 ? x / known : -1;
+    for (auto& x : mean)
+      x = known > 0 ? x / known : std::numeric_limits<typename Values::value_type>::quiet_NaN();
     return mean;
   }
 

@@ -7,6 +7,7 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/frames/wrench.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -16,6 +17,18 @@ struct CellGains {
   double force = 10;     ///< w_f [N] per unit of the sum of the three force readings
   double proximity = 0;  ///< w_p [N] per unit of proximity
 };
+
+/// Gains of the channels of a kind of sensor, in its order [N per unit of the channel's amount].
+template <SensorKind Kind>
+struct ChannelGains {
+  std::array<double, KindTable<Kind>::pushing> channel = [] {
+    std::array<double, KindTable<Kind>::pushing> ones{};
+    for (std::size_t c = 0; c < ones.size(); ++c) ones[c] = KindTable<Kind>::is_seen(c) ? 0 : 1;
+    return ones;
+  }();
+};
+template <SensorKind Kind>
+using GainsOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, CellGains, ChannelGains<Kind>>;
 
 /// A cell on link `I`: its id in the samples, and its pose. For a pose measured in a link of a URDF see
 /// `NamedCell` and `patch_on`.
@@ -33,14 +46,26 @@ struct AnyCell {
   Transform<AnyLink, Cell> X_LC;
 };
 
-SKINCTL_COLD inline void require_patch(const std::vector<AnyCell>& placed, std::size_t cells,
-                                       const CellGains& gains) {
+/// Gains in the order of the channels.
+[[nodiscard]] inline std::array<double, 2> gain_list(const CellGains& g) noexcept {
+  return {g.force, g.proximity};
+}
+template <SensorKind Kind>
+[[nodiscard]] const auto& gain_list(const ChannelGains<Kind>& g) noexcept {
+  return g.channel;
+}
+template <class Kind>
+SKINCTL_COLD void require_gains(const GainsOf<Kind>& gains) {
+  const auto list = gain_list(gains);
+  for (std::size_t c = 0; c < list.size(); ++c)
+    require(list[c] >= 0 && list[c] - list[c] == 0,
+            ("Patch: gain of " + std::string(Kind::channels[c].name)).c_str(), list[c], ">= 0 N");
+}
+
+SKINCTL_COLD inline void require_cells(const std::vector<AnyCell>& placed, std::size_t cells) {
   char wanted[24];
   std::snprintf(wanted, sizeof wanted, "%zu", cells);
   require(placed.size() == cells, "Patch: number of cells", double(placed.size()), wanted);
-  require(gains.force >= 0 && gains.force - gains.force == 0, "Patch: gain of force", gains.force, ">= 0 N");
-  require(gains.proximity >= 0 && gains.proximity - gains.proximity == 0, "Patch: gain of proximity",
-          gains.proximity, ">= 0 N");
   for (const AnyCell& cell : placed) {
     const Xyz<double>& p = cell.X_LC.origin();
     const double place = p.x + p.y + p.z;
@@ -72,26 +97,30 @@ class PlacedCells {
   const std::vector<detail::AnyCell>& cells_;
 };
 
-/// `Cells` cells on link `I`, each with an id, and their common gains. Immutable.
-template <std::size_t I, std::size_t Cells>
+/// `Cells` cells of a kind on link `I`, each with an id, and their common gains. Immutable.
+template <std::size_t I, std::size_t Cells, SensorKind Kind = Hexagon>
 class Patch {
  public:
-  static_assert(Cells > 0, "a patch has at least one cell");
+  using kind = Kind;
+  using Gains = GainsOf<Kind>;
+  static_assert(Cells > 0 && (detail::is_sound<Kind>() || true), "a patch has at least one cell");
   static constexpr std::size_t link = I;
   static constexpr std::size_t cells = Cells;
 
   /// Throws `ConfigurationError` if the number of cells is not `Cells`, a pose is not finite, a normal is no
   /// unit vector, or a gain is negative or not finite.
-  explicit Patch(const std::vector<PlacedCell<I>>& placed, const CellGains& gains = {}) : gains_(gains) {
+  explicit Patch(const std::vector<PlacedCell<I>>& placed, const Gains& gains = {}) : gains_(gains) {
     placed_.reserve(placed.size());
     for (const auto& cell : placed)
       placed_.push_back({cell.id, cell.X_LC.template renamed<detail::AnyLink, Cell>()});
-    detail::require_patch(placed_, Cells, gains);
+    detail::require_cells(placed_, Cells);
+    detail::require_gains<Kind>(gains);
   }
   /// The same for cells without a link in their type; the link is not checked.
-  explicit Patch(std::vector<detail::AnyCell> placed, const CellGains& gains)
+  explicit Patch(std::vector<detail::AnyCell> placed, const Gains& gains)
       : placed_(std::move(placed)), gains_(gains) {
-    detail::require_patch(placed_, Cells, gains);
+    detail::require_cells(placed_, Cells);
+    detail::require_gains<Kind>(gains);
   }
 
   [[nodiscard]] PlacedCells<I> placed() const& noexcept { return PlacedCells<I>(placed_); }
@@ -102,11 +131,11 @@ class Patch {
     return copies;
   }
   [[nodiscard]] const std::vector<detail::AnyCell>& any() const noexcept { return placed_; }
-  [[nodiscard]] const CellGains& gains() const noexcept { return gains_; }
+  [[nodiscard]] const Gains& gains() const noexcept { return gains_; }
 
  private:
   std::vector<detail::AnyCell> placed_;
-  CellGains gains_;
+  Gains gains_;
 };
 
 /// The link's wrench for one newton on the cell: `u = -[z ; p x z]`, eqs. (4) and (6). A cell has no moment

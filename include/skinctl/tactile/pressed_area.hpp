@@ -67,7 +67,8 @@ class PressedAreas {
 
   /// Adds a cell of `link` at `p` that is pushed with `push` > 0 [N]; `unit` is its unit wrench, force first.
   /// The next cells change the area: read it when all have been added.
-  SKINCTL_NOINLINE void add(std::size_t link, const Xyz<T>& p, const float (&unit)[6],
+  template <class Number>
+  SKINCTL_NOINLINE void add(std::size_t link, const Xyz<T>& p, const Number (&unit)[6],
                             const T& push) noexcept {
     const Xyz<T> n{T(unit[0]), T(unit[1]), T(unit[2])}, m{T(unit[3]), T(unit[4]), T(unit[5])};
     PressedArea<T>*like = nullptr, *similar = nullptr;

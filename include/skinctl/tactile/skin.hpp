@@ -1,10 +1,23 @@
 // Skin: all patches of a robot, and the conversion of their samples to wrenches on links.
 #pragma once
 
+#include <tuple>
+
 #include "skinctl/tactile/detail/skin_core.hpp"
 #include "skinctl/tactile/patch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+
+namespace detail {
+template <class... Patches>
+using KindOfPatches = typename std::tuple_element_t<0, std::tuple<Patches...>>::kind;
+template <class Kind, class... Patches>
+constexpr bool one_kind() {
+  constexpr bool one = (std::is_same_v<Kind, typename Patches::kind> && ...);
+  static_assert(one, "patches of two kinds of cell: make a skin of each, and add them");
+  return true;
+}
+}  // namespace detail
 
 /// Patches of cells on a robot of topology `M`. Immutable; the changing data are a trivially
 /// copyable `Memory` of 17 bytes a cell.
@@ -20,24 +33,35 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 /// **Method.** The sums of the held readings times their unit wrenches are updated event by event, in integer
 /// steps (unit wrenches to 2^-24, readings to 2^-14 and 2^-16), so they stay exact in any order.
+///
+/// **Kinds.** All patches have one kind of cell, `Hexagon` unless they name another one (`SensorKind`). A scene with two
+/// kinds adds two skins.
 template <Topology M, Real T, class... Patches>
 class Skin : public detail::SkinCore<M, T, (link_bit<Patches::link> | ...), (Patches::cells + ...),
-                                     (detail::sums_of(Patches::cells) + ...), false> {
+                                     sizeof...(Patches), detail::KindOfPatches<Patches...>> {
   using Core = detail::SkinCore<M, T, (link_bit<Patches::link> | ...), (Patches::cells + ...),
-                                (detail::sums_of(Patches::cells) + ...), false>;
+                                sizeof...(Patches), detail::KindOfPatches<Patches...>>;
 
  public:
-  static_assert(sizeof...(Patches) > 0, "a skin has at least one patch");
+  static_assert(detail::one_kind<typename Core::kind, Patches...>());
   static_assert(((Patches::link < M::joints) && ...), "a patch sits on a link that the model does not have");
+  using typename Core::Settings;
   using typename Core::Wrenches;
   static constexpr std::size_t patches = sizeof...(Patches);
   static constexpr std::size_t cells = (Patches::cells + ...);
 
   /// Throws `ConfigurationError` for an id that occurs twice or is 2^20 or more, and for settings that
   /// `SkinSettings::check` refuses.
-  SKINCTL_COLD explicit Skin(const Patches&... patch, const SkinSettings& settings = {})
-      : Core(settings, cells) {
-    (this->tables_.add(patch.any(), patch.gains(), Patches::link, Wrenches::slot(Patches::link)), ...);
+  SKINCTL_COLD explicit Skin(const Patches&... patch, const Settings& settings = {}) : Core(settings) {
+    this->tables_.reserve(cells);
+    const auto add = [&](const auto& one, std::size_t link) {
+      const auto gain = detail::gain_list(one.gains());
+      std::vector<detail::NewCell<typename Core::kind>> all;
+      all.reserve(one.any().size());
+      for (const detail::AnyCell& cell : one.any()) all.push_back({cell, settings.gates(), gain});
+      this->tables_.add(all, gain, link, Wrenches::slot(link));
+    };
+    (add(patch, Patches::link), ...);
   }
 };
 

@@ -7,7 +7,6 @@
 #include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/core/time.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
-#include "skinctl/tactile/detail/four_sums.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/region.hpp"
 
@@ -83,8 +82,8 @@ class ContactFinder {
       const double p = pitch[c.patch], hexagon = p - p == 0 ? 0.8660254037844386 * p * p : 0;
       const auto number = [](double x) { return static_cast<float>(x); };
       const Xyz<double>&q = c.place, &z = c.normal;
-      cells_.push_back({{number(-moment.x), number(-moment.y), number(-moment.z), 1.0f},
-                        {number(q.x), number(q.y), number(q.z), 0.0f},
+      cells_.push_back({{number(-moment.x), number(-moment.y), number(-moment.z)},
+                        {number(q.x), number(q.y), number(q.z)},
                         {number(-z.x), number(-z.y), number(-z.z)},
                         number(hexagon),
                         static_cast<std::uint32_t>(c.link),
@@ -131,10 +130,9 @@ class ContactFinder {
 
  private:
   static constexpr std::uint32_t bottom = ContactRow::none - 1;
-  /// A line of the cache. Rows of four are registers.
-  struct alignas(64) Cell {
-    float moment[4];  ///< for one newton, and 1: the sum of pushes beside that of moments
-    float place[4];   ///< and 0
+  struct Cell {
+    float moment[3];  ///< for one newton
+    float place[3];   ///< [m]
     float force[3];   ///< for one newton
     float area;
     std::uint32_t link;
@@ -146,7 +144,8 @@ class ContactFinder {
   }
   /// Sums over the cells of one side of a contact, beside that of forces.
   struct Side {
-    detail::FourSums<T> moment, place;  ///< and the sum of pushes, times place
+    T pushed = T(0);
+    Xyz<T> moment{T(0), T(0), T(0)}, place{T(0), T(0), T(0)};  ///< place times push
   };
   /// The strongest `Most` contacts of a frame, and one to be compared with them.
   template <std::size_t Most>
@@ -226,8 +225,9 @@ class ContactFinder {
       }
       const T push = static_cast<T>(row.push);
       pushes = pushes + push * force;
-      last.moment.add(push, cell.moment);
-      last.place.add(push, cell.place);
+      last.pushed = last.pushed + push;
+      last.moment = last.moment + push * vector(cell.moment);
+      last.place = last.place + push * vector(cell.place);
       area = area + T(cell.area);
       ++cells;
       regions |= cell.regions;
@@ -240,8 +240,8 @@ class ContactFinder {
     PressedArea<T> all{.link = c.link};
     for (k = 0; k < count; ++k) {
       PressedArea<T> side{.link = c.link};
-      side.pushed = sides[k].moment[3], side.force = forces[k], side.moment = sides[k].moment.first();
-      side.place = (T(1) / side.pushed) * sides[k].place.first();
+      side.pushed = sides[k].pushed, side.force = forces[k], side.moment = sides[k].moment;
+      side.place = (T(1) / side.pushed) * sides[k].place;
       all.add(side);
       areas.add(side);
     }

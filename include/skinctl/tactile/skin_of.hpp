@@ -19,6 +19,11 @@ struct SkinCell {
   std::optional<EventGate<>> force{};      ///< on the sum of its forces; none: that of `SkinSettings`
   std::optional<EventGate<>> proximity{};  ///< none: that of `SkinSettings`
   bool masked = false;                     ///< it is no part of what feels, whatever it sends
+
+  /// The gates in the order of the channels.
+  [[nodiscard]] std::array<EventGate<>, 2> gates(const SkinSettings& s) const {
+    return {force.value_or(s.force), proximity.value_or(s.proximity)};
+  }
 };
 
 /// Cells on link `link` with common gains. See `Patch`, which has its link and size in its type.
@@ -28,51 +33,66 @@ struct SkinPatch {
   std::vector<SkinCell> cells;
 };
 
+/// A cell of a `ChannelPatch`: the same of any kind of sensor.
+template <SensorKind Kind>
+struct ChannelCell {
+  std::uint32_t id = 0;
+  Transform<SomeLink, Cell> X_LC;             ///< z is the outward normal
+  std::optional<ChannelGains<Kind>> gains{};  ///< none: those of its patch
+  std::optional<std::array<EventGate<>, KindTable<Kind>::pushing>>
+      gate{};           ///< none: those of `ChannelSettings`
+  bool masked = false;  ///< it is no part of what feels, whatever it sends
+
+  [[nodiscard]] auto gates(const ChannelSettings<Kind>& s) const { return gate.value_or(s.gate); }
+};
+/// Cells of a kind on link `link` with common gains.
+template <SensorKind Kind>
+struct ChannelPatch {
+  std::size_t link = 0;
+  ChannelGains<Kind> gains{};
+  std::vector<ChannelCell<Kind>> cells;
+};
+template <SensorKind Kind>
+using SkinPatchOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, SkinPatch, ChannelPatch<Kind>>;
+
 namespace detail {
 
 /// Adds patches of a skin that is not known to the compiler to its tables.
-template <class Wrenches, Real T>
-SKINCTL_COLD void add_patches(SkinTables<T, true>& tables, const std::vector<SkinPatch>& patches) {
+template <class Wrenches, class Kind, Real T>
+SKINCTL_COLD void add_patches(SkinTables<Kind, T>& tables, const SettingsOf<Kind>& settings,
+                              const std::vector<SkinPatchOf<Kind>>& patches) {
   constexpr std::size_t joints = Wrenches::model_type::joints;
-  for (const SkinPatch& patch : patches) {
+  for (const auto& patch : patches) {
     require(patch.link < joints && ((Wrenches::links >> patch.link) & 1u) != 0, "SkinOf: link of a patch",
             double(patch.link), "a link of this skin's type");
-    CellGains most = patch.gains;
+    require(!patch.cells.empty(), "SkinOf: cells of a patch", 0, ">= 1");
+    require_gains<Kind>(patch.gains);
+    auto most = gain_list(patch.gains);
     std::vector<AnyCell> placed;
-    placed.reserve(patch.cells.size());
-    for (const SkinCell& cell : patch.cells) {
-      const CellGains own = cell.gains.value_or(patch.gains);
-      require_patch({{cell.id, cell.X_LC}}, 1, own);
-      most = {own.force > most.force ? own.force : most.force,
-              own.proximity > most.proximity ? own.proximity : most.proximity};
+    std::vector<NewCell<Kind>> all;
+    for (const auto& cell : patch.cells) {
+      const auto own = cell.gains.value_or(patch.gains);
+      require_gains<Kind>(own);
+      auto gain = gain_list(own);
+      for (std::size_t c = 0; c < most.size(); ++c) most[c] = gain[c] > most[c] ? gain[c] : most[c];
+      if (cell.masked) gain = {};
       placed.push_back({cell.id, cell.X_LC});
+      all.push_back({placed.back(), cell.gates(settings), gain});
     }
-    require(!placed.empty(), "SkinOf: cells of a patch", 0, ">= 1");
-    require_patch(placed, placed.size(), patch.gains);
-    tables.add(placed, most, patch.link, Wrenches::slot(patch.link));
-    for (const SkinCell& cell : patch.cells) {
-      const CellGains own = cell.masked ? CellGains{0, 0} : cell.gains.value_or(patch.gains);
-      tables.tune(cell.force.value_or(tables.settings.force),
-                  cell.proximity.value_or(tables.settings.proximity),
-                  most.force > 0 ? own.force / most.force : 1,
-                  most.proximity > 0 ? own.proximity / most.proximity : 1);
-    }
+    require_cells(placed, placed.size());
+    tables.add(all, most, patch.link, Wrenches::slot(patch.link));
   }
 }
-inline std::size_t count_cells(const std::vector<SkinPatch>& patches) noexcept {
+template <class Patch>
+std::size_t count_cells(const std::vector<Patch>& patches) noexcept {
   std::size_t n = 0;
-  for (const SkinPatch& patch : patches) n += patch.cells.size();
-  return n;
-}
-inline std::size_t count_sums(const std::vector<SkinPatch>& patches) noexcept {
-  std::size_t n = 0;
-  for (const SkinPatch& patch : patches) n += sums_of(patch.cells.size());
+  for (const auto& patch : patches) n += patch.cells.size();
   return n;
 }
 
 }  // namespace detail
 
-/// A `Skin` of up to `Capacity` cells in up to `Patches` patches (each begun 8192 cells count as one), on
+/// A `Skin` of up to `Capacity` cells in up to `Patches` patches on
 /// links of `Links`, all known at run time: from a file, say. What one cell reads is the same to the bit as in
 /// a `Skin`, and a scene takes it in its place.
 ///
@@ -81,29 +101,33 @@ inline std::size_t count_sums(const std::vector<SkinPatch>& patches) noexcept {
 /// 2^-16, and a shared reading by half a count more. Where all cells of a patch have one gain nothing is
 /// rounded. One that is masked, or has no gain, neither pushes nor counts as `usable`: it does not feel.
 ///
-/// The memory is sized for `Capacity`, 17 bytes a cell, and 128 bytes a patch, whatever is used of it. A
+/// The memory is sized for `Capacity`, 17 bytes a cell, and 96 bytes a patch, whatever is used of it. A
 /// robot's link without cells has a wrench of zero, and `nearest` on it is 1: nothing is known of it.
 template <Topology M, Real T, std::size_t Capacity, std::size_t Patches = 32,
-          LinkMask Links = all_links(M::joints)>
-class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, true> {
-  using Core = detail::SkinCore<M, T, Links, Capacity, Patches, true>;
+          LinkMask Links = all_links(M::joints), SensorKind Kind = Hexagon>
+class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, Kind> {
+  using Core = detail::SkinCore<M, T, Links, Capacity, Patches, Kind>;
 
  public:
-  static_assert(Capacity > 0 && Patches > 0, "room for at least one cell");
+  static_assert(Capacity > 0 && Patches > 0 && (detail::is_sound<Kind>() || true),
+                "room for at least one cell");
   static_assert((Links & ~all_links(M::joints)) == 0, "the mask names a link that the model does not have");
+  using typename Core::Settings;
   using typename Core::Wrenches;
   static constexpr std::size_t capacity = Capacity, most_patches = Patches;
 
   /// Throws `ConfigurationError` for more cells or patches than there is room for, a patch without cells or on
   /// a link that is not in `Links`, and for what `Patch`, `Skin` and `EventGate::counted` refuse.
-  SKINCTL_COLD explicit SkinOf(const std::vector<SkinPatch>& patches, const SkinSettings& settings = {})
-      : Core(settings, detail::count_cells(patches)) {
-    require(detail::count_cells(patches) > 0, "SkinOf: cells", 0, ">= 1");
-    require(detail::count_cells(patches) <= Capacity, "SkinOf: cells", double(detail::count_cells(patches)),
+  SKINCTL_COLD explicit SkinOf(const std::vector<SkinPatchOf<Kind>>& patches, const Settings& settings = {})
+      : Core(settings) {
+    const std::size_t cells = detail::count_cells(patches);
+    require(cells > 0, "SkinOf: cells", 0, ">= 1");
+    require(cells <= Capacity, "SkinOf: cells", double(cells),
             ("at most its capacity of " + std::to_string(Capacity)).c_str());
-    require(detail::count_sums(patches) <= Patches, "SkinOf: patches", double(detail::count_sums(patches)),
+    require(patches.size() <= Patches, "SkinOf: patches", double(patches.size()),
             ("at most " + std::to_string(Patches)).c_str());
-    detail::add_patches<Wrenches>(this->tables_, patches);
+    this->tables_.reserve(cells);
+    detail::add_patches<Wrenches>(this->tables_, settings, patches);
   }
 };
 

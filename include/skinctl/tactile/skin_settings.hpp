@@ -1,11 +1,25 @@
 // Thresholds and times of a skin's readings.
 #pragma once
 
+#include <type_traits>
+
 #include "skinctl/core/contract.hpp"
-#include "skinctl/core/time.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+
+namespace detail {
+/// Throws `ConfigurationError` unless the times of a skin go together.
+template <class Settings>
+SKINCTL_COLD void check_times(const Settings& s) {
+  require(s.fade > 0ns, "SkinSettings: fade", milliseconds(s.fade), "> 0 ms");
+  require(s.max_age >= s.fade, "SkinSettings: max_age", milliseconds(s.max_age), ">= fade [ms]");
+  require(s.ramp > 0ns, "SkinSettings: ramp", milliseconds(s.ramp), "> 0 ms");
+  require(s.catch_up >= 0ns, "SkinSettings: catch_up", milliseconds(s.catch_up), ">= 0 ms");
+  require(s.max_ahead >= 0ns, "SkinSettings: max_ahead", milliseconds(s.max_ahead), ">= 0 ms");
+}
+}  // namespace detail
 
 /// Thresholds and times that all cells of a skin share. The defaults suit TUM's cells at 250 Hz with a
 /// keep-alive of at most 100 ms.
@@ -19,13 +33,31 @@ struct SkinSettings {
   Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end
 
   /// Throws `ConfigurationError` unless `fade` and `ramp` > 0, `max_age >= fade`, and the others >= 0.
-  void check() const {
-    require(fade > 0ns, "SkinSettings: fade", milliseconds(fade), "> 0 ms");
-    require(max_age >= fade, "SkinSettings: max_age", milliseconds(max_age), ">= fade [ms]");
-    require(ramp > 0ns, "SkinSettings: ramp", milliseconds(ramp), "> 0 ms");
-    require(catch_up >= 0ns, "SkinSettings: catch_up", milliseconds(catch_up), ">= 0 ms");
-    require(max_ahead >= 0ns, "SkinSettings: max_ahead", milliseconds(max_ahead), ">= 0 ms");
-  }
+  void check() const { detail::check_times(*this); }
+  /// The gates in the order of the channels.
+  [[nodiscard]] std::array<EventGate<>, 2> gates() const { return {force, proximity}; }
 };
+
+/// Thresholds and times that all cells of a kind share: see `SkinSettings`.
+template <SensorKind Kind>
+struct ChannelSettings {
+  /// On the amount of each channel that pushes, in its order; of one with a cone on its magnitude. By default a dead band
+  /// of a hundredth of the greatest amount; none where a cone limits it.
+  std::array<EventGate<>, KindTable<Kind>::pushing> gate = [] {
+    std::array<EventGate<>, KindTable<Kind>::pushing> gates;
+    for (std::size_t c = 0; c < gates.size(); ++c)
+      if (!KindTable<Kind>::has_cone(c)) gates[c] = EventGate<>::dead_band(0.01 * Kind::channels[c].greatest);
+    return gates;
+  }();
+  Nanoseconds max_age = 250ms, fade = 50ms, ramp = 6ms, catch_up = 20ms,
+              max_ahead = 2ms;  ///< see `SkinSettings`
+
+  /// Throws `ConfigurationError` for times that `SkinSettings::check` refuses.
+  void check() const { detail::check_times(*this); }
+  [[nodiscard]] const auto& gates() const noexcept { return gate; }
+};
+
+template <SensorKind Kind>
+using SettingsOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, SkinSettings, ChannelSettings<Kind>>;
 
 SKINCTL_END_NAMESPACE

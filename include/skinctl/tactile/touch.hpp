@@ -76,6 +76,8 @@ struct TouchTable {
   static constexpr bool tells_apart = detail::HasTouch<S>;
   static constexpr bool finds_contacts = detail::HasContacts<S>;
   static constexpr bool has_cells = detail::HasCells<S>;
+  /// It takes the samples of a cycle's input: its cells are hexagons, or do not say what they are.
+  static constexpr bool takes_hexagons = detail::TakesHexagons<S>::value;
   static constexpr bool has_coverage = detail::HasCoverage<S> || detail::HasUsable<S>;
   static constexpr bool has_cell_list = detail::HasEachCell<S>;
   static constexpr bool has_points = detail::HasEachPoint<S>;
@@ -148,6 +150,16 @@ struct TouchTable {
       return s.index(id);
     } else {
       return 0;
+    }
+  }
+  /// Whether a cell whose samples are in a cycle's input has this id.
+  [[nodiscard]] static bool has_hexagon(const S& s, std::uint32_t id) noexcept {
+    if constexpr (!takes_hexagons) {
+      return false;
+    } else if constexpr (detail::HasHexagon<S>) {
+      return s.has_hexagon(id);
+    } else {
+      return s.index(id) < s.size();
     }
   }
   template <class F>
@@ -242,9 +254,10 @@ class WrappedTouch : public detail::WithSensed<S, NoSensors, Adds...>, public de
   }
   /// See `Skin::recomputed`: what `Own` has added stays.
   template <class Memory>
-  [[nodiscard]] Memory recomputed(Memory memory) const noexcept
+  [[nodiscard]] Memory recomputed(const Memory& given) const noexcept
     requires detail::HasRecomputed<S>
   {
+    Memory memory = given;
     static_cast<typename S::Memory&>(memory) = wrapped().recomputed(memory);
     return memory;
   }

@@ -8,8 +8,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-namespace detail {
-}  // namespace detail
+namespace detail {}  // namespace detail
 
 /// The touches of two sources: each a `LinkWrenches`, a `TouchWrenches`, a `JointTouch`, or such a sum.
 template <class A, class B>
@@ -153,14 +152,14 @@ class TouchSources : public detail::ApartOfSum<A, B>,
     detail::Unwritten<std::remove_cvref_t<decltype(means->first)>, most_parts> first;
     detail::Unwritten<std::remove_cvref_t<decltype(means->second)>, most_parts> second;
     TouchGiven to_first = in, to_second = in;
-    if constexpr (!First::has_cells && Second::has_cells) to_first.samples = {};
-    if constexpr (!Second::has_cells) to_second.samples = {};
+    if constexpr (!First::takes_hexagons && Second::takes_hexagons) to_first.samples = {};
+    if constexpr (!Second::takes_hexagons) to_second.samples = {};
     Status status = First::receive(a_, memory.first, to_first, first.data);
     status |= Second::receive(b_, memory.second, to_second, second.data);
-    if constexpr (First::has_cells && Second::has_cells) {
+    if constexpr (First::takes_hexagons && Second::takes_hexagons) {
       status = status.without(Reason::sample_unknown);
       for (const CellSample& s : in.samples)
-        if (index(s.cell) == size() && !check(s).any()) status |= Reason::sample_unknown;
+        if (!has_hexagon(s.cell) && !check(s).any()) status |= Reason::sample_unknown;
     }
     for (std::size_t j = 0; j < in.parts; ++j) {
       means[j].first = first.data[j];
@@ -254,6 +253,11 @@ class TouchSources : public detail::ApartOfSum<A, B>,
   {
     const std::size_t i = First::index(a_, id), of_first = First::size(a_);
     return i < of_first ? i : of_first + Second::index(b_, id);
+  }
+  /// Whether the samples of a cycle's input are for one of both, and whether a cell of these has this id.
+  static constexpr bool takes_hexagons = First::takes_hexagons || Second::takes_hexagons;
+  [[nodiscard]] bool has_hexagon(std::uint32_t id) const noexcept {
+    return First::has_hexagon(a_, id) || Second::has_hexagon(b_, id);
   }
   [[nodiscard]] bool understands(const TouchSources& other) const noexcept {
     return First::understands(a_, other.a_) && Second::understands(b_, other.b_);

@@ -29,7 +29,7 @@ template <class S>
 class TrustedSkin : public detail::TrustCore<S> {
   using Core = detail::TrustCore<S>;
   using Core::cell_;
-  using typename Core::Health;
+  using typename Core::Health, typename Core::Kind, typename Core::Table;
 
  public:
   using scalar = typename S::scalar;
@@ -46,29 +46,31 @@ class TrustedSkin : public detail::TrustCore<S> {
   /// Throws `ConfigurationError` for settings out of their range, and a graph of another number of cells.
   template <std::size_t... I, std::size_t... N>
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
-                           const Patch<I, N>&... patch)
-      : Core(skin, settings, fill, detail::trust_cells(settings, skin.settings(), skin.size(), patch...)) {}
+                           const Patch<I, N, Kind>&... patch)
+      : Core(skin, settings, fill,
+             detail::trust_cells<Kind>(settings, skin.settings(), skin.size(), patch...)) {}
   /// The same for patches in a tuple, with neighbours within 1.3 pitches, which fill in with theirs.
   template <std::size_t... I, std::size_t... N>
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings,
-                           const std::tuple<Patch<I, N>...>& all)
+                           const std::tuple<Patch<I, N, Kind>...>& all)
       : TrustedSkin(skin, settings, FillIn(CellGraph(cell_places(all)), cell_places(all)), all) {}
   template <std::size_t... I, std::size_t... N>
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
-                           const std::tuple<Patch<I, N>...>& all)
+                           const std::tuple<Patch<I, N, Kind>...>& all)
       : Core(skin, settings, fill,
              std::apply(
                  [&](const auto&... p) {
-                   return detail::trust_cells(settings, skin.settings(), skin.size(), p...);
+                   return detail::trust_cells<Kind>(settings, skin.settings(), skin.size(), p...);
                  },
                  all)) {}
 
   /// The same for a `SkinOf`.
-  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const std::vector<SkinPatch>& all)
+  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings,
+                           const std::vector<SkinPatchOf<Kind>>& all)
       : TrustedSkin(skin, settings, FillIn(CellGraph(skin.places()), skin.places()), all) {}
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
-                           const std::vector<SkinPatch>& all)
-      : Core(skin, settings, fill, detail::trust_cells(settings, skin.settings(), skin.size(), all)) {}
+                           const std::vector<SkinPatchOf<Kind>>& all)
+      : Core(skin, settings, fill, detail::trust_cells<Kind>(settings, skin.settings(), skin.size(), all)) {}
 
   /// Number of cells.
   using Core::size;
@@ -80,8 +82,11 @@ class TrustedSkin : public detail::TrustCore<S> {
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
     Memory m = Core::start(now);
     m.health.time = now;
-    for (std::size_t i = 0; i < size(); ++i) m.rest[i / 16].whole[i % 16] = cell_[i].rest;
-    m.median.fill(std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t p = 0; p < Core::pressures; ++p) {
+      for (std::size_t i = 0; i < size(); ++i)
+        m.rest[p][i / 16].whole[i % 16] = static_cast<float>(this->sensors_of(p)) * cell_[i].rest;
+      m.median[p].fill(std::numeric_limits<float>::quiet_NaN());
+    }
     return m;
   }
 
@@ -113,9 +118,7 @@ class TrustedSkin : public detail::TrustCore<S> {
     Pressed areas = this->wrapped().pressed(m);
     typename Core::Filled filled(*this, m);
     this->each_filled(m, [&](std::size_t i, double share) {
-      const detail::TrustCell& c = cell_[i];
-      const T push = T(share * c.force_gain * CellCounts::force_unit * double(filled(i)[0]));
-      if (push > T(0)) areas.add(c.link, {T(c.place[0]), T(c.place[1]), T(c.place[2])}, c.unit, push);
+      detail::add_area(this->tables_, i, this->pushes_filled(i, share, filled(i)), areas);
     });
     return areas;
   }
@@ -124,21 +127,23 @@ class TrustedSkin : public detail::TrustCore<S> {
   void each_pressed(const Memory& m, F&& f) const noexcept {
     typename Core::Filled filled(*this, m);
     const auto filled_in = [&](std::size_t i, double share) {
-      return T(share * cell_[i].force_gain * CellCounts::force_unit * double(filled(i)[0]));
+      return this->pressure_of(this->pushes_filled(i, share, filled(i)));
     };
     this->wrapped().each_pressed(m, [&](std::size_t i, const T& push) {
       const double share = this->share_filled(m, i);
       f(i, share > 0 ? T(push + filled_in(i, share)) : push);
     });
     this->each_filled(m, [&](std::size_t i, double share) {
-      if (this->wrapped().held(m, i).force > 0 && !cell_[i].masked) return;  // above
+      if (m.presses(i) && !cell_[i].masked) return;  // above
       if (const T push = filled_in(i, share); push > T(0)) f(i, push);
     });
   }
   /// See `Skin::nearest`. What a masked cell sees is left to its neighbours, if one of them is heard and not masked.
   template <std::size_t I>
   [[nodiscard]] T nearest(const Memory& m) const noexcept {
-    float most = static_cast<float>(this->wrapped().settings().proximity.opens_at());
+    if constexpr (!Table::sees) return T(1);
+    float most = static_cast<float>(this->wrapped().settings().gates()[this->seen_].opens_at() /
+                                    Kind::channels[this->seen_].greatest);
     for (std::size_t i = 0; i < size(); ++i) {
       if (cell_[i].link != I) continue;
       if (!m.hears(i)) return T(1);
@@ -180,19 +185,22 @@ class TrustedSkin : public detail::TrustCore<S> {
   [[nodiscard]] CellFaults faults(const Memory& m, std::size_t i) const noexcept {
     CellFaults f = Health::faults(m.health, i);
     if (!m.hears(i)) f |= CellFault::unheard;
-    if (RestLevel::cell(m.rest[i / 16], i % 16).below < 0) f |= CellFault::discharge;
+    for (const auto& rest : m.rest)
+      if (RestLevel::cell(rest[i / 16], i % 16).below < 0) f |= CellFault::discharge;
     return f;
   }
-  /// The rest level of cell `i`: sum of its three force readings while untouched.
-  [[nodiscard]] double rest(const Memory& m, std::size_t i) const noexcept {
-    return this->s_.health.step * static_cast<double>(m.rest[i / 16].whole[i % 16]);
+  /// The rest level of the `p`-th pressure of cell `i`: what it reads while untouched, of a hexagon the sum of three forces.
+  [[nodiscard]] double rest(const Memory& m, std::size_t i, std::size_t p = 0) const noexcept {
+    return this->s_.health.step * Table::full(this->pressure_[p]) *
+           static_cast<double>(m.rest[p][i / 16].whole[i % 16]);
   }
   /// Whether cell `i` has read something for a minute that nobody can tell from a contact: see `unexplained`.
   [[nodiscard]] bool is_unexplained(const Memory& m, std::size_t i) const noexcept {
-    return unexplained(RestLevel::cell(m.rest[i / 16], i % 16));
+    return std::any_of(m.rest.begin(), m.rest.end(),
+                       [&](const auto& rest) { return unexplained(RestLevel::cell(rest[i / 16], i % 16)); });
   }
   /// The id, link and place of each cell, for reports.
-  [[nodiscard]] std::span<const detail::TrustCell> table() const noexcept { return cell_; }
+  [[nodiscard]] std::span<const detail::TrustCell<Kind>> table() const noexcept { return cell_; }
 
  private:
   /// Adds what lies the share `after` of the way from `before` to `now`. A function of its own, since a cycle begins with cold code:

@@ -8,5 +8,9 @@ using Arm =
 using Scene = Cycle<Arm, GravityControl>;
 
 auto sent(const Scene::Output& out) {
+#ifdef SKINCTL_RIGHT
+  return out.command.position;
+#else
   return out.command.torque;
+#endif
 }

@@ -7,7 +7,14 @@ struct Reach : StatelessLaw<Reach> {
   using Goal = JointGoal<6>;
   JointTorque<6> torque(const auto&) const noexcept { return {}; }
   Received<Memory> receive(const Memory& m, const auto&, const Goal&) const noexcept { return {m, {}}; }
+#ifdef SKINCTL_RIGHT
+  struct Distance {
+    double position, orientation, joint;
+  };
+  Distance distance(const auto&, const Goal&) const noexcept { return {}; }
+#else
   double distance(const auto&, const Goal&) const noexcept { return 0; }
+#endif
 };
 
 int main() {

@@ -7,7 +7,13 @@ struct Reach : StatelessLaw<Reach> {
   using Goal = JointGoal<6>;
   JointTorque<6> torque(const auto&) const noexcept { return {}; }
   Received<Memory> receive(const Memory& m, const auto&, const Goal&) const noexcept { return {m, {}}; }
+#ifdef SKINCTL_RIGHT
+  Received<Memory> follow(const Memory& m, const auto&, const Goal&) const noexcept {
+    return {m, {}};
+  }
+#else
   Received<Memory> follow(const Memory& m, const auto&, double) const noexcept { return {m, {}}; }
+#endif
 };
 
 int main() {

@@ -9,7 +9,11 @@ struct Lamp {
 struct Glow : StatelessLaw<Glow> {
   using Input = Lamp;
   JointTorque<6> torque(const auto&) const noexcept { return {}; }
+#ifdef SKINCTL_RIGHT
+  Status see(Memory&, const Lamp&, const auto&) const noexcept { return {}; }
+#else
   // nothing reads the lamp
+#endif
 };
 
 int main() {

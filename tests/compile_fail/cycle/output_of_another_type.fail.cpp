@@ -9,7 +9,11 @@ struct Lamp {
 struct Glow : StatelessLaw<Glow> {
   JointTorque<6> torque(const auto&) const noexcept { return {}; }
   using Output = Lamp;
+#ifdef SKINCTL_RIGHT
+  Lamp output(const Memory&) const noexcept { return {}; }
+#else
   bool output(const Memory&) const noexcept { return true; }
+#endif
 };
 
 int main() {

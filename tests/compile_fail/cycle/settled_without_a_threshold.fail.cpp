@@ -7,7 +7,11 @@ struct Reach : StatelessLaw<Reach> {
   using Goal = JointGoal<6>;
   JointTorque<6> torque(const auto&) const noexcept { return {}; }
   Received<Memory> receive(const Memory& m, const auto&, const Goal&) const noexcept { return {m, {}}; }
+#ifdef SKINCTL_RIGHT
+  bool settled(const Memory&, const auto&, double) const noexcept { return true; }
+#else
   bool settled(const Memory&, const auto&) const noexcept { return true; }
+#endif
 };
 
 int main() {

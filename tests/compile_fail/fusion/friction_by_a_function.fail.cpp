@@ -5,7 +5,11 @@ using namespace skinctl;
 
 struct Push : StatelessLaw<Push> {
   JointTorque<6> torque(const auto&) const noexcept { return {}; }
+#ifdef SKINCTL_RIGHT
+  static constexpr bool compensates_friction = true;
+#else
   bool compensates_friction() const noexcept { return true; }
+#endif
 };
 
 int main() {

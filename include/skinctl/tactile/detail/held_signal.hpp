@@ -9,6 +9,15 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
+/// The times of a sampled signal.
+struct SampledTimes {
+  Nanoseconds max_age = 50ms;   ///< age of the last sample from which the signal is 0
+  Nanoseconds fade = 25ms;      ///< in the last part of `max_age` it goes linearly to 0
+  Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample
+  Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
+  Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end
+};
+
 /// `later - earlier` for `later >= earlier`, which never overflows.
 SKINCTL_INLINE constexpr std::uint64_t span(Nanoseconds earlier, Nanoseconds later) noexcept {
   return static_cast<std::uint64_t>(later.count()) - static_cast<std::uint64_t>(earlier.count());

@@ -17,15 +17,6 @@ struct SampledRow {
   friend bool operator==(const SampledRow&, const SampledRow&) noexcept = default;
 };
 
-/// The times of a sampled signal.
-struct SampledTimes {
-  Nanoseconds max_age = 50ms;   ///< age of the last sample from which the signal is 0
-  Nanoseconds fade = 25ms;      ///< in the last part of `max_age` it goes linearly to 0
-  Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample
-  Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
-  Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end
-};
-
 /// One interval of a signal that is linear in time through its samples, or constant until `ramp` before the
 /// next one; held after the last one, and gone by `max_age`. A change that shows itself only after the
 /// interval in which it began has its missing impulse added, up to `catch_up` back. After a silence nothing is

@@ -4,42 +4,44 @@
 #include <array>
 #include <bit>
 
-#include "skinctl/sensing/cell_sample.hpp"
-#include "skinctl/tactile/detail/cell_table.hpp"
+#include "skinctl/tactile/detail/skin_tables.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// All that changes of one cell.
-struct alignas(16) CellRecord {
+template <class Kind>
+struct alignas(8) CellRecord {
   Nanoseconds stamp = Nanoseconds::min();  ///< of the last sample
-  CellCounts held;                         ///< counts of it after the gates
-  std::uint32_t state = 0;                 ///< bits, see below; 0: silent
-
-  static constexpr std::uint32_t pressed = 1;  ///< its force is not 0
-  static constexpr std::uint32_t seeing = 2;   ///< its proximity is not 0
-  static constexpr std::uint32_t heard = 4;    ///< its reading is in the sums
-  [[nodiscard]] static SKINCTL_INLINE std::uint32_t state_of(CellCounts held) noexcept {
-    return heard | (held.force != 0 ? pressed : 0u) | (held.proximity != 0 ? seeing : 0u);
-  }
+  PerChannel<Kind, std::uint16_t> held{};  ///< counts of it after the gates
   friend bool operator==(const CellRecord&, const CellRecord&) noexcept = default;
 };
 
-/// The states of 64 cells once more, a bit a cell.
-struct BlockStates {
-  std::uint64_t heard = 0, pressed = 0, seeing = 0;
+/// The sums of a patch, for each channel: over its cells that are heard, of unit wrench times count, in whole steps. So
+/// they are exact in any order.
+template <class Kind>
+struct PatchSums {
+  PerChannel<Kind, std::array<std::int64_t, 6>> steps{};
 
-  SKINCTL_INLINE void set(std::size_t cell, std::uint32_t state) noexcept {
-    const std::uint64_t at = cell % 64, bit = std::uint64_t(1) << at;
-    set_held(cell, state);
-    heard = (heard & ~bit) | (std::uint64_t((state >> 2) & 1u) << at);
+  SKINCTL_INLINE void add(const CellRow<Kind>& cell, const PerChannel<Kind, std::int32_t>& change) noexcept {
+    each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
+      const UnitWrench& unit = cell.unit[KindTable<Kind>::line[c]];
+      for (std::size_t r = 0; r < 6; ++r) steps[c][r] += std::int64_t(unit[r]) * change[c];
+    });
   }
-  /// The same for a cell that was heard before.
-  SKINCTL_INLINE void set_held(std::size_t cell, std::uint32_t state) noexcept {
-    const std::uint64_t at = cell % 64, bit = std::uint64_t(1) << at;
-    pressed = (pressed & ~bit) | (std::uint64_t(state & 1u) << at);
-    seeing = (seeing & ~bit) | (std::uint64_t((state >> 1) & 1u) << at);
+  friend bool operator==(const PatchSums&, const PatchSums&) noexcept = default;
+};
+
+/// The states of 64 cells, a bit a cell.
+struct BlockStates {
+  std::uint64_t heard = 0;    ///< its reading is in the sums
+  std::uint64_t pressed = 0;  ///< a pressure of it is not 0
+  std::uint64_t seeing = 0;   ///< it sees something
+
+  SKINCTL_INLINE void set(std::uint64_t BlockStates::* state, std::size_t cell, bool value) noexcept {
+    const std::uint64_t at = cell % 64;
+    this->*state = (this->*state & ~(std::uint64_t(1) << at)) | (std::uint64_t(value) << at);
   }
   friend bool operator==(const BlockStates&, const BlockStates&) noexcept = default;
 };
@@ -52,14 +54,14 @@ constexpr std::array<Nanoseconds, N> all_at(Nanoseconds time) noexcept {
 }
 
 /// All that changes of a skin: see `Skin::Memory`. Cells are in the order of the patches, in blocks of 64.
-template <std::size_t Cells, std::size_t Sums, class Wrenches>
+template <class Kind, std::size_t Cells, std::size_t Patches, class Wrenches>
 struct SkinMemory {
   static constexpr std::size_t blocks = (Cells + 63) / 64;
-  std::array<ExactSums, Sums> sums{};  ///< over the cells that are not silent
+  std::array<PatchSums<Kind>, Patches> sums{};  ///< over the cells that are not silent
   /// Of each block the lower bound of the stamps of its cells that are not silent.
   std::array<Nanoseconds, blocks> oldest = all_at<blocks>(Nanoseconds::max());
   std::array<BlockStates, blocks> states{};
-  std::array<CellRecord, Cells> records{};
+  std::array<CellRecord<Kind>, Cells> records{};
 
   std::uint32_t heard = 0;                 ///< number of cells that are not silent
   bool owes = false;                       ///< whether impulse is `owed`
@@ -67,8 +69,11 @@ struct SkinMemory {
   /// Impulse to be added in the next interval [N s], [N m s]; in `force` where the two are not told apart.
   TouchWrenches<Wrenches> owed{};
 
-  [[nodiscard]] bool hears(std::size_t i) const noexcept {
-    return (records[i].state & CellRecord::heard) != 0;
+  [[nodiscard]] SKINCTL_INLINE bool hears(std::size_t i) const noexcept {
+    return ((states[i / 64].heard >> (i % 64)) & 1u) != 0;
+  }
+  [[nodiscard]] bool presses(std::size_t i) const noexcept {
+    return ((states[i / 64].pressed >> (i % 64)) & 1u) != 0;
   }
   /// Calls `f(i)` for each of `count` cells from `first` on that is in a state.
   template <class F>
@@ -80,10 +85,7 @@ struct SkinMemory {
   }
   /// Whether each of `count` cells from `first` on is heard.
   [[nodiscard]] bool hears_all_from(std::size_t first, std::size_t count) const noexcept {
-    bool all = true;
-    for (std::size_t b = first / 64; b * 64 < first + count; ++b)
-      all = all && (~states[b].heard & among(b, first, count)) == 0;
-    return all;
+    return heard_from(first, count) == count;
   }
   /// Number of the `count` cells from `first` on that are heard.
   [[nodiscard]] SKINCTL_INLINE std::size_t heard_from(std::size_t first, std::size_t count) const noexcept {
@@ -92,17 +94,22 @@ struct SkinMemory {
       n += std::popcount(states[b].heard & among(b, first, count));
     return static_cast<std::size_t>(n);
   }
-  /// Cell `i` is in `state` from now on.
-  SKINCTL_INLINE void enter(std::size_t i, std::uint32_t state) noexcept {
-    heard += state / CellRecord::heard - records[i].state / CellRecord::heard;
-    records[i].state = state;
-    states[i / 64].set(i, state);
+  /// Cell `i` is heard, or silent, from now on.
+  SKINCTL_INLINE void enter(std::size_t i, bool is_heard) noexcept {
+    heard = heard + (is_heard ? 1u : 0u) - (hears(i) ? 1u : 0u);
+    states[i / 64].set(&BlockStates::heard, i, is_heard);
+    follow(i, is_heard);
   }
-  /// The state of cell `i`, which was heard before and is, follows what it holds.
-  SKINCTL_INLINE void follow(std::size_t i) noexcept {
-    const std::uint32_t state = CellRecord::state_of(records[i].held);
-    records[i].state = state;
-    states[i / 64].set_held(i, state);
+  /// The state of a cell follows what it holds.
+  SKINCTL_INLINE void follow(std::size_t i, bool is_heard = true) noexcept {
+    bool pressed = false, seeing = false;
+    each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
+      const bool holds = is_heard && records[i].held[c] != 0;
+      if constexpr (KindTable<Kind>::is_pressure(c)) pressed = pressed || holds;
+      if constexpr (KindTable<Kind>::is_seen(c)) seeing = seeing || holds;
+    });
+    states[i / 64].set(&BlockStates::pressed, i, pressed);
+    states[i / 64].set(&BlockStates::seeing, i, seeing);
   }
   friend bool operator==(const SkinMemory&, const SkinMemory&) noexcept = default;
 

@@ -1,166 +1,163 @@
-// The constant data of a skin.
+// The constant data of a skin: its cells by id, its patches.
 #pragma once
 
-#include "skinctl/sensing/cell_sample.hpp"
-#include "skinctl/tactile/detail/cell_table.hpp"
-#include "skinctl/tactile/detail/count_pair.hpp"
-#include "skinctl/tactile/skin_settings.hpp"
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "skinctl/tactile/channel_calibration.hpp"
+#include "skinctl/tactile/detail/cell_row.hpp"
+#include "skinctl/tactile/detail/held_signal.hpp"
+#include "skinctl/tactile/patch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The readings of a cell that make up a wrench.
-enum class Reading { both, force, proximity };
-
-/// A patch, or the part of a large one whose cells share a sum.
-template <Real T>
-struct alignas(32) PatchRow {
-  T force_gain, proximity_gain;  ///< [N] per count
-  std::uint32_t first, count;    ///< cells
-  std::uint32_t link, slot;      ///< and its index in the link wrenches
-  std::uint32_t number;          ///< of the patch among those that were given
-  std::int32_t hidden;           ///< no proximity below passes, in counts
+/// A cell that is to be added to a skin.
+template <class Kind>
+struct NewCell {
+  AnyCell placed;
+  PerChannel<Kind, EventGate<>> gates;
+  PerChannel<Kind, double> gain;  ///< [N] per unit of each channel; 0 where it does not feel
 };
-/// Number of sums of a patch of `cells` cells.
-constexpr std::size_t sums_of(std::size_t cells) noexcept {
-  return (cells + ExactSums::most_cells - 1) / ExactSums::most_cells;
-}
 
-/// What one cell has of its own: thresholds as in `GatePair`, and shares of its patch's gains.
-struct CellTuning {
-  CellCounts opens, less, subtract;
-  CellCounts share{whole, whole};
-  static constexpr int whole_bits = 15;
-  static constexpr std::uint16_t whole = 1u << whole_bits;
-
-  /// Thresholds of gates in counts; no reading is above 65535.
-  void set(const EventGate<std::int32_t>& force, const EventGate<std::int32_t>& proximity) noexcept {
-    const auto most = [](std::int32_t x) {
-      return static_cast<std::uint16_t>(x < 0 ? 0 : x < 0xFFFF ? x : 0xFFFF);
-    };
-    const auto one = [&](const EventGate<std::int32_t>& gate, auto member) {
-      opens.*member = most(gate.opens_at() - 1);
-      less.*member = static_cast<std::uint16_t>(opens.*member - most(gate.closes_below() - 1));
-      subtract.*member = most(gate.subtract());
-    };
-    one(force, &CellCounts::force);
-    one(proximity, &CellCounts::proximity);
-  }
-  [[nodiscard]] SKINCTL_INLINE GatePair gates() const noexcept {
-    return {CountPair(opens), CountPair(less), CountPair(subtract)};
-  }
-};
-static_assert(sizeof(CellTuning) == 16);
-
-/// All cells of a skin with their gains and thresholds. `Tuned`: each cell has its own.
-template <Real T, bool Tuned = false>
+/// All cells of a skin, in the order of their patches.
+template <class Kind, Real T>
 struct SkinTables {
-  using scalar = T;
-  static constexpr bool tuned = Tuned;
-  SkinSettings settings;
-  CellTuning common;  ///< of all cells, unless `Tuned`
-  GatePair gates;
-  std::vector<PatchRow<T>> patches;
-  CellTable cells;
-  std::vector<CellTuning> tuning;   ///< of each cell, if `Tuned`
-  std::vector<std::uint32_t> numb;  ///< cells without gains: they are heard, and do not feel
-  std::uint32_t given = 0;          ///< number of patches that were added
+  using Table = KindTable<Kind>;
+  static constexpr std::uint32_t highest_id = (1u << 20) - 1;
 
-  SkinTables(const SkinSettings& s, std::size_t count) : settings(s), cells(count) {
-    common.set(s.force.counted(CellCounts::force_unit), s.proximity.counted(CellCounts::proximity_unit));
-    gates = common.gates();
+  SampledTimes times;
+  std::vector<PatchRow<Kind, T>> patches;
+  std::vector<CellRow<Kind>> cells;
+  std::vector<std::pair<Xyz<float>, Xyz<float>>> places;  ///< origin [m] and outward normal of each cell
+  std::vector<std::uint32_t> numb;            ///< cells without gains: they are heard, and do not feel
+  std::vector<std::uint32_t> by_id = {none};  ///< index of each id; the last one is of no cell
+  static constexpr std::uint32_t none = ~std::uint32_t(0);
+  std::vector<ChannelCalibration<Kind>> calibration;  ///< of each cell, one for all, or none
+
+  /// Room for so many cells.
+  SKINCTL_COLD void reserve(std::size_t count) {
+    cells.reserve(count), places.reserve(count), by_id.reserve(count + 2);
   }
-
-  /// Adds a patch on link `link`: a row and a sum for each 8192 of its cells.
-  SKINCTL_COLD void add(const std::vector<AnyCell>& patch, const CellGains& gains, std::size_t link,
-                        std::size_t slot) {
-    for (std::size_t from = 0; from < patch.size(); from += ExactSums::most_cells) {
-      const std::size_t rest = patch.size() - from;
-      const std::size_t count = rest < ExactSums::most_cells ? rest : ExactSums::most_cells;
-      patches.push_back({T(gains.force * CellCounts::force_unit),
-                         T(gains.proximity * CellCounts::proximity_unit),
-                         static_cast<std::uint32_t>(cells.size()), static_cast<std::uint32_t>(count),
-                         static_cast<std::uint32_t>(link), static_cast<std::uint32_t>(slot), given,
-                         Tuned ? 0 : settings.proximity.counted(CellCounts::proximity_unit).opens_at()});
-      cells.add(patch.data() + from, count, patches.size() - 1, slot);
+  /// Adds a patch on link `link`, whose gains are the greatest of its cells', or `gain`.
+  SKINCTL_COLD void add(const std::vector<NewCell<Kind>>& patch, const PerChannel<Kind, double>& gain,
+                        std::size_t link, std::size_t slot) {
+    require(patches.size() < 0xFFFF, "Skin: patches", double(patches.size() + 1), "at most 65535");
+    const int reach = reach_of(patch);
+    PatchRow<Kind, T> row;
+    row.moment_step = static_cast<T>(std::ldexp(1.0, reach - 24));
+    row.first = static_cast<std::uint32_t>(cells.size()),
+    row.count = static_cast<std::uint32_t>(patch.size());
+    row.link = static_cast<std::uint32_t>(link), row.slot = static_cast<std::uint32_t>(slot);
+    for (std::size_t c = 0; c < Table::pushing; ++c)
+      row.newton[c] = gain[c] * Table::step(c), row.gain[c] = static_cast<T>(row.newton[c]);
+    for (const NewCell<Kind>& cell : patch) {
+      const std::uint32_t id = cell.placed.id;
+      require(id <= highest_id, "Skin: cell id", double(id), "< 2^20");
+      if (id + 1 >= by_id.size()) by_id.resize(id + 2, none);
+      require(by_id[id] == none, "Skin: cell id", double(id), "ids that occur once");
+      by_id[id] = static_cast<std::uint32_t>(cells.size());
+      add_cell(cell, gain, reach, row);
     }
-    ++given;
-  }
-  /// What the next cell has of its own: thresholds, and shares of its patch's gains.
-  SKINCTL_COLD void tune(const EventGate<>& force, const EventGate<>& proximity, double force_share,
-                         double proximity_share)
-    requires Tuned
-  {
-    const auto steps = [](double share) {
-      return static_cast<std::uint16_t>(std::round(share * double(CellTuning::whole)));
-    };
-    const auto seen = proximity.counted(CellCounts::proximity_unit);
-    tuning.emplace_back().set(force.counted(CellCounts::force_unit), seen);
-    tuning.back().share = {steps(force_share), steps(proximity_share)};
-    if (tuning.back().share == CellCounts{0, 0})
-      numb.push_back(static_cast<std::uint32_t>(tuning.size() - 1));
-    std::int32_t& hidden = patches[cells.seat(tuning.size() - 1).sums].hidden;
-    hidden = seen.opens_at() > hidden ? seen.opens_at() : hidden;
+    patches.push_back(row);
   }
 
-  /// The counts of cell `i` that pass its thresholds; `old` is what passed last.
-  SKINCTL_INLINE CountPair pass(std::size_t i, CountPair raw, CountPair old) const noexcept {
-    if constexpr (Tuned) {
-      return tuning[i].gates().pass(raw, old);
+  /// Index of a cell by its id; `none` for an unknown one.
+  [[nodiscard]] SKINCTL_INLINE std::uint32_t index(std::uint32_t id) const noexcept {
+    const std::size_t last = by_id.size() - 1;
+    return by_id[id < last ? id : last];
+  }
+  SKINCTL_INLINE const PatchRow<Kind, T>& patch_of(std::size_t i) const noexcept {
+    return patches[cells[i].patch];
+  }
+
+  /// The amounts of cell `i`, of a sample that passed `check`.
+  [[nodiscard]] SKINCTL_INLINE PerChannel<Kind, float> amounts(std::size_t i,
+                                                               const SampleOf<Kind>& sample) const noexcept {
+    const auto& x = readings_of(sample);
+    if (!calibration.empty()) [[unlikely]]
+      return calibration[calibration.size() == 1 ? 0 : i].amounts(x.data());
+    PerChannel<Kind, float> out;
+    each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA { out[c] = amount_of<Kind, c>(x.data()); });
+    return out;
+  }
+  [[nodiscard]] SKINCTL_INLINE PerChannel<Kind, std::uint16_t> counts(
+      std::size_t i, const SampleOf<Kind>& sample) const noexcept {
+    const PerChannel<Kind, float> amount = amounts(i, sample);
+    PerChannel<Kind, std::uint16_t> out;
+    if (!calibration.empty()) [[unlikely]] {
+      each_channel<Kind>([&](auto c) { out[c] = cut_count_of<Kind, c>(amount[c]); });
     } else {
-      return static_cast<void>(i), gates.pass(raw, old);
+      each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA { out[c] = count_of<Kind, c>(amount[c]); });
     }
+    return out;
   }
-  SKINCTL_INLINE CellCounts pass(std::size_t i, CellCounts raw, CellCounts old) const noexcept {
-    return pass(i, CountPair(raw), CountPair(old)).counts_of();
-  }
-  /// Counts of cell `i` as shares of its patch's gains.
-  SKINCTL_INLINE WideCounts weigh(std::size_t i, CountPair c) const noexcept {
-    if constexpr (Tuned) {
-      return WideCounts((c.wide().row() * CountPair(tuning[i].share).wide().row() + CellTuning::whole / 2) >>
-                        CellTuning::whole_bits);
-    } else {
-      return static_cast<void>(i), c.wide();
-    }
-  }
-  SKINCTL_INLINE CellCounts weigh(std::size_t i, CellCounts c) const noexcept {
-    if constexpr (Tuned) {
-      const WideCounts weighed = weigh(i, CountPair(c));
-      return {static_cast<std::uint16_t>(weighed.force()), static_cast<std::uint16_t>(weighed.proximity())};
-    } else {
-      return static_cast<void>(i), c;
-    }
-  }
-  SKINCTL_INLINE const PatchRow<T>& patch_of(std::size_t i) const noexcept {
-    return patches[cells.seat(i).sums];
-  }
-  /// The push by weighed counts of one kind, or of both [N].
-  template <Reading R>
-  SKINCTL_INLINE T push_on(CellSeat seat, CellCounts c) const noexcept {
-    const PatchRow<T>& patch = patches[seat.sums];
-    if constexpr (R == Reading::force) return patch.force_gain * static_cast<T>(c.force);
-    if constexpr (R == Reading::proximity) return patch.proximity_gain * static_cast<T>(c.proximity);
-    return patch.force_gain * static_cast<T>(c.force) + patch.proximity_gain * static_cast<T>(c.proximity);
-  }
-  /// What its proximity gate takes off the readings of cell `i` that pass, in counts.
-  SKINCTL_INLINE std::int32_t hidden_below(std::size_t i) const noexcept {
-    if constexpr (Tuned) {
-      return tuning[i].subtract.proximity;
-    } else {
-      return static_cast<void>(i), common.subtract.proximity;
-    }
-  }
-  /// Of its patch's gain of force that cell `i` has.
-  [[nodiscard]] double share(std::size_t i) const noexcept {
-    if constexpr (Tuned) {
-      return double(tuning[i].share.force) / CellTuning::whole;
-    } else {
-      return static_cast<void>(i), 1;
-    }
+  /// Whether another skin has the same cells at the same places.
+  [[nodiscard]] bool same_cells(const SkinTables& other) const noexcept {
+    bool same = by_id == other.by_id && cells.size() == other.cells.size();
+    for (std::size_t i = 0; same && i < cells.size(); ++i)
+      same = cells[i].unit == other.cells[i].unit && cells[i].patch == other.cells[i].patch &&
+             patch_of(i).link == other.patch_of(i).link &&
+             double(patch_of(i).moment_step) == double(other.patch_of(i).moment_step);
+    return same;
   }
   /// Bytes that the tables take [B].
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return cells.bytes() + patches.size() * sizeof(PatchRow<T>) + tuning.size() * sizeof(CellTuning);
+    return cells.size() * (sizeof(cells[0]) + sizeof(places[0])) + by_id.size() * sizeof(by_id[0]) +
+           patches.size() * sizeof(patches[0]);
+  }
+
+ private:
+  /// Force and moment about the link's origin of one newton along a channel's direction, eqs. (4) and (6).
+  [[nodiscard]] static std::pair<Xyz<double>, Xyz<double>> push_along(const AnyCell& cell, std::size_t line) {
+    std::size_t c = 0;
+    while (Table::line[c] != line) ++c;
+    const auto& d = Kind::channels[c].direction;
+    const auto& at = Kind::channels[c].place;
+    const auto axes = cell.X_LC.axes();
+    const Xyz<double> force = d[0] * axes.x + d[1] * axes.y + d[2] * axes.z;
+    const Xyz<double> p = cell.X_LC.origin() + at[0] * axes.x + at[1] * axes.y + at[2] * axes.z;
+    return {force, cross(p, force)};
+  }
+  /// The moments of a patch's unit wrenches are at most 2^reach.
+  [[nodiscard]] SKINCTL_COLD static int reach_of(const std::vector<NewCell<Kind>>& patch) {
+    int reach = -20;
+    for (const NewCell<Kind>& cell : patch)
+      for (std::size_t line = 0; line < Table::lines; ++line) {
+        const Xyz<double> m = push_along(cell.placed, line).second;
+        for (const double x : {m.x, m.y, m.z})
+          while (std::abs(x) > std::ldexp(1.0, reach)) ++reach;
+      }
+    return reach;
+  }
+  SKINCTL_COLD void add_cell(const NewCell<Kind>& cell, const PerChannel<Kind, double>& gain, int reach,
+                             PatchRow<Kind, T>& patch) {
+    CellRow<Kind> row;
+    row.patch = static_cast<std::uint16_t>(patches.size()), row.slot = static_cast<std::uint16_t>(patch.slot);
+    const auto whole = [](double x, int exponent) {
+      return static_cast<std::int32_t>(std::round(std::ldexp(x, 24 - exponent)));
+    };
+    for (std::size_t line = 0; line < Table::lines; ++line) {
+      const auto [f, m] = push_along(cell.placed, line);
+      row.unit[line] = {whole(f.x, 0),     whole(f.y, 0),     whole(f.z, 0),
+                        whole(m.x, reach), whole(m.y, reach), whole(m.z, reach)};
+    }
+    bool feels = false;
+    for (std::size_t c = 0; c < Table::pushing; ++c) {
+      const auto gate = cell.gates[c].counted(Table::step(c));
+      const double share = gain[c] > 0 ? cell.gain[c] / gain[c] : 1;
+      row.tuning[c].set(gate);
+      row.tuning[c].share = static_cast<std::uint16_t>(std::round(share * double(ChannelTuning::whole)));
+      feels = feels || row.tuning[c].share != 0;
+      patch.hidden[c] = gate.opens_at() > patch.hidden[c] ? gate.opens_at() : patch.hidden[c];
+    }
+    if (!feels) numb.push_back(static_cast<std::uint32_t>(cells.size()));
+    cells.push_back(row);
+    const auto rounded = [&](double x) { return static_cast<float>(std::ldexp(whole(x, 0), -24)); };
+    const Xyz<double>&p = cell.placed.X_LC.origin(), z = cell.placed.X_LC.axis_z();
+    places.push_back({{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+                      {rounded(z.x), rounded(z.y), rounded(z.z)}});
   }
 };
 

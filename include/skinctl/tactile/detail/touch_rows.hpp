@@ -6,6 +6,7 @@
 
 #include "skinctl/core/config.hpp"
 #include "skinctl/model/topology.hpp"
+#include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/tactile/coverage.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -35,6 +36,19 @@ concept HasCells = requires(const S& s, std::uint32_t id) {
   { s.index(id) } -> std::same_as<std::size_t>;
   { s.size() } -> std::same_as<std::size_t>;
 };
+template <class S>
+concept HasKind = requires { typename S::kind; };
+template <class S>
+concept HasHexagon = requires(const S& s, std::uint32_t id) {
+  { s.has_hexagon(id) } -> std::same_as<bool>;
+};
+/// Whether a touch takes the samples of a cycle's input: all cells but those of another kind.
+template <class S>
+struct TakesHexagons : std::bool_constant<HasCells<S>> {};
+template <HasKind S>
+struct TakesHexagons<S> : std::bool_constant<std::is_same_v<typename S::kind, Hexagon>> {};
+template <HasHexagon S>
+struct TakesHexagons<S> : std::bool_constant<S::takes_hexagons> {};
 template <class S>
 concept HasCoverage = requires(const S& s, const typename S::Memory& m) {
   { s.coverage(m) } -> std::same_as<Coverage>;

@@ -13,16 +13,20 @@ class TrustCore : public TrustFrames<S> {
   using Frames = TrustFrames<S>;
 
  public:
-  using Frames::cells, Frames::patches, Frames::rows;
+  using Frames::cells, Frames::patches, Frames::rows, Frames::pressures, Frames::cones;
+  using typename Frames::Kind, typename Frames::Table;
+  using Counts = typename S::Counts;
+  using Raw = PerChannel<Kind, std::uint16_t>;
   using typename Frames::Cross, typename Frames::Health, typename Frames::Memory, typename Frames::T,
       typename Frames::Touch;
   using TrustFrames<S>::TrustFrames;
   using Frames::size;
 
  protected:
-  using Frames::above, Frames::cell_, Frames::counts, Frames::fill_, Frames::has_lone, Frames::health_,
-      Frames::low_force_, Frames::low_proximity_, Frames::masked_, Frames::near, Frames::per_step_,
-      Frames::quantised, Frames::s_, Frames::talk_unit_, Frames::witness;
+  using Frames::above, Frames::cell_, Frames::cone_, Frames::counts, Frames::counts_seen, Frames::fill_,
+      Frames::has_lone, Frames::health_, Frames::low_force_, Frames::low_proximity_, Frames::masked_,
+      Frames::near, Frames::per_step_, Frames::pressure_, Frames::quantised, Frames::s_, Frames::seen_,
+      Frames::talk_unit_, Frames::witness;
 
   /// The front end of one call.
   struct Front {
@@ -30,12 +34,12 @@ class TrustCore : public TrustFrames<S> {
     Memory& m;
     Nanoseconds to;
 
-    SKINCTL_INLINE CellCounts reading(std::size_t i, const CellSample& s) const noexcept {
+    SKINCTL_INLINE Counts reading(std::size_t i, const SampleOf<Kind>& s) const noexcept {
       if (Health::spoke(m.health, i) && t.is_due(m, m.newest)) t.frame(m, m.newest);
-      t.health_.take(m.health, i, s);
+      t.note(m, i, s);
       const Nanoseconds time = s.time < to ? s.time : to;
       m.newest = time > m.newest ? time : m.newest;
-      return t.is_trusted(m, i) ? t.worth(m, i) : t.as_held(m, i);
+      return counts_of<Kind>(t.is_trusted(m, i) ? t.worth(m, i) : t.as_held(m, i));
     }
     template <class Revise>
     SKINCTL_INLINE void settle(const Revise& revise) const noexcept {
@@ -44,19 +48,22 @@ class TrustCore : public TrustFrames<S> {
     }
   };
 
-  /// What cells would read after the gates, from those around them, in counts: force and proximity. What these count
+  /// What cells would read after the gates, from those around them, in counts of each channel. What these count
   /// without a witness is not passed on: it would be more than their lone force. What is found of a cell is kept for the
   /// others that it is around of.
   class Filled {
    public:
-    using Values = std::array<float, 2>;
+    using Values = PerChannel<Kind, float>;
     SKINCTL_INLINE Filled(const TrustCore& t, const Memory& m) noexcept : t_(t), m_(m) {}
     [[nodiscard]] Values operator()(std::size_t i) noexcept {
       const auto counts = [this](std::size_t n) { return (state(n) & counted) != 0; };
       const auto readings = [this](std::size_t n) {
-        const CellCounts c = t_.wrapped().held(m_, n);
+        const Raw held = raw_of<Kind>(t_.wrapped().held(m_, n));
         const float trust = t_.has_lone(n) ? t_.quantised(m_.health.row[n / 16].trust[n % 16]) : 1.0f;
-        return Values{trust * static_cast<float>(c.force), trust * static_cast<float>(c.proximity)};
+        Values out;
+        for (std::size_t c = 0; c < out.size(); ++c)
+          out[c] = trust * static_cast<float>(number_of<Kind>(c, held[c]));
+        return out;
       };
       return t_.fill_.filled_with(i, counts, [&](std::size_t n) {
         if ((state(n) & read) == 0) value_.data[n] = t_.fill_.read_as(n, readings, counts), state_[n] |= read;
@@ -97,32 +104,70 @@ class TrustCore : public TrustFrames<S> {
     }
   }
 
+  /// The pushes of cell `i` as far as it is filled in, one a channel [N]: shear within the cone of its pressure.
+  [[nodiscard]] PerChannel<Kind, T> pushes_filled(std::size_t i, double share,
+                                                  const PerChannel<Kind, float>& filled) const noexcept {
+    PerChannel<Kind, double> push;
+    double pressure = 0, square = 0;
+    for (std::size_t c = 0; c < push.size(); ++c) {
+      push[c] = share * cell_[i].gain[c] * Table::step(c) * double(filled[c]);
+      const double per_friction = Table::has_cone(c) ? 1 / Kind::channels[c].cone.friction : 0;
+      pressure += Table::is_pressure(c) ? push[c] : 0;
+      square += (per_friction * push[c]) * (per_friction * push[c]);
+    }
+    const double within = square > pressure * pressure ? pressure / std::sqrt(square) : 1;
+    PerChannel<Kind, T> out;
+    for (std::size_t c = 0; c < out.size(); ++c) out[c] = T(Table::has_cone(c) ? within * push[c] : push[c]);
+    return out;
+  }
+  [[nodiscard]] static T pressure_of(const PerChannel<Kind, T>& push) noexcept {
+    T sum(0);
+    for (std::size_t c = 0; c < push.size(); ++c)
+      if (Table::is_pressure(c)) sum = sum + push[c];
+    return sum;
+  }
+
  private:
   /// What the newest sample of cell `i` counts: above its rest level, less its mask, and at most its part of the lone
   /// force as far as it is not witnessed.
-  [[nodiscard]] CellCounts worth(const Memory& m, std::size_t i) const noexcept {
+  [[nodiscard]] Raw worth(const Memory& m, std::size_t i) const noexcept {
     const HealthRow& row = m.health.row[i / 16];
     const std::size_t k = i % 16;
     const float left = cell_[i].masked ? 0 : 1 - quantised(row.mask[k]);
-    const float f = above(m, i) * per_step_ + 0.5f, p = row.proximity[k] * 65536.0f + 0.5f;
-    std::int32_t force = static_cast<std::int32_t>(f < 65535.0f ? f : 65535.0f);
-    std::int32_t proximity = static_cast<std::int32_t>(p < 65535.0f ? p : 65535.0f);
-    if (left < 1) {
-      force = static_cast<std::int32_t>(left * static_cast<float>(force));
-      proximity = static_cast<std::int32_t>(left * static_cast<float>(proximity));
+    PerChannel<Kind, std::int32_t> n{};
+    const auto cut = [](float x) { return static_cast<std::int32_t>(x < 65535.0f ? x : 65535.0f); };
+    for (std::size_t p = 0; p < pressures; ++p) n[pressure_[p]] = cut(above(m, p, i) * per_step_[p] + 0.5f);
+    if constexpr (Table::sees)
+      n[seen_] = cut(row.proximity[k] > 0 ? row.proximity[k] * counts_seen() + 0.5f : 0.5f);
+    for (std::size_t s = 0; s < cones; ++s) {
+      const float x = m.shear[s][i / 16][k] - m.shear_rest[s][i / 16][k];
+      n[cone_[s]] = static_cast<std::int32_t>(x > 32767.0f ? 32767.0f : x > -32767.0f ? x : -32767.0f);
     }
+    if (left < 1)
+      for (std::int32_t& x : n) x = static_cast<std::int32_t>(left * static_cast<float>(x));
     const float trust = quantised(row.trust[k]);
     if (trust < 1) {
-      const TrustCell& c = cell_[i];
-      const std::int32_t df = c.force_gate.pass(force, true), dp = c.proximity_gate.pass(proximity, true);
-      const double push = push_of(c, df, dp);
+      const TrustCell<Kind>& c = cell_[i];
+      const PerChannel<Kind, std::int32_t> passed = passed_of(c, n);
+      const double push = push_of(c, passed);
       if (const double most = std::min(push, c.lone) * double(m.lone_share); push > most) {
         const double share = double(trust) + (1 - double(trust)) * most / push;
-        force = static_cast<std::int32_t>(share * df) + (df > 0 ? c.force_gate.subtract() : 0);
-        proximity = static_cast<std::int32_t>(share * dp) + (dp > 0 ? c.proximity_gate.subtract() : 0);
+        for (std::size_t a = 0; a < n.size(); ++a)
+          n[a] = Table::has_cone(a) ? static_cast<std::int32_t>(share * n[a])
+                                    : static_cast<std::int32_t>(share * passed[a]) +
+                                          (passed[a] > 0 ? c.gate[a].subtract() : 0);
       }
     }
-    return {static_cast<std::uint16_t>(force), static_cast<std::uint16_t>(proximity)};
+    Raw out;
+    for (std::size_t a = 0; a < n.size(); ++a) out[a] = static_cast<std::uint16_t>(n[a]);
+    return out;
+  }
+  /// What passes of counts without a cone, by gates that are open.
+  [[nodiscard]] static PerChannel<Kind, std::int32_t> passed_of(
+      const TrustCell<Kind>& c, const PerChannel<Kind, std::int32_t>& n) noexcept {
+    PerChannel<Kind, std::int32_t> out{};
+    for (std::size_t a = 0; a < n.size(); ++a) out[a] = Table::has_cone(a) ? 0 : c.gate[a].pass(n[a], true);
+    return out;
   }
 
   [[nodiscard]] SKINCTL_INLINE bool is_trusted(const Memory& m, std::size_t i) const noexcept {
@@ -130,32 +175,36 @@ class TrustCore : public TrustFrames<S> {
   }
   /// The reading that leaves what is held as it is. A cell that is not trusted changes within the interval, by
   /// `settle`: the impulse of a sample that came late would be more than its lone force.
-  [[nodiscard]] CellCounts as_held(const Memory& m, std::size_t i) const noexcept {
-    const CellCounts c = this->wrapped().held(m, i);
-    if (c == CellCounts{}) return c;
-    const auto raw = [](std::int32_t held, const EventGate<std::int32_t>& gate) {
-      return static_cast<std::uint16_t>(held > 0 ? held + gate.subtract() : 0);
-    };
-    return {raw(c.force, cell_[i].force_gate), raw(c.proximity, cell_[i].proximity_gate)};
+  [[nodiscard]] Raw as_held(const Memory& m, std::size_t i) const noexcept {
+    Raw raw = raw_of<Kind>(this->wrapped().held(m, i));
+    for (std::size_t c = 0; c < raw.size(); ++c) {
+      const std::int32_t held = number_of<Kind>(c, raw[c]), off = cell_[i].gate[c].subtract();
+      raw[c] = static_cast<std::uint16_t>(held > 0 ? held + off : held < 0 ? held - off : 0);
+    }
+    return raw;
   }
 
-  [[nodiscard]] static SKINCTL_INLINE double push_of(const TrustCell& c, std::int32_t force,
-                                                     std::int32_t proximity) noexcept {
-    return CellCounts::force_unit * c.force_gain * force +
-           CellCounts::proximity_unit * c.proximity_gain * proximity;
+  /// The push of what passed, but for shear, which comes with it [N].
+  [[nodiscard]] static SKINCTL_INLINE double push_of(const TrustCell<Kind>& c,
+                                                     const PerChannel<Kind, std::int32_t>& passed) noexcept {
+    double sum = 0;
+    for (std::size_t a = 0; a < passed.size(); ++a) sum += Table::step(a) * c.gain[a] * passed[a];
+    return sum;
   }
   /// The push of cell `i` as far as nobody witnesses it, as a share of its lone force, up to 1.
   [[nodiscard]] double alone(const Memory& m, std::size_t i) const noexcept {
     const HealthRow& row = m.health.row[i / 16];
     const std::size_t k = i % 16;
-    const TrustCell& c = cell_[i];
+    const TrustCell<Kind>& c = cell_[i];
     if (!has_lone(i) || !(row.trust[k] < 1) || !(c.lone > 0) || c.masked) return 0;
     const auto left = double(1 - quantised(row.mask[k]));
     const auto raw = [&](float x) {
       return static_cast<std::int32_t>(left * std::min(double(x) + 0.5, 65535.0));
     };
-    const double push = push_of(c, c.force_gate.pass(raw(above(m, i) * per_step_), true),
-                                c.proximity_gate.pass(raw(row.proximity[k] * 65536.0f), true));
+    PerChannel<Kind, std::int32_t> n{};
+    for (std::size_t p = 0; p < pressures; ++p) n[pressure_[p]] = raw(above(m, p, i) * per_step_[p]);
+    if constexpr (Table::sees) n[seen_] = raw(row.proximity[k] > 0 ? row.proximity[k] * counts_seen() : 0.0f);
+    const double push = push_of(c, passed_of(c, n));
     return (1 - double(quantised(row.trust[k]))) * std::min(push / c.lone, 1.0);
   }
   /// Says which cells are trusted, and shares one lone force between those that are not: as many as there are give a
@@ -167,8 +216,10 @@ class TrustCore : public TrustFrames<S> {
       std::uint32_t active = m.pushing[b];
       using L = Lane<float>;
       for (std::size_t k = 0; k < 16; k += L::lanes) {
-        const auto on = (L::load(row.force.data() + k) - L::load(m.rest[b].whole + k) > L(low_force_)) |
-                        (L::load(row.proximity.data() + k) > L(low_proximity_));
+        auto on = L::load(row.proximity.data() + k) > L(low_proximity_);
+        for (std::size_t p = 0; p < pressures; ++p)
+          on = on | (L::load(Frames::now(m, p, b).data() + k) - L::load(m.rest[p][b].whole + k) >
+                     L(low_force_[p]));
         if (!any(on)) continue;
         for (std::size_t lane = 0; lane < L::lanes; ++lane) active |= on[lane] ? 1u << (k + lane) : 0u;
       }
@@ -199,25 +250,17 @@ class TrustCore : public TrustFrames<S> {
         const auto k = static_cast<std::size_t>(std::countr_zero(rest));
         const std::size_t i = 16 * b + k;
         if (i >= size()) break;
-        const CellCounts c = worth(m, i);
-        revise(i, c);
+        const Raw c = worth(m, i);
+        revise(i, counts_of<Kind>(c));
         const auto bit = static_cast<std::uint16_t>(1u << k);
-        m.pushing[b] =
-            static_cast<std::uint16_t>(c == CellCounts{} ? m.pushing[b] & ~bit : m.pushing[b] | bit);
+        m.pushing[b] = static_cast<std::uint16_t>(c == Raw{} ? m.pushing[b] & ~bit : m.pushing[b] | bit);
         if (row.still[k] < 0.02f) Cross::follow(m.cross, i, talk_unit_ * above(m, i));
       }
     }
     m.filled = {};
     Filled filled(*this, m);
     each_filled(m, [&](std::size_t i, double share) {
-      const TrustCell& c = cell_[i];
-      const typename Filled::Values both = filled(i);
-      const double force = share * c.force_gain * CellCounts::force_unit * double(both[0]);
-      const double proximity = share * c.proximity_gain * CellCounts::proximity_unit * double(both[1]);
-      const std::size_t slot = Touch::Wrenches::slot(c.link);
-      T *f = m.filled.force.data[slot], *p = m.filled.proximity.data[slot];
-      for (std::size_t r = 0; r < 6; ++r)
-        f[r] = f[r] + T(force) * T(c.unit[r]), p[r] = p[r] + T(proximity) * T(c.unit[r]);
+      add_pushes(this->tables_, i, pushes_filled(i, share, filled(i)), m.filled);
     });
   }
 };

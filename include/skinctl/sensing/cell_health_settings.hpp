@@ -1,0 +1,62 @@
+// What the fault rules of cells are told: the noise of a cell, times and thresholds.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "skinctl/core/contract.hpp"
+#include "skinctl/core/time.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What one cell reads untouched, in steps of its sensors: the standard deviation of its noise before the sensor
+/// rounds, and the mean.
+struct SensorNoise {
+  float force = 0.7f;      ///< of one force sensor
+  float proximity = 0.7f;  ///< of the proximity
+  float rest = 0;          ///< mean of one force sensor; 0: it may read exact zeros while untouched
+  /// Equal readings may follow one another for any time, pressed or not, because its step is coarse or its readings are
+  /// filtered before they arrive. Then equal readings show no fault; whole messages that are equal still do.
+  bool repeats = false;
+
+  /// The deviation before rounding of readings with the deviation `sigma` [steps].
+  [[nodiscard]] static float before_rounding(float sigma) noexcept {
+    const float rest = sigma * sigma - 1.0f / 12;
+    return rest > 0.01f ? std::sqrt(rest) : 0.1f;
+  }
+};
+
+struct CellHealthSettings {
+  double step = 1.0 / 1024;  ///< of the readings
+  /// Of cells that send changes only: the smallest change of a force sensor that is sent (`SendOnDelta`) [steps]. What
+  /// they send moves in steps of it, which is no noise. 0: they send all that they read.
+  double delta = 0;
+  /// So many messages in a row with all eight numbers equal show a dead cell, also in between touches. 0: never,
+  /// for cells without an accelerometer or other number that always has noise.
+  std::uint32_t equal_messages = 5;
+  double top = 0.98;  ///< a force reading from here on is at the top of its range
+  Nanoseconds saturated_for = 200ms;
+  Nanoseconds fade_in = 50ms, fade_out = 250ms;  ///< of masks
+  Nanoseconds hold = 2s, hold_blinking = 10s;    ///< a mask stays for so long after the last finding
+  Nanoseconds witnessed_within = 12ms;           ///< before or after a jump
+  /// A force that steps is no touch for so long, in which the rules find its fault, and not before it has moved since.
+  Nanoseconds doubt = 500ms;
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD void check() const {
+    require(step >= 1.0 / 60000 && step <= 0.1, "CellHealth: step", step, "1/60000 to 0.1");
+    require(delta >= 0 && delta * step <= 0.1, "CellHealth: delta", delta, ">= 0 steps, <= 0.1 of the range");
+    require(equal_messages != 1 && equal_messages <= 1000, "CellHealth: equal_messages",
+            double(equal_messages), "0, or 2 to 1000");
+    require(top > 0.5 && top <= 1, "CellHealth: top", top, "> 0.5, <= 1");
+    const auto time = [](Nanoseconds t, const char* name) {
+      require(t > 0ns && t <= 60s, name, milliseconds(t), "> 0 ms, <= 60 s");
+    };
+    time(saturated_for, "CellHealth: saturated_for"), time(fade_in, "CellHealth: fade_in");
+    time(fade_out, "CellHealth: fade_out"), time(hold, "CellHealth: hold");
+    time(hold_blinking, "CellHealth: hold_blinking"), time(witnessed_within, "CellHealth: witnessed_within");
+    require(doubt >= 0ns && doubt <= 60s, "CellHealth: doubt", milliseconds(doubt), "0 ms to 60 s");
+  }
+};
+
+SKINCTL_END_NAMESPACE

@@ -1,0 +1,171 @@
+// What an event looks up of a cell and of its patch: unit wrenches in whole steps, gates, gains.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/event_gate.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Numbers of a cell, one for each channel that pushes.
+template <class Kind, class Number>
+using PerChannel = std::array<Number, KindTable<Kind>::pushing>;
+
+/// The counts of a cell as numbers, and back.
+template <class Kind>
+[[nodiscard]] SKINCTL_INLINE PerChannel<Kind, std::uint16_t> raw_of(const CountsOf<Kind>& counts) noexcept {
+  return std::bit_cast<PerChannel<Kind, std::uint16_t>>(counts);
+}
+template <class Kind>
+[[nodiscard]] SKINCTL_INLINE CountsOf<Kind> counts_of(const PerChannel<Kind, std::uint16_t>& raw) noexcept {
+  return std::bit_cast<CountsOf<Kind>>(raw);
+}
+
+/// Calls `f(c)` for each channel of a kind that pushes, `c` an integral constant.
+template <class Kind, class F>
+SKINCTL_INLINE constexpr void each_channel(const F& f) noexcept {
+  [&]<std::size_t... C>(std::index_sequence<C...>) SKINCTL_INLINE_LAMBDA {
+    (f(std::integral_constant<std::size_t, C>{}), ...);
+  }(std::make_index_sequence<KindTable<Kind>::pushing>{});
+}
+
+/// A whole number as a scalar. `float` holds 24 bits, so that a step of a unit wrench is exact.
+template <Real T>
+[[nodiscard]] SKINCTL_INLINE T real_of(std::int32_t n) noexcept {
+  if constexpr (std::is_same_v<T, float> || std::is_same_v<T, double>) {
+    return static_cast<T>(n);
+  } else {
+    return static_cast<T>(static_cast<double>(n));
+  }
+}
+template <Real T>
+[[nodiscard]] SKINCTL_INLINE T real_of(std::int64_t n) noexcept {
+  if constexpr (std::is_same_v<T, float>) {
+    return static_cast<T>(n);
+  } else {
+    return static_cast<T>(static_cast<double>(n));
+  }
+}
+
+/// A unit wrench: forces in steps of 2^-24, moments in steps of 2^-24 times the reach of its patch.
+using UnitWrench = std::array<std::int32_t, 6>;
+
+/// What one channel of a cell has of its own, in counts: a magnitude above `opens` passes, while it is open one above
+/// `opens - less`, and `subtract`, which is no more than that and one, is taken off; `share` of its patch's gain.
+struct ChannelTuning {
+  std::uint16_t opens = 0, less = 0, subtract = 0;
+  std::uint16_t share = whole;
+  static constexpr int whole_bits = 15;
+  static constexpr std::uint16_t whole = 1u << whole_bits;
+
+  void set(const EventGate<std::int32_t>& gate) noexcept {
+    const auto cut = [](std::int32_t x) {
+      return static_cast<std::uint16_t>(x < 0 ? 0 : x < 0xFFFF ? x : 0xFFFF);
+    };
+    opens = cut(gate.opens_at() - 1);
+    less = static_cast<std::uint16_t>(opens - cut(gate.closes_below() - 1));
+    subtract = cut(gate.subtract());
+  }
+  friend bool operator==(const ChannelTuning&, const ChannelTuning&) noexcept = default;
+};
+
+/// All that an event looks up of a cell.
+template <class Kind>
+struct CellRow {
+  using Table = KindTable<Kind>;
+  using Counts = PerChannel<Kind, std::uint16_t>;
+  using Weighed = PerChannel<Kind, std::int32_t>;
+  std::array<UnitWrench, Table::lines> unit{};
+  std::uint16_t patch = 0, slot = 0;  ///< index of its patch; of its link in the link wrenches
+  PerChannel<Kind, ChannelTuning> tuning{};
+
+  /// The counts that pass its gates; `old` passed last.
+  [[nodiscard]] SKINCTL_INLINE Counts gated(const Counts& raw, const Counts& old) const noexcept {
+    Counts out;
+    each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
+      const ChannelTuning& gate = tuning[c];
+      const std::int32_t x = number_of<Kind>(c, raw[c]), size = x < 0 ? -x : x;
+      const std::int32_t above = gate.opens - (old[c] != 0 ? gate.less : 0);
+      const std::int32_t passed = size > above ? size - gate.subtract : 0;
+      out[c] = static_cast<std::uint16_t>(x < 0 ? -passed : passed);
+    });
+    return out;
+  }
+  /// Counts as shares of its patch's gains.
+  [[nodiscard]] SKINCTL_INLINE Weighed weigh(const Counts& counts) const noexcept {
+    Weighed out;
+    each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
+      constexpr std::int32_t half = ChannelTuning::whole / 2;
+      const std::int32_t n = number_of<Kind>(c, counts[c]), share = tuning[c].share;
+      out[c] = n < 0 ? -((-n * share + half) >> ChannelTuning::whole_bits)
+                     : (n * share + half) >> ChannelTuning::whole_bits;
+    });
+    return out;
+  }
+  /// What of its counts lies within their cones: the others are scaled down to them, toward 0.
+  [[nodiscard]] Counts within_cones(Counts counts, const PerChannel<Kind, double>& newton) const noexcept {
+    const Weighed weighed = weigh(counts);
+    double pressure = 0, square = 0;
+    each_channel<Kind>([&](auto c) {
+      const double push = newton[c] * weighed[c];
+      if constexpr (Table::is_pressure(c)) pressure += push;
+      if constexpr (Table::has_cone(c)) {
+        constexpr double per_friction = 1 / Kind::channels[c].cone.friction;
+        square += (per_friction * push) * (per_friction * push);
+      }
+    });
+    if (square <= pressure * pressure) return counts;
+    const double share = pressure / std::sqrt(square);  // the square is above 0
+    each_channel<Kind>([&](auto c) {
+      if constexpr (Table::has_cone(c))
+        counts[c] =
+            static_cast<std::uint16_t>(static_cast<std::int32_t>(share * number_of<Kind>(c, counts[c])));
+    });
+    return counts;
+  }
+};
+
+/// A patch, as all its cells have it.
+template <class Kind, Real T>
+struct PatchRow {
+  PerChannel<Kind, T> gain{};               ///< [N] per count
+  PerChannel<Kind, double> newton{};        ///< the same, for cones
+  T moment_step{};                          ///< of its cells' unit wrenches [m]
+  std::uint32_t first = 0, count = 0;       ///< cells
+  std::uint32_t link = 0, slot = 0;         ///< and its index in the link wrenches
+  PerChannel<Kind, std::int32_t> hidden{};  ///< no count of what is seen below passes
+
+  /// The counts of a cell that count: those that pass its gates, as far as their cones let them. `old` passed last.
+  [[nodiscard]] SKINCTL_INLINE PerChannel<Kind, std::uint16_t> pass(
+      const CellRow<Kind>& cell, const PerChannel<Kind, std::uint16_t>& raw,
+      const PerChannel<Kind, std::uint16_t>& old) const noexcept {
+    const PerChannel<Kind, std::uint16_t> out = cell.gated(raw, old);
+    if constexpr (KindTable<Kind>::has_cones) {
+      return cell.within_cones(out, newton);
+    } else {
+      return out;
+    }
+  }
+  /// A unit wrench times `factor`, added to a wrench.
+  SKINCTL_INLINE void add_unit(const UnitWrench& unit, const T& factor, T* wrench) const noexcept {
+    const T force = factor * T(0x1p-24), moment = factor * moment_step;
+    for (std::size_t r = 0; r < 3; ++r) wrench[r] = wrench[r] + force * real_of<T>(unit[r]);
+    for (std::size_t r = 3; r < 6; ++r) wrench[r] = wrench[r] + moment * real_of<T>(unit[r]);
+  }
+  /// The pressure by weighed counts [N].
+  [[nodiscard]] SKINCTL_INLINE T pressure(const PerChannel<Kind, std::int32_t>& weighed) const noexcept {
+    T sum(0);
+    each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
+      if constexpr (KindTable<Kind>::is_pressure(c)) sum = sum + gain[c] * real_of<T>(weighed[c]);
+    });
+    return sum;
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

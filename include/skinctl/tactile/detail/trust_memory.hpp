@@ -1,0 +1,61 @@
+// All that changes of a trusted skin.
+#pragma once
+
+#include <bit>
+#include <limits>
+
+#include "skinctl/sensing/cell_health.hpp"
+#include "skinctl/sensing/detail/cross_talk.hpp"
+#include "skinctl/sensing/rest_level.hpp"
+#include "skinctl/tactile/touch.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+/// Trivially copyable; only the skin reads and writes its members.
+template <class S>
+struct TrustMemory : S::Memory {
+  using Touch = typename S::Touch;
+  using Table = KindTable<typename S::kind>;
+  static constexpr std::size_t patches = most_patches_of<S>, cells = most_cells_of<S>;
+  using Health = CellHealth<cells, typename S::kind>;
+  using Cross = CrossTalk<cells>;
+  using Row = HealthRow::Row;
+  static constexpr std::size_t rows = Health::rows, pressures = Table::pressures;
+  static constexpr std::size_t cones = [] {
+    std::size_t n = 0;
+    for (std::size_t c = 0; c < Table::pushing; ++c) n += Table::has_cone(c) ? 1u : 0u;
+    return n;
+  }();
+
+  typename Health::Memory health;
+  std::array<std::array<RestRow, rows>, pressures> rest{};  ///< of each pressure
+  /// What each pressure reads, now and a frame ago [steps]; of a single one `health` has it.
+  std::array<std::array<Row, rows>, pressures == 1 ? 0 : pressures> now{}, last{};
+  std::array<std::array<Row, rows>, cones> shear{}, shear_rest{};  ///< of each cone: what it reads [counts]
+  typename Cross::Memory cross;
+  std::array<std::uint16_t, rows> pushing{};  ///< cells that count for something
+  /// Of what the cells of a patch read above their rest levels, for each pressure [steps].
+  std::array<std::array<float, patches>, pressures> median{};
+  Nanoseconds median_at = Nanoseconds::min();
+  std::uint32_t median_of = 0;              ///< the patch whose turn it is
+  Nanoseconds newest = Nanoseconds::min();  ///< stamp of a sample
+  float lone_share = 1;                     ///< of its lone force that each cell without witness has
+  Touch filled{};                           ///< wrenches of the cells that are filled in
+  friend bool operator==(const TrustMemory& a, const TrustMemory& b) noexcept {
+    const auto same = [](const auto& x, const auto& y) {
+      using Bytes = std::array<unsigned char, sizeof(x)>;
+      return std::is_empty_v<std::remove_cvref_t<decltype(x)>> ||
+             std::bit_cast<Bytes>(x) == std::bit_cast<Bytes>(y);
+    };
+    return static_cast<const typename S::Memory&>(a) == static_cast<const typename S::Memory&>(b) &&
+           a.health == b.health && same(a.rest, b.rest) && a.now == b.now && a.last == b.last &&
+           same(a.shear, b.shear) && same(a.shear_rest, b.shear_rest) && a.cross == b.cross &&
+           a.pushing == b.pushing && same(a.median, b.median) && a.median_at == b.median_at &&
+           a.median_of == b.median_of && a.newest == b.newest && a.lone_share == b.lone_share &&
+           a.filled == b.filled;
+  }
+};
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE

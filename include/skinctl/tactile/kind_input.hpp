@@ -1,0 +1,77 @@
+// Samples of cells of other kinds than the hexagon: what their skins add to the input of a cycle.
+#pragma once
+
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "skinctl/sensing/cell_sample.hpp"
+#include "skinctl/sensing/sample_span.hpp"
+#include "skinctl/tactile/detail/touch_rows.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// What a skin of a kind adds to the input of a cycle: `input.sensed.taxels = batch`, in a scene with two such kinds
+/// `taxels_of<Uskin>(input.sensed) = batch`. The samples of a cell are in the order of their stamps.
+template <SensorKind Kind>
+struct KindInput {
+  SampleSpan<SensorSample<Kind>> taxels;  ///< arrived since the last cycle
+};
+template <SensorKind Kind>
+[[nodiscard]] auto& taxels_of(KindInput<Kind>& sensed) noexcept {
+  return sensed.taxels;
+}
+
+/// The samples of an input's other kinds, kept: vectors of each.
+template <class Sensed>
+struct TaxelStore {
+  static constexpr std::uint32_t fingerprint = 0;  ///< of its kinds; 0: none
+  template <class S, class F>
+  void each(S&, F&&) {}
+  template <class S, class F>
+  static void look(const S&, F&&) noexcept {}
+};
+template <SensorKind Kind>
+struct TaxelStore<KindInput<Kind>> {
+  static constexpr std::uint32_t fingerprint = KindTable<Kind>::fingerprint();
+  std::vector<SensorSample<Kind>> kept;
+
+  /// Calls `f(samples, kept)` for each kind.
+  template <class F>
+  void each(KindInput<Kind>& sensed, F&& f) {
+    f(sensed.taxels, kept);
+  }
+  /// Calls `f(samples)` for each kind.
+  template <class F>
+  static void look(const KindInput<Kind>& sensed, F&& f) noexcept {
+    f(sensed.taxels);
+  }
+};
+template <class A, class B>
+struct TaxelStore<detail::BothSensed<A, B>> {
+  static constexpr std::uint32_t fingerprint = TaxelStore<A>::fingerprint * 31u + TaxelStore<B>::fingerprint;
+  TaxelStore<A> first;
+  TaxelStore<B> second;
+
+  template <class F>
+  void each(detail::BothSensed<A, B>& sensed, F&& f) {
+    first.each(static_cast<A&>(sensed), f), second.each(static_cast<B&>(sensed), f);
+  }
+  template <class F>
+  static void look(const detail::BothSensed<A, B>& sensed, F&& f) noexcept {
+    TaxelStore<A>::look(static_cast<const A&>(sensed), f),
+        TaxelStore<B>::look(static_cast<const B&>(sensed), f);
+  }
+};
+
+namespace detail {
+/// A skin of hexagons adds nothing to an input, which has their samples; one of another kind its own.
+template <class Kind>
+struct SensesKind {
+  using Sensed = KindInput<Kind>;
+};
+template <>
+struct SensesKind<Hexagon> {};
+}  // namespace detail
+
+SKINCTL_END_NAMESPACE
