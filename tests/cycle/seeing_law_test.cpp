@@ -103,8 +103,8 @@ Ran run(const Scene& scene) {
     input.now = k * 8ms, input.measured = state, input.measured.time = input.now;
     input.on = k >= 10 && k < 20;
     const auto out = scene.step(*m, input);
-    recording.add(input, out.command);
-    state.q = out.command.position, state.dq = out.command.velocity;
+    recording.add(input, out.planned);
+    state.q = out.planned.position, state.dq = out.planned.velocity;
     ran.often = out.often;
     ran.told += out.status.has(Reason::slowed);
   }

@@ -169,7 +169,7 @@ TEST_CASE("extremes: settings of what feels, learns and grasps") {
     const CellPlace cell{.link = 5, .normal = {0, 0, 1}};
     for (double SightSettings::* member :
          {&SightSettings::range, &SightSettings::half_angle, &SightSettings::error, &SightSettings::radius,
-          &SightSettings::approach, &SightSettings::least}) {
+          &SightSettings::approach, &SightSettings::min_reading}) {
       auto other = sight;
       other.*member = wrong;
       CHECK(refused([&] { (Sightings<Arm>(Arm{}, std::span(&cell, 1), other)); }));

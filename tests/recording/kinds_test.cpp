@@ -86,7 +86,7 @@ TEST_CASE(
     state = {input.now, at, {}};
     input.measured = state;
     const auto out = scene.step(*memory, input);
-    recording.add(input, out.command);
+    recording.add(input, out.planned);
     seen |= out.status;
     if (out.command.valid) at = out.command.position;
   }
