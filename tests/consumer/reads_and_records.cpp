@@ -28,7 +28,7 @@ int main() {
   Scene::Input input;
   auto memory = cycle.start(input.measured);
   thread.start(input.measured);
-  thread(input, cycle.step(memory, input), 0);
+  thread(input, cycle.step(memory, input), NoStopwatch{});
   thread.finish();
   const bool recorded = recorder.finish() && recorder.cycles() == 1 && recorder.size() > 1000;
   std::filesystem::remove(path);

@@ -102,3 +102,7 @@ static_assert(detail::fault_in_members<NamesNoGoal>() == LawFault::no_goal);
 static_assert(detail::fault_in_members<ReceivesNothing>() == LawFault::no_receive);
 static_assert(Law<detail::WrongLaw<NoTorque>, Knowledge>);  // it stands for a law after an error
 }  // namespace
+
+TEST_CASE("a law's faults are found at compile time") {
+  CHECK(detail::fault_in_members<NamesNoGoal>() == LawFault::no_goal);
+}

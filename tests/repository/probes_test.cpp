@@ -21,6 +21,7 @@ const std::set<std::string> protocols = {
     "law/law.hpp",
     "law/detail/law_rows.hpp",
     "limits/limit.hpp",
+    "sensing/sensor_kind.hpp",
     "tactile/touch.hpp",
     "tactile/detail/touch_rows.hpp",
     "tactile/detail/touch_fault.hpp",

@@ -8,7 +8,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// What skills with a gripper add to the input of a scene, and to its output.
 struct GripperInput {
-  GripperState gripper{};  ///< what the gripper reported last
+  GripperState gripper{};  ///< last report of the gripper
 
   template <class F>
   friend void each_number(GripperInput& input, F&& f) {
@@ -16,7 +16,7 @@ struct GripperInput {
   }
 };
 struct GripperOutput {
-  GripperCommand gripper{};  ///< what the gripper is asked for
+  GripperCommand gripper{};  ///< request to the gripper
 };
 
 /// A gripper with this range. Goals are brought into the range before they are given on.

@@ -8,11 +8,11 @@ using Hand = JointGroup<Interface::torque, joints_between(6, 22)>;
 using Robot = Resolver<ur5_allegro::Model<>, double, JointGroups<22, Arm, Hand>>;
 
 #ifdef SKINCTL_RIGHT
-JointVelocity<6> arm(const JointCommand<22>& command) {
+JointVelocity<6> arm(const Robot::Sent& command) {
   return Robot::stiff(command).velocity;
 }
 #else
-JointTorque<6> arm(const JointCommand<22>& command) {
+JointTorque<6> arm(const Robot::Sent& command) {
   return Robot::torque(command);
 }
 #endif
