@@ -209,6 +209,7 @@
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/control/velocity_control.hpp"
 
+#include "skinctl/law/detail/check_law.hpp"
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/contact_gate.hpp"
 #include "skinctl/fusion/describe.hpp"
