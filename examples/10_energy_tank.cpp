@@ -18,7 +18,7 @@ double moved_in(A& arm, Curve& joint, Curve& energy) {
   while (arm.time() < 6) {
     arm.step();
     joint.add(arm.time(), arm.q()[0]);
-    energy.add(arm.time(), arm.memory().robot.keeper.template of<EnergyTank<>>().energy);
+    energy.add(arm.time(), arm.memory().robot.passivity.template of<EnergyTank<>>().energy);
   }
   return arm.q()[0];
 }

@@ -1,5 +1,5 @@
-// 21 Your robot, your skin, by velocity: an arm read from a URDF, cells placed by hand on its links by name, numbers from
-// a text file, which change without a compiler.
+// 21 Your robot, your skin, by velocity: an arm read from a URDF, cells placed by hand on its links by name,
+// numbers from a text file, which change without a compiler.
 //
 //   X_NC   pose of a cell in the link of the file, as a drawing or a viewer shows it; z is the outward normal
 //   tau    torque of skin and gravity on the virtual robot, whose velocity is the command

@@ -95,13 +95,14 @@ int main() {
       .reaction = 20ms};
   const Course careful = run("LinkContact", plain.with(forearm));
 
-  // Energy: a tank pays for the law's work, an observer holds motion into a contact that would give more than came in.
+  // Energy: a tank pays for the law's work, an observer holds motion into a contact that would give more than
+  // came in.
   const EnergyTank<> tank({.start = 4, .max = 5});
   const PassivityObserver<> observer({.start = 1, .max = 5, .stiffness = 3e4});
   const Course paid = run("PassivityObserver", Cycle(ur5_by_position(tank, observer), skin(), law));
 
-  // Touches: what the cells see of the robot itself does not count; patches count as the input says, here not at all; the
-  // motors feel a touch where there is no skin.
+  // Touches: what the cells see of the robot itself does not count; patches count as the input says, here not
+  // at all; the motors feel a touch where there is no skin.
   const auto cells = skin();
   const OwnView<ur5::Model> view(model, cells.places(),
                                  {{.link = 0, .shape = {{0, 0, 0}, {0, 0, 0.3}, 0.08}}});

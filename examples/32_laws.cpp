@@ -1,8 +1,11 @@
 // 32 Laws side by side: a tool's task first, and what other laws do with what it leaves.
 //
-//   reach    Spline Operational Control of the tool's position; ZyzError: the paper's orientation error, eqs. (16), (17)
-//   beside   a posture in its null space; a second law behind it (task priority); a distance to the joints' ends
-//   learnt   Adaptive learns a load that the model does not have; FrictionControl gives back what bearings take
+//   reach    Spline Operational Control of the tool's position; ZyzError: the paper's orientation error, eqs.
+// (16), (17)
+//   beside   a posture in its null space; a second law behind it (task priority); a distance to the joints'
+// ends
+//   learnt   Adaptive learns a load that the model does not have; FrictionControl gives back what bearings
+// take
 //   printed  a line for each law: the largest error of the tool or of the joints at the end
 #include <cmath>
 #include <cstdio>

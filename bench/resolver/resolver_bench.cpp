@@ -45,10 +45,10 @@ RobotConfiguration<6, T> configuration(Interface interface, Nanoseconds period) 
 }
 
 // The robot does what is declared; the push changes its sign every second. With `Touch` a link is touched,
-// for what `keeper` watches.
-template <Interface I, class T, class Integrator, class Touch = NoTouch, class Keeper = Passivity<>>
+// for what `passivity` watches.
+template <Interface I, class T, class Integrator, class Touch = NoTouch, class PassivityParts = Passivity<>>
 void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanoseconds lead = {},
-            const Keeper& keeper = Keeper()) {
+            const PassivityParts& passivity = PassivityParts()) {
   const auto resolver = bench::prepared([&] {
     auto c = configuration<T>(I, period);
     c.lead = lead;
@@ -56,7 +56,7 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanos
     if constexpr (I == Interface::torque) {
       return ResolverBy<I, ur5::Model, T, Integrator>(ur5::Model{}, c);
     } else {
-      return ResolverBy<I, ur5::Model, T, Integrator, 32, Keeper>(ur5::Model{}, c, keeper);
+      return ResolverBy<I, ur5::Model, T, Integrator, 32, PassivityParts>(ur5::Model{}, c, passivity);
     }
   });
   std::mt19937_64 rng(1);

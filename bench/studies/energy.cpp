@@ -48,14 +48,14 @@ void study(const char* interface, std::uint64_t scenes) {
   Row rows[4] = {{"nothing"}, {"tank"}, {"passivity_observer"}, {"tank and passivity_observer"}};
   for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
     const RandomScene scene(seed);
-    const auto keeper = scene.keeper();
-    const auto tank = keeper.template get<EnergyTank<>>();
-    const auto passivity_observer = keeper.template get<PassivityObserver<>>();
+    const auto passivity = scene.passivity();
+    const auto tank = passivity.template get<EnergyTank<>>();
+    const auto passivity_observer = passivity.template get<PassivityObserver<>>();
     const Energies bare = run<I>(scene, Passivity<>());
     rows[0].add(scene, bare, bare);
     rows[1].add(scene, run<I>(scene, Passivity(tank)), bare);
     rows[2].add(scene, run<I>(scene, Passivity(passivity_observer)), bare);
-    rows[3].add(scene, run<I>(scene, keeper), bare);
+    rows[3].add(scene, run<I>(scene, passivity), bare);
   }
   for (const Row& r : rows)
     std::printf("| %s | %s | %d | %.3f | %d | %.3f | %d | %d | %.2f | %d | %.2f |\n", interface, r.name,

@@ -40,7 +40,7 @@ class Worker {
                   .to = settings.judge_to,
                   .own = 1e9,
                   .swing = 3,
-                  .least_span = settings.judge_span}),
+                  .min_span = settings.judge_span}),
         objects_([] {
           std::array<skinctl::ObjectClass, arms * slots> kinds{};
           kinds.fill(orange_class);

@@ -1,4 +1,5 @@
-// A law of one's own that sees its scene: alone, in sums, behind gates and other laws, in skills, in several configurations.
+// A law of one's own that sees its scene: alone, in sums, behind gates and other laws, in skills, in several
+// configurations.
 #include <doctest/doctest.h>
 
 #include <memory>

@@ -153,7 +153,7 @@ TEST_CASE("extremes: settings of what feels, learns and grasps") {
     CHECK_NOTHROW(WristSensor<5, Arm>(Arm{}, wrist));
     for (double WristSensorSettings<5>::* member :
          {&WristSensorSettings<5>::mass, &WristSensorSettings<5>::reach, &WristSensorSettings<5>::gain,
-          &WristSensorSettings<5>::most_force, &WristSensorSettings<5>::most_moment}) {
+          &WristSensorSettings<5>::max_force, &WristSensorSettings<5>::max_moment}) {
       auto other = wrist;
       other.*member = wrong;
       CHECK(refused([&] { WristSensor<5, Arm>(Arm{}, other); }));

@@ -55,7 +55,7 @@ TEST_CASE_TEMPLATE("extremes: settings of filters, tanks and time bases", T, flo
   check_part<ContactDamper<T>>("ContactDamper", &Damper::max, &Damper::always, &Damper::swing,
                                &Damper::slowest, &Damper::calm);
   using Grip = typename Squeeze<T>::Settings;
-  check_part<Squeeze<T>>("Squeeze", &Grip::from, &Grip::to, &Grip::own, &Grip::swing, &Grip::least_span);
+  check_part<Squeeze<T>>("Squeeze", &Grip::from, &Grip::to, &Grip::own, &Grip::swing, &Grip::min_span);
   using Motion = typename TouchMotion<T>::Settings;
   check_part<TouchMotion<T>>("TouchMotion", &Motion::impact, &Motion::slip, &Motion::window, &Motion::learn,
                              &Motion::noise);

@@ -429,8 +429,8 @@ TEST_CASE_TEMPLATE("Guard: nothing leaves before a good state shows the robot wh
                    MOTIONS, Case<Interface::torque, double>) {
   using T = typename C::scalar;
   const GuardAlone<C::interface, 1, T> guard(configuration<T>(), {.consent = Reason::state_out_of_range});
-  // T is 10 ms: the largest lead and the dead band are 26.7 mrad, of a start beyond an end 6.7 mrad; speeds may
-  // differ by 0.1 + 0.133 rad/s.
+  // T is 10 ms: the largest lead and the dead band are 26.7 mrad, of a start beyond an end 6.7 mrad; speeds
+  // may differ by 0.1 + 0.133 rad/s.
   struct Start {
     double q, dq, seen_q, seen_dq;
     bool good;

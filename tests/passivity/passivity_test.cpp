@@ -31,9 +31,10 @@ TEST_CASE("Passivity: a port never gives more than it got and had, whatever skil
     CAPTURE(seed);
     const RandomScene scene(seed);
     const auto bare = run<Interface::position>(scene, Passivity(plenty, endless));
-    const auto keeper = scene.keeper();
-    const auto kept = run<Interface::position>(scene, keeper);
-    const auto alone = run<Interface::position>(scene, Passivity(plenty, keeper.get<PassivityObserver<>>()));
+    const auto passivity = scene.passivity();
+    const auto kept = run<Interface::position>(scene, passivity);
+    const auto alone =
+        run<Interface::position>(scene, Passivity(plenty, passivity.get<PassivityObserver<>>()));
     CHECK(alone.extracted <= scene.energy);
     broken += bare.extracted > scene.energy;
     broken_virtual += bare.virtual_extracted > scene.tank;
@@ -119,12 +120,12 @@ TEST_CASE_TEMPLATE("Passivity: with a shape at the tool and with both integrator
   for (std::uint64_t seed = 1; seed <= some; ++seed) {
     CAPTURE(seed);
     const RandomScene scene(seed);
-    const auto kept = run<Interface::position, Integrator>(scene, scene.keeper(), tool);
+    const auto kept = run<Interface::position, Integrator>(scene, scene.passivity(), tool);
     CHECK(kept.virtual_extracted <= scene.tank);
     CHECK(kept.extracted <= scene.energy);
     CHECK(kept.led > 0.01);
     empty += kept.status.has(Reason::tank_empty);
-    const auto bare = run<Interface::velocity, Integrator>(scene, scene.keeper());
+    const auto bare = run<Interface::velocity, Integrator>(scene, scene.passivity());
     CHECK(bare.virtual_extracted <= scene.tank);
     CHECK(bare.extracted <= scene.energy);
   }

@@ -71,7 +71,7 @@ TEST_CASE("PassivityObserver: two hands that twist a link lead it, and the accou
   while (arm.time() < 1)
     arm.step(8ms, [&](std::size_t k, const CellAt&) { return CellTouch{.force = k == 0 ? 11.0 : 12.0}; });
   CHECK(std::abs(arm.q()[2] - pose[2]) == doctest::Approx(free).epsilon(1e-9));
-  const double energy = arm.memory().robot.keeper.template of<PassivityObserver<>>().energy;
+  const double energy = arm.memory().robot.passivity.template of<PassivityObserver<>>().energy;
   CHECK(energy - 0.5 == doctest::Approx(-arm.given[0] - arm.given[1]).epsilon(0.02));
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("Contacts beside a wrist sensor: the skin's stay apart") {
     input.sensed.wrenches = {&push, 1};
     static_cast<void>(alone.step(*memory, input));
   }
-  const auto& damping = memory->robot.keeper.of<ContactDamper<>>().damping;
+  const auto& damping = memory->robot.passivity.of<ContactDamper<>>().damping;
   REQUIRE(damping.count == 1);
   CHECK(damping.coefficient[0] == 400);
 }

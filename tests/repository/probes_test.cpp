@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Headers of a protocol: what users write, and which members are asked for. Only they have concepts that name members.
+// Headers of a protocol: what users write, and which members are asked for. Only they have concepts that name
+// members.
 const std::set<std::string> protocols = {
     "law/law.hpp",
     "law/detail/law_rows.hpp",
@@ -58,7 +59,8 @@ std::size_t behind_space(const std::string& text, std::size_t at) {
   return at;
 }
 
-// The requires-expressions of a header that ask for a member, each with what stands before it in its statement.
+// The requires-expressions of a header that ask for a member, each with what stands before it in its
+// statement.
 std::vector<std::string> probes(std::string text, bool in_concepts) {
   text = std::regex_replace(text, std::regex("//[^\n]*"), "");
   text = std::regex_replace(text, std::regex("\"(\\\\.|[^\"\\\\\n])*\""), "\"\"");

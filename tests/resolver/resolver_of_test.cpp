@@ -24,8 +24,8 @@ static_assert(std::is_same_v<decltype(made(SemiImplicitEuler{})),
 
 TEST_CASE("resolver_of: parts of a description become those of its resolver, in any order") {
   const auto kept = made(ContactDamper<>({.max = 70}), SemiImplicitEuler{}, EnergyTank<>({.start = 3}));
-  CHECK(kept.keeper().get<EnergyTank<>>().settings().start == 3);
-  CHECK(kept.keeper().get<ContactDamper<>>().settings().max == 70);
+  CHECK(kept.passivity().get<EnergyTank<>>().settings().start == 3);
+  CHECK(kept.passivity().get<ContactDamper<>>().settings().max == 70);
   CHECK(kept.parameters().period == 8ms);
   CHECK(kept.parameters().shape.damping == 4);
 }

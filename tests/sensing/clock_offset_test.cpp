@@ -25,7 +25,7 @@ struct Errors {
 Errors errors(const SkewedClock::Settings& how, std::uint64_t seed, Nanoseconds length, Nanoseconds after,
               Nanoseconds until = Nanoseconds::max()) {
   SkewedClock clock(how, seed);
-  const ClockOffset offset({.least_delay = how.least_delay});
+  const ClockOffset offset({.min_delay = how.min_delay});
   ClockOffset::Memory memory;
   Errors out;
   // The newest stamp that was given for a time so long before a message.
@@ -69,7 +69,7 @@ TEST_CASE("ClockOffset: 5 us rms, 20 us at worst, at +-100 ppm and jitter to 3 m
     for (const Nanoseconds jitter : {Nanoseconds(0ns), Nanoseconds(200us), Nanoseconds(3ms)})
       for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
         const auto e =
-            errors({.ppm = ppm, .offset = 77s, .least_delay = 150us, .jitter = jitter}, seed, 100s, 30s);
+            errors({.ppm = ppm, .offset = 77s, .min_delay = 150us, .jitter = jitter}, seed, 100s, 30s);
         CAPTURE(ppm);
         CAPTURE(jitter.count());
         CAPTURE(seed);
@@ -164,7 +164,7 @@ TEST_CASE("ClockOffset: any bits in two times are survived; silence begins anew;
   CHECK(offset.hear(memory, 60s, 60s) == ClockOffset::Heard::leapt);
   CHECK_FALSE(ClockOffset::ready(memory));
   CHECK_THROWS_AS(ClockOffset({.late = 0ns}), ConfigurationError);
-  CHECK_THROWS_AS(ClockOffset({.least_delay = -1ns}), ConfigurationError);
+  CHECK_THROWS_AS(ClockOffset({.min_delay = -1ns}), ConfigurationError);
   CHECK_THROWS_AS(ClockOffset({.gather = 2s}), ConfigurationError);
   // Without gathering, the first message ties.
   const ClockOffset at_once({.gather = 0ns});

@@ -95,7 +95,7 @@ struct RandomScene {
   RobotConfiguration<6> configuration{.limits = limits_of<ur5::Description>(20.0), .period = 8ms};
 
   /// The parts of `Passivity` at the virtual and at the measured port.
-  [[nodiscard]] auto keeper() const {
+  [[nodiscard]] auto passivity() const {
     return Passivity(
         EnergyTank<>({.start = tank, .max = tank}),
         PassivityObserver<>(
@@ -172,13 +172,13 @@ struct Energies {
   Status status;
 };
 
-/// Two seconds of a scene with the passivity parts `keeper`; then all contacts have ended, the arm comes to
+/// Two seconds of a scene with the passivity parts `passivity`; then all contacts have ended, the arm comes to
 /// rest, and half a second later a hand leads it with up to 20 N, back along the first contact.
-template <Interface I, class Integrator = CrankNicolson, class Keeper, class... Shape>
-Energies run(const RandomScene& scene, const Keeper& keeper, const Shape&... tool) {
+template <Interface I, class Integrator = CrankNicolson, class PassivityParts, class... Shape>
+Energies run(const RandomScene& scene, const PassivityParts& passivity, const Shape&... tool) {
   using Tool = std::tuple_element_t<0, std::tuple<Shape..., NoToolShape>>;
-  using Robot = ResolverBy<I, ur5::Model, double, Integrator, 32, Keeper, Tool>;
-  const Robot robot(ur5::Model{}, scene.configuration, keeper, tool...);
+  using Robot = ResolverBy<I, ur5::Model, double, Integrator, 32, PassivityParts, Tool>;
+  const Robot robot(ur5::Model{}, scene.configuration, passivity, tool...);
   constexpr auto kind =
       I == Interface::position ? SimulatedJoints<6>::Kind::position : SimulatedJoints<6>::Kind::velocity;
   SimulatedJoints<6> joints(kind, seconds<double>(scene.delay * scene.period), scene.lag, scene.pose);
@@ -248,9 +248,10 @@ Energies run(const RandomScene& scene, const Keeper& keeper, const Shape&... too
     out.extracted = std::max(out.extracted, given);
     out.virtual_extracted = std::max(out.virtual_extracted, given_virtual);
     if constexpr (Robot::has_tank)
-      out.least_tank = std::min(out.least_tank, memory.keeper.template of<EnergyTank<>>().energy);
+      out.least_tank = std::min(out.least_tank, memory.passivity.template of<EnergyTank<>>().energy);
     if constexpr (Robot::has_passivity_observer)
-      out.least_ledger = std::min(out.least_ledger, memory.keeper.template of<PassivityObserver<>>().energy);
+      out.least_ledger =
+          std::min(out.least_ledger, memory.passivity.template of<PassivityObserver<>>().energy);
     SimulatedJoints<6>::Row row;
     for (std::size_t i = 0; i < 6; ++i)
       row[i] = I == Interface::position ? result.command.position[i] : result.command.velocity[i];

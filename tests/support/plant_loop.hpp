@@ -51,8 +51,8 @@ class PlantLoop {
   static constexpr double at[3] = {0, 0, 0.1};
   static constexpr double servo_lag = 0.008, quantum = 0.05;
   using Wrenches = LinkWrenches<ur5::Model, link_bit<link>>;
-  using Keeper = Passivity<ContactDamper<>>;
-  using Robot = ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 128, Keeper>;
+  using PassivityParts = Passivity<ContactDamper<>>;
+  using Robot = ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 128, PassivityParts>;
 
   struct Setting {
     Nanoseconds period = 8ms;
@@ -73,7 +73,7 @@ class PlantLoop {
         plant_(oracle::ur5(), {s.q[0], s.q[1], s.q[2], s.q[3], s.q[4], s.q[5]},
                {.bandwidth = 2 / servo_lag, .rotor = {2, 2, 2, 0.5, 0.5, 0.5}}),
         robot_(ur5::Model{}, configuration(s),
-               Keeper(ContactDamper<>({.max = s.observed, .always = s.damping}))) {
+               PassivityParts(ContactDamper<>({.max = s.observed, .always = s.damping}))) {
     double v[3], R[9];
     plant_.point(int(link), at, start_, v, R);
     // Into the contact: along the axis of the link on which the point lies.

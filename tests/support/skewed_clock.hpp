@@ -14,13 +14,13 @@ namespace skinctl::testing {
 class SkewedClock {
  public:
   struct Settings {
-    Nanoseconds period = 1ms;       ///< between two messages
-    double ppm = 0;                 ///< the sender's clock gains so many microseconds in each second
-    Nanoseconds offset = 0ns;       ///< the sender's clock when the robot's shows 0
-    Nanoseconds least_delay = 0ns;  ///< of a message
-    Nanoseconds jitter = 0ns;       ///< beyond it: uniform from 0 to this
-    double lost = 0, swapped = 0;   ///< share of messages that never arrive; that others overtake
-    bool queued = false;            ///< no message overtakes another by jitter: it waits for the one before
+    Nanoseconds period = 1ms;      ///< between two messages
+    double ppm = 0;                ///< the sender's clock gains so many microseconds in each second
+    Nanoseconds offset = 0ns;      ///< the sender's clock when the robot's shows 0
+    Nanoseconds min_delay = 0ns;   ///< of a message
+    Nanoseconds jitter = 0ns;      ///< beyond it: uniform from 0 to this
+    double lost = 0, swapped = 0;  ///< share of messages that never arrive; that others overtake
+    bool queued = false;           ///< no message overtakes another by jitter: it waits for the one before
     Nanoseconds leap = 0ns, leap_at = Nanoseconds::max();  ///< the clock is set by `leap` then
     double changed_ppm = 0;
     Nanoseconds changes_at = Nanoseconds::max();  ///< then it has this rate
@@ -42,7 +42,7 @@ class SkewedClock {
 
   [[nodiscard]] Message next() {
     // A message that is still to be sent arrives after this time.
-    while (way_.empty() || way_.begin()->first >= now_ + s_.period + s_.least_delay) send();
+    while (way_.empty() || way_.begin()->first >= now_ + s_.period + s_.min_delay) send();
     const Message out = way_.begin()->second;
     way_.erase(way_.begin());
     return out;
@@ -53,7 +53,7 @@ class SkewedClock {
     do now_ += s_.period;
     while (uniform(random_, 0.0, 1.0) < s_.lost);
     const Nanoseconds delay =
-        s_.least_delay + nanoseconds(seconds<double>(s_.jitter) * uniform(random_, 0.0, 1.0));
+        s_.min_delay + nanoseconds(seconds<double>(s_.jitter) * uniform(random_, 0.0, 1.0));
     Nanoseconds arrived = now_ + delay;
     if (s_.queued && arrived < last_) arrived = last_;
     if (uniform(random_, 0.0, 1.0) < s_.swapped)

@@ -110,8 +110,8 @@ TEST_CASE("PressedAreas: never more than their room, and together always the wre
     }
     for (const std::size_t link : {2u, 4u}) {
       CHECK(count[link] >= 1);
-      CHECK(count[link] <= Areas::most_of_a_link);
-      full = full || count[link] == Areas::most_of_a_link;
+      CHECK(count[link] <= Areas::max_per_link);
+      full = full || count[link] == Areas::max_per_link;
       CHECK(std::sqrt(dot(force[link], force[link])) < 1e-4);
       CHECK(std::sqrt(dot(moment[link], moment[link])) < 1e-4);
     }

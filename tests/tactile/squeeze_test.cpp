@@ -66,5 +66,5 @@ TEST_CASE("Squeeze: begins anew after a release, ignores what is not finite, tel
   CHECK(std::isinf(squeeze.result(m).stiffness));  // as stiff as the fingers themselves
   CHECK_THROWS_AS(Squeeze<>({.own = 0}), ConfigurationError);
   CHECK_THROWS_AS(Squeeze<>({.from = 4}), ConfigurationError);
-  CHECK_THROWS_AS(Squeeze<>({.least_span = 4}), ConfigurationError);
+  CHECK_THROWS_AS(Squeeze<>({.min_span = 4}), ConfigurationError);
 }

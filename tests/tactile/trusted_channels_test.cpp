@@ -1,4 +1,5 @@
-// Skins of other kinds than the hexagon that trust their cells: rest levels of channels, masks of cells, filling in.
+// Skins of other kinds than the hexagon that trust their cells: rest levels of channels, masks of cells,
+// filling in.
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -253,7 +253,7 @@ TEST_CASE("WristSensor: nonsense is refused where it is built") {
   CHECK_THROWS_AS(built([](auto& s) { s.fade = 0ns; }), ConfigurationError);
   CHECK_THROWS_AS(built([](auto& s) { s.max_age = 1ms; }), ConfigurationError);
   CHECK_THROWS_AS(built([](auto& s) { s.ramp = 0ns; }), ConfigurationError);
-  CHECK_THROWS_AS(built([](auto& s) { s.most_force = 0; }), ConfigurationError);
+  CHECK_THROWS_AS(built([](auto& s) { s.max_force = 0; }), ConfigurationError);
 }
 
 namespace {

@@ -16,9 +16,9 @@ struct TorqueEnergies {
 
 /// Two seconds of a scene on a frictionless UR5 by torque at 1 kHz, in steps of 0.1 ms. The robot feels the
 /// obstacles directly; the skin samples them at the rate of the commands.
-template <class Keeper>
-TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
-  using Robot = ResolverBy<Interface::torque, ur5::Model, double, CrankNicolson, 32, Keeper>;
+template <class PassivityParts>
+TorqueEnergies run_torque(const RandomScene& scene, const PassivityParts& passivity) {
+  using Robot = ResolverBy<Interface::torque, ur5::Model, double, CrankNicolson, 32, PassivityParts>;
   constexpr Nanoseconds period = 1ms;
   auto law = scene.law;
   for (Skill& s : law.skills) s.damping *= 0.1;  // small enough for a wrist commanded once a millisecond
@@ -26,7 +26,7 @@ TorqueEnergies run_torque(const RandomScene& scene, const Keeper& keeper) {
   c.viscous_friction = scene.configuration.viscous_friction;
   c.max_lead = 5;
   c.dead_band = JointPosition<6>::constant(1e-3);
-  const Robot robot(ur5::Model{}, c, keeper);
+  const Robot robot(ur5::Model{}, c, passivity);
   State<6> state;
   state.q = JointPosition<6>(scene.pose);
   auto memory = robot.start(state);

@@ -26,10 +26,10 @@ std::vector<double> tied_to_springs(const RobotConfiguration<6>& c, const JointP
                                     const double (&rows)[K][6], double stiffness, double damping,
                                     double seconds_long, double kick = 1e-7, double late = 1e-9) {
   static_assert(K <= 2);
-  using Keeper = Passivity<ContactDamper<>>;
-  const Keeper keeper(ContactDamper<>({.always = damping}));
-  const ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 64, Keeper> robot(ur5::Model{}, c,
-                                                                                             keeper);
+  using PassivityParts = Passivity<ContactDamper<>>;
+  const PassivityParts passivity(ContactDamper<>({.always = damping}));
+  const ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 64, PassivityParts> robot(
+      ur5::Model{}, c, passivity);
   SimulatedJoints<6> joints(SimulatedJoints<6>::Kind::position, seconds<double>(c.delay) + late,
                             seconds<double>(c.lag), {q0[0], q0[1], q0[2], q0[3], q0[4], q0[5]});
   State<6> measured;

@@ -136,6 +136,18 @@ TEST_CASE("UR driver: powers up by the dashboard, sets slider, outputs and paylo
   CHECK(trip.median <= std::chrono::milliseconds(40));
 }
 
+TEST_CASE("UR driver: takes commands of the interface that it was opened for, and no others") {
+  SimulatedUr5 robot(robot_config(true));
+  robot.start();
+  Driver driver(driver_config(robot));
+  driver.connect();
+  REQUIRE(hold(driver, 5) == Heard::state);
+  CHECK_FALSE(driver.send(skinctl::VelocityCommand<6>()));
+  CHECK_FALSE(driver.send(skinctl::TorqueCommand<6>()));
+  CHECK(hold(driver, 5) == Heard::state);  // nothing was sent: the arm goes on
+  driver.stop();
+}
+
 TEST_CASE("UR driver: a protective stop is explained, and released on request only") {
   SimulatedUr5 robot(robot_config(true));
   robot.start();

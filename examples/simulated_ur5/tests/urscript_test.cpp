@@ -23,10 +23,10 @@ struct Robot {
     return c;
   }
   /// Runs lines within a program to its end.
-  void run(const std::string& lines, int most_steps = 2000) {
+  void run(const std::string& lines, int max_steps = 2000) {
     notices.clear();
     refused = c.run("def test():\n" + lines + "end\n");
-    for (int i = 0; i < most_steps && c.state().program_running; ++i) c.step();
+    for (int i = 0; i < max_steps && c.state().program_running; ++i) c.step();
   }
   std::string exception() const {
     for (const Notice& n : notices)

@@ -276,9 +276,9 @@ class ResponseFit {
 
 }  // namespace detail
 
-/// Identifies a robot by position from a log, by least squares: a grid of delay and lag, then Gauss-Newton on these
-/// two and the three numbers of each joint together. The first half second is left out: a servo that takes its load
-/// over settles then. Deviations come from the residuals, which are taken for
+/// Identifies a robot by position from a log, by least squares: a grid of delay and lag, then Gauss-Newton on
+/// these two and the three numbers of each joint together. The first half second is left out: a servo that
+/// takes its load over settles then. Deviations come from the residuals, which are taken for
 /// correlated as they are.
 ///
 /// Throws `ConfigurationError` for a log that is too short (200 measurements), not in order, or not finite.

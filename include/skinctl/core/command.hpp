@@ -14,8 +14,9 @@ enum class Interface : unsigned char {
   torque     ///< `torque`, held until the next command
 };
 
-/// What a cycle has planned for `time`, between its stages and for those who watch: the commanded motion, whatever the
-/// interface, and the fused torque, beside a motion the last finite one. A robot gets a `RobotCommand`.
+/// What a cycle has planned for `time`, between its stages and for those who watch: the commanded motion,
+/// whatever the interface, and the fused torque, beside a motion the last finite one. A robot gets a
+/// `RobotCommand`.
 template <std::size_t N, Real T = double>
 struct JointCommand {
   Nanoseconds time{};
@@ -71,12 +72,13 @@ struct CommandedNumbers<N, T, Interface::torque> {
 };
 }  // namespace detail
 
-/// The command that a robot is sent: the numbers that its interfaces take, in members `position`, `velocity`, `torque`,
-/// and no others: what no limit has judged cannot be sent. Of a robot in groups, N counts all its joints:
-/// `Resolver::stiff(command)`, `Resolver::torque(command)` and `part_of<Set>(command)` are the parts for its devices.
+/// The command that a robot is sent: the numbers that its interfaces take, in members `position`, `velocity`,
+/// `torque`, and no others: what no limit has judged cannot be sent. Of a robot in groups, N counts all its
+/// joints: `Resolver::stiff(command)`, `Resolver::torque(command)` and `part_of<Set>(command)` are the parts
+/// for its devices.
 ///
-/// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet, or it
-/// shows the robot elsewhere than where it was started.
+/// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet, or
+/// it shows the robot elsewhere than where it was started.
 template <std::size_t N, Real T, Interface... I>
 struct RobotCommand : detail::CommandedNumbers<N, T, I>... {
   Nanoseconds time{};

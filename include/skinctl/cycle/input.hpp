@@ -28,8 +28,8 @@ template <>
 struct GoalInput<NoGoal> {};
 
 /// The input of one cycle. Any bit pattern is allowed in it: unusable values are refused with a reason.
-/// Limits of the scene may add to it, such as `around` of `ClearanceAround`, and laws, such as `gripper` of skills with
-/// a gripper.
+/// Limits of the scene may add to it, such as `around` of `ClearanceAround`, and laws, such as `gripper` of
+/// skills with a gripper.
 /// @tparam Goal    of the scene's law; without one there is no `goal`.
 /// @tparam Sensed  what the sensors of the scene read besides cells, such as `WristInput`.
 template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors>

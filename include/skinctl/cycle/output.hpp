@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// @tparam Command  a `RobotCommand`.
 template <class Command, std::size_t N, Scalar T, std::size_t Terms>
 struct CycleOutput {
-  Command command;                              ///< what the robot is sent, if it is valid
+  Command command;                              ///< command for the robot, to be sent if it is valid
   JointCommand<N, T> planned;                   ///< the motion and torque behind it, to look at
   Status status;                                ///< reasons for limits, holds and refusals
   std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]

@@ -24,9 +24,9 @@ class PacketWatch {
  public:
   using Memory = PacketMemory;
 
-  /// Throws `ConfigurationError` for a `most` above 63.
-  explicit PacketWatch(unsigned most = 4) : most_(most) {
-    require(most <= 63, "PacketWatch: most", most, "0 to 63 of 64 packets");
+  /// Throws `ConfigurationError` for `max_missing` above 63.
+  explicit PacketWatch(unsigned max_missing = 4) : max_missing_(max_missing) {
+    require(max_missing <= 63, "PacketWatch: max_missing", max_missing, "0 to 63 of 64 packets");
   }
 
   /// The newest packet has the number `number`.
@@ -45,11 +45,11 @@ class PacketWatch {
         m.missing = ((m.missing << gap) | ((std::uint64_t(1) << gap) - 1)) << 1;
       }
     }
-    return unsigned(std::popcount(m.missing)) > most_ ? Status(Reason::packets_lost) : Status{};
+    return unsigned(std::popcount(m.missing)) > max_missing_ ? Status(Reason::packets_lost) : Status{};
   }
 
  private:
-  unsigned most_;
+  unsigned max_missing_;
 };
 
 SKINCTL_END_NAMESPACE

@@ -1,5 +1,5 @@
-// The source that CMake's `skinctl::io` compiles in a program: the bodies of what it calls of recording/, and of io/urdf.hpp
-// where the program has found tinyxml2.
+// The source that CMake's `skinctl::io` compiles in a program: the bodies of what it calls of recording/, and
+// of io/urdf.hpp where the program has found tinyxml2.
 #ifndef SKINCTL_COMPILED_IO
 #error "link skinctl::io, which defines this for all files of the program"
 #endif

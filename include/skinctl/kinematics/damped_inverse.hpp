@@ -24,11 +24,12 @@ enum class TaskSpace : unsigned char {
 /// `SingularityDamping`. Away from singularities it is the inverse (for more than six joints the
 /// pseudo-inverse of minimal joint speed; for fewer, of minimal error), near them it is bounded and smooth.
 ///
-/// `J` is a geometric `Jacobian` along the axes of the base, metres and radians weighted alike; it must outlive
-/// this object. With `TaskSpace::position` only its linear rows are inverted. Never divides by zero; NaN gives NaNs
-/// or zeros. Six joints and a pose, outside of the zone: J itself is inverted, in blocks, to a few units in the last
-/// place times the condition number of J. In the zone, for other numbers of joints, and where the last three axes are
-/// nearly in a plane, the smaller of the two products is factorised: a few units times the square of that number.
+/// `J` is a geometric `Jacobian` along the axes of the base, metres and radians weighted alike; it must
+/// outlive this object. With `TaskSpace::position` only its linear rows are inverted. Never divides by zero;
+/// NaN gives NaNs or zeros. Six joints and a pose, outside of the zone: J itself is inverted, in blocks, to a
+/// few units in the last place times the condition number of J. In the zone, for other numbers of joints, and
+/// where the last three axes are nearly in a plane, the smaller of the two products is factorised: a few
+/// units times the square of that number.
 template <class J, TaskSpace What = TaskSpace::pose>
 class DampedInverse;
 template <Topology M, LinkMask Columns, Frame Body, Real T, TaskSpace What>

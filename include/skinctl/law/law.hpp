@@ -58,8 +58,8 @@ concept LawMembers = detail::HasMemory<L> && detail::HasNeeds<L> && detail::HasR
 ///
 /// `StatelessLaw` derives all but the torque. A law that derives from `Composable` can be written in sums.
 ///
-/// Optional members, with the default where a law has none, and the rule of a sum. A wrapper (`WrappedLaw`) has what its
-/// law has.
+/// Optional members, with the default where a law has none, and the rule of a sum. A wrapper (`WrappedLaw`)
+/// has what its law has.
 ///
 /// | member | meaning | default | of a sum |
 /// |---|---|---|---|

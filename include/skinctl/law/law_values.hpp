@@ -1,4 +1,5 @@
-// The values that a law takes and gives: its role, its share in a sum, the parts of its torque, what became of a request.
+// The values that a law takes and gives: its role, its share in a sum, the parts of its torque, what became
+// of a request.
 #pragma once
 
 #include <type_traits>

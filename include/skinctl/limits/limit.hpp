@@ -64,8 +64,9 @@ enum class Precedence : unsigned char {
 /// In place of what a limit adds to the input of a cycle.
 struct NoInput {};
 
-// A limit is made of its settings, an argument of `Cycle::with`, by `part_for(model, limits, settings)` beside them. A
-// member that is named and has another signature than here does not compile (`limits/detail/limit_fault.hpp`).
+// A limit is made of its settings, an argument of `Cycle::with`, by `part_for(model, limits, settings)`
+// beside them. A member that is named and has another signature than here does not compile
+// (`limits/detail/limit_fault.hpp`).
 //
 // | member of a limit                        |                                                              | without it |
 // | `Kind`                                   | a type: a scene has one part of each kind; its settings have the same | - |

@@ -12,8 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Calls `f(number)` for each plain number of a value. For goals of your own laws, and for what laws and limits of your
-/// own add to the input, overload `each_number(value, f)` in their namespace.
+/// Calls `f(number)` for each plain number of a value. For goals of your own laws, and for what laws and
+/// limits of your own add to the input, overload `each_number(value, f)` in their namespace.
 template <class K, std::size_t N, class T, class F>
 void each_number(JointVector<K, N, T>& v, F&& f) {
   for (T& x : v) f(x);

@@ -212,8 +212,9 @@ class FrontToBack {
 
 }  // namespace detail::mcap
 
-/// Reads a file from memory, front to back, without its summary: calls `each(message)` for the messages of every whole
-/// chunk whose CRC is right, and says what is there. Any bytes are safe: lengths are checked, and nothing is believed.
+/// Reads a file from memory, front to back, without its summary: calls `each(message)` for the messages of
+/// every whole chunk whose CRC is right, and says what is there. Any bytes are safe: lengths are checked, and
+/// nothing is believed.
 template <class Each>
 McapContents read_mcap(std::span<const unsigned char> file, Each&& each) {
   McapContents out;

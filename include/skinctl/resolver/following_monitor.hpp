@@ -57,7 +57,7 @@ class FollowingMonitor {
  public:
   /// Trivially copyable.
   struct Memory {
-    Part part[3];  ///< what counts, and the two newest parts, which may still be refused
+    Part part[3];  ///< sums that count, and the two newest parts, which may still be refused
     JointPosition<N, T> expected, measured, residual;
     Nanoseconds time{};
     T settling = T(0);     ///< time since the first cycle [s], up to 5 T

@@ -17,16 +17,16 @@ SKINCTL_BEGIN_NAMESPACE
 /// The state of motion of the virtual robot.
 enum class ResolverMode : unsigned char {
   following,  ///< the laws move it
-  blocked,    ///< it returns to the real robot and waits there
-  displaced,  ///< it holds until the user's consent: the real robot stands beside its commands
-  braking     ///< it brakes and holds: a stop, or no measurement of the real robot
+  blocked,    ///< returns to the real robot and waits there
+  displaced,  ///< holds until the user's consent: the real robot stands beside its commands
+  braking     ///< brakes and holds: a stop, or no measurement of the real robot
 };
 
 /// The observation of a joint whose residual is outside of the dead band.
 template <Real T>
 struct ResidualWatch {
   T size = T(0);   ///< largest residual since it left the dead band [rad]; zero inside
-  T side = T(0);   ///< its sign
+  T side = T(0);   ///< sign of the residual, +1 or -1
   T most = T(0);   ///< largest speed of a correction [rad/s]
   T robot = T(0);  ///< measured position then
   T told = T(0);   ///< H(commands) then
@@ -102,7 +102,7 @@ struct HeldByGroup {};
 /// A resolver's memory: virtual joints of each group, joints by torque, and the memory of its `Passivity` parts.
 /// Trivially copyable; a default value has not been started and gives no valid command.
 /// @tparam Sets  `JointGroups`.
-template <std::size_t N, Real T, class Sets, std::size_t History = 32, class Keeper = Passivity<>>
+template <std::size_t N, Real T, class Sets, std::size_t History = 32, class PassivityParts = Passivity<>>
 struct ResolverMemory {
   static constexpr std::size_t joints = N;
   using Groups = typename Sets::StiffGroups;
@@ -113,11 +113,11 @@ struct ResolverMemory {
   Nanoseconds time{};                 ///< the end of the last interval
   Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
   typename detail::VirtualGroups<T, History, Groups>::Memory stiff;
-  [[no_unique_address]] detail::DrivenMemory<Sets::Driven::count, T, Keeper::template has<EnergyTank<T>>>
-      driven;
+  [[no_unique_address]] detail::DrivenMemory<Sets::Driven::count, T,
+                                             PassivityParts::template has<EnergyTank<T>>> driven;
   detail::OwnTorque<Sets::Stiff::count, T> own;  ///< the laws' torque in the last sub-step [N m]
   [[no_unique_address]] std::conditional_t<one_group, detail::HeldByGroup, detail::WholeRobot<N, T>> whole;
-  [[no_unique_address]] typename Keeper::template Memory<N> keeper;
+  [[no_unique_address]] typename PassivityParts::template Memory<N> passivity;
 
   /// The virtual joints of the stiff group `K`.
   template <std::size_t K = 0>

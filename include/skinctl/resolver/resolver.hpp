@@ -67,7 +67,7 @@ struct Resolved {
 /// measured velocities since the last cycle: the arm takes the recoil of a finger that starts or stops.
 ///
 /// - A measurement is taken for all joints or for none: one number that is not finite refuses all of it.
-/// - `Keeper` names parts that watch over energy and contacts: see `Passivity`. One tank pays for both, at the
+/// - `PassivityParts` names parts that watch over energy and contacts: see `Passivity`. One tank pays for both, at the
 ///   virtual port of the stiff joints and the real one of the driven ones, whose recoil is a port of the stiff ones;
 ///   the passivity observer watches over the stiff joints, whose commands run ahead; contact damping acts on all.
 /// - `Tool`: virtual inertia and friction at the tool, on a link that no driven joint moves; see `ToolShape`.
@@ -77,9 +77,9 @@ struct Resolved {
 ///
 /// In the loop nothing throws or allocates; the cost is that of the law and the integrator, times sub-steps.
 template <RobotModel M, Real T, class Sets, class Integrator = CrankNicolson, std::size_t History = 32,
-          class Keeper = Passivity<>, class Tool = NoToolShape>
-class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, Keeper, Tool> {
-  using Base = detail::ResolverDriven<M, T, Sets, Integrator, History, Keeper, Tool>;
+          class PassivityParts = Passivity<>, class Tool = NoToolShape>
+class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, PassivityParts, Tool> {
+  using Base = detail::ResolverDriven<M, T, Sets, Integrator, History, PassivityParts, Tool>;
 
  public:
   using Base::each;
@@ -100,20 +100,20 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
   /// Throws `ConfigurationError` for a number out of its range.
   ///
   /// @param groups  each with its configuration, in a tuple: see `by_groups`.
-  /// @param keeper  parts that watch over energy and contacts, see `Passivity`.
+  /// @param passivity  parts that watch over energy and contacts, see `Passivity`.
   /// @param tool    virtual inertia and friction at the tool, see `ToolShape`.
   template <class... Given>
-  Resolver(const M& model, const std::tuple<Given...>& groups, const Keeper& keeper = Keeper(),
-           const Tool& tool = Tool())
-      : Base(model, those<detail::IsStiffGroup>(groups), those<detail::IsDrivenGroup>(groups), keeper, tool) {
-  }
+  Resolver(const M& model, const std::tuple<Given...>& groups,
+           const PassivityParts& passivity = PassivityParts(), const Tool& tool = Tool())
+      : Base(model, those<detail::IsStiffGroup>(groups), those<detail::IsDrivenGroup>(groups), passivity,
+             tool) {}
 
   /// Of a robot that is one group of joints.
   Resolver(const M& model, const RobotConfiguration<joints, T>& configuration,
-           const Keeper& keeper = Keeper(), const Tool& tool = Tool())
+           const PassivityParts& passivity = PassivityParts(), const Tool& tool = Tool())
     requires Base::is_one_group
       : Resolver(model, std::tuple(JointGroup<Base::interface, joints_between(0, joints), T>{configuration}),
-                 keeper, tool) {}
+                 passivity, tool) {}
 
   using Sent = typename Base::Sent;
   /// The command of the stiff joints.
@@ -224,9 +224,9 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
   }
 
  private:
-  using Base::keeper_;
   using Base::limits_;
   using Base::model_;
+  using Base::passivity_;
   using Base::stale_after_;
   using Base::virtual_;
   using Velocity = typename Base::Velocity;
@@ -264,8 +264,8 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
           m.template group<k.value>(), std::get<k.value>(begun.groups).correction, Part<k.value>::of(v1), h);
     });
     if constexpr (has_tank)
-      keeper_.template get<EnergyTank<T>>().book(m.keeper.template of<EnergyTank<T>>(),
-                                                 this->position(m) - from, this->shape_, h);
+      passivity_.template get<EnergyTank<T>>().book(m.passivity.template of<EnergyTank<T>>(),
+                                                    this->position(m) - from, this->shape_, h);
   }
 
   /// The law at the end of a cycle: for the driven joints, and for groups that are blocked.

@@ -38,9 +38,9 @@ struct OnlyPart<Default, std::tuple<Part>> {
 };
 
 template <class Tuple>
-struct KeeperOf;
+struct PassivityOf;
 template <class... K>
-struct KeeperOf<std::tuple<K...>> {
+struct PassivityOf<std::tuple<K...>> {
   using type = Passivity<K...>;
   template <class Parts>
   static type of(const Parts& parts) {
@@ -59,7 +59,7 @@ struct ChosenParts {
   using Integrator = typename OnlyPart<CrankNicolson, Of<IntegratorPart>>::type;
   using Tool = typename OnlyPart<NoToolShape, Of<ToolShapePart>>::type;
   using History = typename OnlyPart<CommandHistory<32>, Of<HistoryPart>>::type;
-  using Keeper = KeeperOf<Of<PassivityPart>>;
+  using PassivityParts = PassivityOf<Of<PassivityPart>>;
 };
 
 /// The resolver of a described robot, and how it is made of its parts.
@@ -71,16 +71,16 @@ struct ResolverOfParts {
                                            Chosen::template count<ToolShapePart> == 0),
                 "by torque there is no virtual robot: leave integrator and tool shape out");
   using type = Resolver<Seen, T, Sets, typename Chosen::Integrator, Chosen::History::commands,
-                        typename Chosen::Keeper::type, Tool>;
+                        typename Chosen::PassivityParts::type, Tool>;
 
   template <class Robot, class Groups>
   [[nodiscard]] static type make(const Robot& robot, const Groups& groups) {
-    const auto keeper = Chosen::Keeper::of(robot.parts());
+    const auto passivity = Chosen::PassivityParts::of(robot.parts());
     const Seen model(robot.model());
     if constexpr (Chosen::template count<ToolShapePart> == 1) {
-      return type(model, groups, keeper, std::get<Tool>(robot.parts()));
+      return type(model, groups, passivity, std::get<Tool>(robot.parts()));
     } else {
-      return type(model, groups, keeper);
+      return type(model, groups, passivity);
     }
   }
 };
@@ -121,9 +121,9 @@ struct ResolverOf<GroupsDescription<M, T, Groups, Parts...>> {
 
 /// The resolver of a robot that is one group of joints.
 template <Interface I, RobotModel M, Real T = double, class Integrator = CrankNicolson,
-          std::size_t History = 32, class Keeper = Passivity<>, class Tool = NoToolShape>
+          std::size_t History = 32, class PassivityParts = Passivity<>, class Tool = NoToolShape>
 using ResolverBy = Resolver<M, T, JointGroups<M::joints, JointGroup<I, joints_between(0, M::joints), T>>,
-                            Integrator, History, Keeper, Tool>;
+                            Integrator, History, PassivityParts, Tool>;
 
 namespace detail {
 /// A robot's description, from which a resolver is made.

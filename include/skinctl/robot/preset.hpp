@@ -13,8 +13,8 @@ SKINCTL_BEGIN_NAMESPACE
 ///                                                                 .virtual_damping = 4,
 ///                                                                 .substep = Chosen::substep});
 ///
-/// `skinctl_trade` (bench/studies/trade) measures what each costs, and how far it leads a robot off the path of the
-/// unabridged computation.
+/// `skinctl_trade` (bench/studies/trade) measures what each costs, and how far it leads a robot off the path
+/// of the unabridged computation.
 namespace preset {
 
 /// The defaults of the library.

@@ -16,8 +16,8 @@ enum class CellFault : std::uint8_t {
   blinking,    ///< jumps between readings
   noisy,       ///< reads far more noise than it should
   cross_talk,  ///< reads a share of what a cell elsewhere feels
-  discharge,   ///< its rest level has jumped, as after an electrostatic discharge, and creeps back
-  unheard      ///< its samples come late, or not at all
+  discharge,   ///< rest level that has jumped, as after an electrostatic discharge, and creeps back
+  unheard      ///< samples that come late, or not at all
 };
 inline constexpr std::size_t cell_faults = 7;
 

@@ -41,8 +41,8 @@ struct MessageRecord {
 ///
 /// A sample is a measurement: a network that repeats old readings under new stamps makes healthy cells look stuck.
 ///
-/// Of another kind than the hexagon, the force sensors are the readings of its pressures, as shares of their greatest
-/// value; its proximity is what it sees.
+/// Of another kind than the hexagon, the force sensors are the readings of its pressures, as shares of their
+/// greatest value; its proximity is what it sees.
 template <std::size_t Cells, SensorKind Kind = Hexagon>
 class CellHealth {
   using Table = KindTable<Kind>;
@@ -72,8 +72,8 @@ class CellHealth {
   };
   /// What others say of a cell.
   struct Witness {
-    bool moved = false;    ///< one of them has moved within the last 24 ms
-    bool touched = false;  ///< one of them is touched, too
+    bool moved = false;    ///< whether a neighbour has moved within the last 24 ms
+    bool touched = false;  ///< whether a neighbour is touched, too
     bool seen = false;     ///< a proximity saw it come
   };
 
@@ -104,7 +104,7 @@ class CellHealth {
       cell_[i] = {static_cast<float>(sigma), static_cast<std::uint16_t>(needed < 60000 ? needed : 65535),
                   double(n.rest) > 4 * double(n.force) + 1, float(sensors) * n.rest};
     }
-    most_messages_ = s_.equal_messages > 0 ? s_.equal_messages : 65535;
+    max_messages_ = s_.equal_messages > 0 ? s_.equal_messages : 65535;
     per_step_ = static_cast<float>(1 / s_.step),
     top_ = static_cast<std::uint16_t>(std::ceil(s_.top / s_.step - 1e-9));
   }
@@ -146,7 +146,7 @@ class CellHealth {
       note(sensor, static_cast<std::uint32_t>(share > 0 ? share * per_step_ + 0.5f : 0.0f), cell_[i].equal);
       top |= r.last[sensor++] >= top_ ? 1u : 0u;
     }
-    note(sensors, static_cast<std::uint32_t>(hash >> 48), most_messages_);
+    note(sensors, static_cast<std::uint32_t>(hash >> 48), max_messages_);
     const std::uint32_t messages = r.equal[sensors];
     const std::size_t b = i / 16;
     const auto set = [k](std::uint16_t& bits, std::uint32_t value) {
@@ -252,7 +252,7 @@ class CellHealth {
       if (r.equal[c] >= cell_[i].equal && (!zero || cell_[i].rests_above_zero) && !(top && witness.touched))
         found |= CellFault::stuck;
     }
-    if (r.equal[sensors] >= most_messages_) found |= CellFault::stuck;
+    if (r.equal[sensors] >= max_messages_) found |= CellFault::stuck;
     if (row.top[k] >= seconds<float>(s_.saturated_for) && !witness.touched) found |= CellFault::saturated;
     if (row.capped[k] > 40 && row.second[k] > 1.5f * row.first[k]) found |= CellFault::noisy;
     if (row.jumps[k] > 2.5f) found |= CellFault::blinking;
@@ -266,7 +266,7 @@ class CellHealth {
   std::vector<Constants> cell_;
   float per_step_ = 1024;
   std::uint16_t top_ = 1004;
-  std::uint32_t most_messages_ = 65535;  ///< equal ones in a row; 65535: never
+  std::uint32_t max_messages_ = 65535;  ///< equal ones in a row; 65535: never
 };
 
 SKINCTL_END_NAMESPACE

@@ -9,14 +9,15 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What one cell reads untouched, in steps of its sensors: the standard deviation of its noise before the sensor
-/// rounds, and the mean.
+/// What one cell reads untouched, in steps of its sensors: the standard deviation of its noise before the
+/// sensor rounds, and the mean.
 struct SensorNoise {
   float force = 0.7f;      ///< of one force sensor
   float proximity = 0.7f;  ///< of the proximity
   float rest = 0;          ///< mean of one force sensor; 0: it may read exact zeros while untouched
-  /// Equal readings may follow one another for any time, pressed or not, because its step is coarse or its readings are
-  /// filtered before they arrive. Then equal readings show no fault; whole messages that are equal still do.
+  /// Equal readings may follow one another for any time, pressed or not, because its step is coarse or its
+  /// readings are filtered before they arrive. Then equal readings show no fault; whole messages that are
+  /// equal still do.
   bool repeats = false;
 
   /// The deviation before rounding of readings with the deviation `sigma` [steps].
@@ -28,18 +29,19 @@ struct SensorNoise {
 
 struct CellHealthSettings {
   double step = 1.0 / 1024;  ///< of the readings
-  /// Of cells that send changes only: the smallest change of a force sensor that is sent (`SendOnDelta`) [steps]. What
-  /// they send moves in steps of it, which is no noise. 0: they send all that they read.
+  /// Of cells that send changes only: the smallest change of a force sensor that is sent (`SendOnDelta`)
+  /// [steps]. What they send moves in steps of it, which is no noise. 0: they send all that they read.
   double delta = 0;
-  /// So many messages in a row with all eight numbers equal show a dead cell, also in between touches. 0: never,
-  /// for cells without an accelerometer or other number that always has noise.
+  /// So many messages in a row with all eight numbers equal show a dead cell, also in between touches. 0:
+  /// never, for cells without an accelerometer or other number that always has noise.
   std::uint32_t equal_messages = 5;
   double top = 0.98;  ///< a force reading from here on is at the top of its range
   Nanoseconds saturated_for = 200ms;
   Nanoseconds fade_in = 50ms, fade_out = 250ms;  ///< of masks
   Nanoseconds hold = 2s, hold_blinking = 10s;    ///< a mask stays for so long after the last finding
   Nanoseconds witnessed_within = 12ms;           ///< before or after a jump
-  /// A force that steps is no touch for so long, in which the rules find its fault, and not before it has moved since.
+  /// A force that steps is no touch for so long, in which the rules find its fault, and not before it has
+  /// moved since.
   Nanoseconds doubt = 500ms;
 
   /// Throws `ConfigurationError` for a number out of its range.

@@ -70,8 +70,8 @@ template <SensorKind Kind>
   return none == 0 ? Reason::sample_out_of_range : Reason::sample_not_finite;
 }
 
-/// Empty if a sample is valid; `sample_not_finite` if any reading is NaN or infinite, else `sample_out_of_range` if one
-/// lies outside of the range that its kind states.
+/// Empty if a sample is valid; `sample_not_finite` if any reading is NaN or infinite, else
+/// `sample_out_of_range` if one lies outside of the range that its kind states.
 template <SensorKind Kind>
 [[nodiscard]] Status check(const SensorSample<Kind>& sample) noexcept {
   if (detail::within_ranges<Kind>(sample.readings.data())) [[likely]]
@@ -113,8 +113,8 @@ using SampleOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, CellSample, S
 template <SensorKind Kind>
 using CountsOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, CellCounts, ChannelCounts<Kind>>;
 
-/// The amount of a channel of a sample, one that is told too: `amount<Uskin>(sample, 3)`. 0 for a channel that the kind
-/// does not have.
+/// The amount of a channel of a sample, one that is told too: `amount<Uskin>(sample, 3)`. 0 for a channel
+/// that the kind does not have.
 template <SensorKind Kind>
 [[nodiscard]] constexpr float amount(const SampleOf<Kind>& sample, std::size_t channel) noexcept {
   const auto x = detail::readings_of(sample);

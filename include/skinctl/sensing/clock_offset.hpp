@@ -31,7 +31,7 @@ SKINCTL_BEGIN_NAMESPACE
 class ClockOffset {
  public:
   struct Settings {
-    Nanoseconds least_delay =
+    Nanoseconds min_delay =
         0ns;  ///< the time that the fastest message takes; what is not declared stays in the stamps
     Nanoseconds gather = 100ms;  ///< messages of this time are heard before the first stamp
     Nanoseconds ahead = 1ms, overtaken = 20ms, late = 5ms;  ///< see the class
@@ -69,14 +69,14 @@ class ClockOffset {
   };
 
   ClockOffset() : ClockOffset(Settings{}) {}
-  /// Throws `ConfigurationError` unless `least_delay` and `gather` are in [0, 1] s, `ahead`, `overtaken` and
+  /// Throws `ConfigurationError` unless `min_delay` and `gather` are in [0, 1] s, `ahead`, `overtaken` and
   /// `late` in (0, 1] s.
   explicit ClockOffset(const Settings& s) : s_(s) {
     const auto check = [](const char* name, Nanoseconds t, bool may_be_zero) {
       require((t > 0ns || (may_be_zero && t == 0ns)) && t <= 1s, name, milliseconds(t),
               may_be_zero ? "0 to 1000 ms" : "> 0, <= 1000 ms");
     };
-    check("ClockOffset: least_delay", s.least_delay, true);
+    check("ClockOffset: min_delay", s.min_delay, true);
     check("ClockOffset: gather", s.gather, true);
     check("ClockOffset: ahead", s.ahead, false);
     check("ClockOffset: overtaken", s.overtaken, false);
@@ -89,7 +89,7 @@ class ClockOffset {
   Heard hear(Memory& m, Nanoseconds sent, Nanoseconds arrived) const noexcept {
     constexpr Nanoseconds far(std::int64_t(1) << 61);
     if (sent <= -far || sent >= far || arrived <= -far || arrived >= far) return Heard::refused;
-    const Nanoseconds difference = arrived - sent - s_.least_delay;
+    const Nanoseconds difference = arrived - sent - s_.min_delay;
     if (m.count == 0) {
       begin(m, {sent, difference});
       return tie(m) ? Heard::tied : Heard::gathering;

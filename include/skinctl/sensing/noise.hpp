@@ -15,7 +15,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Why the noise of a cell was not taken, in the order in which they are looked for.
 enum class NoiseFinding : unsigned char {
-  good,    ///< it was
+  good,    ///< taken
   silent,  ///< no sample, or only one
   near,    ///< something was near: proximity above `NoiseSettings::near`, or NaN
   offset,  ///< pressed all the time: the mean is above the file's threshold

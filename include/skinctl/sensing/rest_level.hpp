@@ -34,7 +34,7 @@ struct RestLevels {
   /// Throws `ConfigurationError` unless 0 < freeze <= touch <= 2^20 steps.
   void check() const {
     require(freeze > 0 && freeze <= touch, "RestLevels: freeze", double(freeze), "> 0 steps, <= touch");
-    require(touch <= float(detail::most_steps), "RestLevels: touch", double(touch), "<= 2^20 steps");
+    require(touch <= float(detail::max_steps), "RestLevels: touch", double(touch), "<= 2^20 steps");
   }
 };
 
@@ -128,7 +128,7 @@ class RestLevel {
   template <Real T = float>
   [[nodiscard]] Memory<T> start(const T& rest) const noexcept {
     Memory<T> memory;
-    const T b = detail::magnitude(rest) <= T(detail::most_steps) ? rest : T(0);
+    const T b = detail::magnitude(rest) <= T(detail::max_steps) ? rest : T(0);
     memory.cell.whole = detail::nearest_whole(b);
     memory.cell.fraction = b - memory.cell.whole;
     memory.last = b;
@@ -143,7 +143,7 @@ class RestLevel {
   template <Real T>
   void take(Memory<T>& memory, const T& x, Nanoseconds dt, const T& evidence,
             const RestLevels& levels) const noexcept {
-    if (!(dt > 0ns) || !(detail::magnitude(x) <= T(detail::most_steps))) return;
+    if (!(dt > 0ns) || !(detail::magnitude(x) <= T(detail::max_steps))) return;
     const Nanoseconds whole = dt < s_.longest ? dt : s_.longest,
                       held = whole > s_.ramp ? whole - s_.ramp : 0ns;
     move(memory.cell, memory.last, memory.last, held, evidence, levels);

@@ -17,7 +17,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// One number of a sample. A sample with a reading outside of its range is refused.
 struct Reading {
   std::string_view name;
-  double min = 0, max = 1;  ///< its range, in its unit
+  double min = 0, max = 1;  ///< range of the reading, in its unit
   /// Any finite number.
   static constexpr double any = std::numeric_limits<float>::max();
 };
@@ -33,13 +33,14 @@ enum class ChannelUse : std::uint8_t {
 struct Cone {
   double friction = 0;  ///< mu: up to mu times the cell's pressure; 0: on its own
 };
-/// Shear: a cell that nothing presses is not dragged, whatever it reads.
+/// Shear: a cell that nothing presses is not dragged, whatever it reads. With
+/// 0.8 a stuck channel pushes 1.6 N beside a pressure of 2 N; a cover that grips harder has a cone of its own.
 inline constexpr Cone with_normal{0.8};
 
 /// A sum of readings that acts along one direction at one place of its cell.
 ///
-/// A contact without a cone is a pressure: below 0 it counts as 0, because a cell is pushed and not pulled. One with a
-/// cone has a sign. `told` has no direction.
+/// A contact without a cone is a pressure: below 0 it counts as 0, because a cell is pushed and not pulled.
+/// One with a cone has a sign. `told` has no direction.
 struct Channel {
   std::string_view name;
   ChannelUse use = ChannelUse::contact;
@@ -193,7 +194,8 @@ struct KindTable {
     for (const std::size_t l : line) n = l + 1 > n ? l + 1 : n;
     return n;
   }();
-  /// A step of its count, a power of two: 2^-16 of the next power above the greatest amount, 2^-15 with a sign.
+  /// A step of its count, a power of two: 2^-16 of the next power above the greatest amount, 2^-15 with a
+  /// sign.
   static constexpr double step(std::size_t c) {
     double unit = 0x1p-40;
     while (unit * (has_cone(c) ? 32768 : 65536) < Kind::channels[c].greatest) unit *= 2;
@@ -232,7 +234,8 @@ struct KindTable {
   }
 };
 
-/// Counts of a cell: of each channel that pushes its amount in steps, as an integer whose sums are exact in any order.
+/// Counts of a cell: of each channel that pushes its amount in steps, as an integer whose sums are exact in
+/// any order.
 template <SensorKind Kind>
 struct ChannelCounts {
   std::array<std::uint16_t, KindTable<Kind>::pushing>

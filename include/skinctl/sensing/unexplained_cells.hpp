@@ -13,10 +13,10 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// A cell that has been frozen for 60 s or more although nothing says that it is touched.
 struct UnexplainedCell {
-  std::size_t cell = 0;  ///< its place in the rows
+  std::size_t cell = 0;  ///< place of the cell in the rows
   float above = 0;       ///< smoothed reading above the rest level [steps]: what it reads as force
   float evidence = 0;    ///< smoothed sum of the evidence for a drift
-  bool fast = false;     ///< it rose as fast as a touch
+  bool fast = false;     ///< whether the cell rose as fast as a touch
 };
 
 /// Calls `f(UnexplainedCell)` for each of `count` cells from the `first` on that `unexplained` holds of, in their

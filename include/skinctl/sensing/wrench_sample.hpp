@@ -19,15 +19,15 @@ struct WrenchSample {
 };
 
 /// Empty if the sample is valid; `sample_not_finite` if a number is NaN or infinite; `sample_out_of_range` if
-/// a component of force exceeds `most_force` [N], or one of moment `most_moment` [N m]: the sensor is
+/// a component of force exceeds `max_force` [N], or one of moment `max_moment` [N m]: the sensor is
 /// saturated, and what it reads is not what acts.
-[[nodiscard]] SKINCTL_INLINE constexpr Status check(const WrenchSample& sample, double most_force,
-                                                    double most_moment) noexcept {
+[[nodiscard]] SKINCTL_INLINE constexpr Status check(const WrenchSample& sample, double max_force,
+                                                    double max_moment) noexcept {
   bool finite = true, within = true;
   for (std::size_t i = 0; i < 3; ++i) {
     const double f = sample.force[i], m = sample.moment[i];
     finite = finite && f - f == 0 && m - m == 0;
-    within = within && f <= most_force && f >= -most_force && m <= most_moment && m >= -most_moment;
+    within = within && f <= max_force && f >= -max_force && m <= max_moment && m >= -max_moment;
   }
   if (!finite) return Reason::sample_not_finite;
   return within ? Status{} : Status{Reason::sample_out_of_range};

@@ -94,7 +94,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
     return m.refused.ticket == ticket ? m.refused : SkillReport{};
   }
 
-  /// What the scene says before each evaluation: the contacts of a touch that finds them, and the gripper's state.
+  /// What the scene says before each evaluation: the contacts of a touch that finds them, and the gripper's
+  /// state.
   using Input = detail::Together<std::conditional_t<has_gripper, GripperInput, NothingAdded>,
                                  typename Loop::Blend::Input>;
   using Output = detail::Together<std::conditional_t<has_gripper, GripperOutput, NothingAdded>,

@@ -10,9 +10,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The amounts of a cell's channels as `y = A x + b` of all its readings x, in place of the sums that its kind states:
-/// cross-talk that is taken off, forces from magnets. It stands before rest levels and gates; readings are checked as
-/// they are sent.
+/// The amounts of a cell's channels as `y = A x + b` of all its readings x, in place of the sums that its
+/// kind states: cross-talk that is taken off, forces from magnets. It stands before rest levels and gates;
+/// readings are checked as they are sent.
 template <SensorKind Kind>
 struct ChannelCalibration {
   static constexpr std::size_t rows = KindTable<Kind>::pushing, columns = KindTable<Kind>::readings;
@@ -27,7 +27,8 @@ struct ChannelCalibration {
         out.A[c][r] = ((Kind::channels[c].readings >> r) & 1u) ? 1.0f : 0.0f;
     return out;
   }
-  /// Throws `ConfigurationError` for a number that is not finite, and for entries so large that an amount could overflow.
+  /// Throws `ConfigurationError` for a number that is not finite, and for entries so large that an amount
+  /// could overflow.
   SKINCTL_COLD void check() const {
     for (std::size_t c = 0; c < rows; ++c) {
       require(b[c] - b[c] == 0, "ChannelCalibration: b", double(b[c]), "finite");

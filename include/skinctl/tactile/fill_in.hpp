@@ -17,15 +17,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A masked cell i counts as if it read `s_i = sum_j w_ij s_j` over the cells around it, within 0 and the least and
-/// largest of these readings: its unit wrench times that. Weights are multiples of 2^-24. A cell around it that is masked too reads
-/// the mean of its own neighbours, or if these are masked the mean of the others around i. Immutable.
+/// A masked cell i counts as if it read `s_i = sum_j w_ij s_j` over the cells around it, within 0 and the
+/// least and largest of these readings: its unit wrench times that. Weights are multiples of 2^-24. A cell
+/// around it that is masked too reads the mean of its own neighbours, or if these are masked the mean of the
+/// others around i. Immutable.
 ///
 /// A contact smaller than the distance of two cells cannot be filled in.
 class FillIn {
  public:
   static constexpr double unit = 1.0 / (1 << 24);
-  static constexpr std::size_t most_around = 24;  ///< cells around one; of more the nearest
+  static constexpr std::size_t max_around = 24;  ///< cells around one; of more the nearest
 
   /// Nothing is filled in.
   FillIn() = default;
@@ -75,7 +76,7 @@ class FillIn {
         return (1 + x) * std::exp(-x);
       };
       const auto from = two_rings(i, places);
-      constexpr std::size_t n = most_around;
+      constexpr std::size_t n = max_around;
       std::array<double, n * n> K{};
       std::array<double, n> k{}, w{};
       for (std::size_t a = 0; a < n; ++a) {
@@ -163,7 +164,7 @@ class FillIn {
     weights_.push_back(static_cast<std::int32_t>(std::floor(w / unit)));
   }
   SKINCTL_COLD void end() { first_.push_back(static_cast<CellGraph::Index>(around_.size())); }
-  /// The neighbours of cell `i` and theirs that face to its side: of more than `most_around` the nearest.
+  /// The neighbours of cell `i` and theirs that face to its side: of more than `max_around` the nearest.
   [[nodiscard]] SKINCTL_COLD std::vector<CellGraph::Index> two_rings(
       std::size_t i, std::span<const CellPlace> places) const {
     std::vector<CellGraph::Index> from;
@@ -176,14 +177,14 @@ class FillIn {
     }
     std::sort(from.begin(), from.end());
     from.erase(std::unique(from.begin(), from.end()), from.end());
-    if (from.size() > most_around) {
+    if (from.size() > max_around) {
       const auto far = [&](CellGraph::Index j) {
         const Xyz<double> way = places[j].place - places[i].place;
         return dot(way, way);
       };
       std::stable_sort(from.begin(), from.end(),
                        [&](CellGraph::Index a, CellGraph::Index b) { return far(a) < far(b); });
-      from.resize(most_around);
+      from.resize(max_around);
       std::sort(from.begin(), from.end());
     }
     return from;

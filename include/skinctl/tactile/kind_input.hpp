@@ -11,8 +11,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a skin of a kind adds to the input of a cycle: `input.sensed.taxels = batch`, in a scene with two such kinds
-/// `taxels_of<Uskin>(input.sensed) = batch`. The samples of a cell are in the order of their stamps.
+/// What a skin of a kind adds to the input of a cycle: `input.sensed.taxels = batch`, in a scene with two
+/// such kinds `taxels_of<Uskin>(input.sensed) = batch`. The samples of a cell are in the order of their
+/// stamps.
 template <SensorKind Kind>
 struct KindInput {
   SampleSpan<SensorSample<Kind>> taxels;  ///< arrived since the last cycle

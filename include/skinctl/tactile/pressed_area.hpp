@@ -49,11 +49,11 @@ class PressedAreas {
   using model_type = M;
   using scalar = T;
   static constexpr LinkMask links = Skinned;
-  static constexpr std::size_t most_of_a_link = 4, most_extra = 6;
+  static constexpr std::size_t max_per_link = 4, max_extra = 6;
   static constexpr std::size_t most = [] {
     const auto skinned = static_cast<std::size_t>(std::popcount(Skinned));
-    const std::size_t full = skinned == 0 ? 1 : most_of_a_link * skinned;
-    return skinned + most_extra < full ? skinned + most_extra : full;
+    const std::size_t full = skinned == 0 ? 1 : max_per_link * skinned;
+    return skinned + max_extra < full ? skinned + max_extra : full;
   }();
   static constexpr double patch_size = 0.1;  ///< [m]
 
@@ -87,7 +87,7 @@ class PressedAreas {
       if (similar == nullptr || unlike < least) similar = &a, least = unlike;
     }
     if (like == nullptr && of_link > 0) {
-      if (of_link >= most_of_a_link || extra_ >= most_extra) {
+      if (of_link >= max_per_link || extra_ >= max_extra) {
         like = similar;
       } else {
         ++extra_;
@@ -113,7 +113,7 @@ class PressedAreas {
       const T unlike = dot(way, way) * T(1 / (patch_size * patch_size)) + (same ? T(0) : T(10000));
       if (similar == nullptr || unlike < best) similar = &a, best = unlike;
     }
-    if (of_link > 0 && (of_link >= most_of_a_link || extra_ >= most_extra)) return similar->add(area);
+    if (of_link > 0 && (of_link >= max_per_link || extra_ >= max_extra)) return similar->add(area);
     if (of_link > 0) ++extra_;
     list_[count_++] = area;
   }

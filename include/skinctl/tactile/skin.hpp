@@ -34,8 +34,8 @@ constexpr bool one_kind() {
 /// **Method.** The sums of the held readings times their unit wrenches are updated event by event, in integer
 /// steps (unit wrenches to 2^-24, readings to 2^-14 and 2^-16), so they stay exact in any order.
 ///
-/// **Kinds.** All patches have one kind of cell, `Hexagon` unless they name another one (`SensorKind`). A scene with two
-/// kinds adds two skins.
+/// **Kinds.** All patches have one kind of cell, `Hexagon` unless they name another one (`SensorKind`). A
+/// scene with two kinds adds two skins.
 template <Topology M, Real T, class... Patches>
 class Skin : public detail::SkinCore<M, T, (link_bit<Patches::link> | ...), (Patches::cells + ...),
                                      sizeof...(Patches), detail::KindOfPatches<Patches...>> {

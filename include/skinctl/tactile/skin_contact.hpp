@@ -175,10 +175,10 @@ class ContactFinder {
 
   template <class Memory, class One, class Areas>
   void flood(Memory& m, std::uint32_t seed, std::uint32_t label, One& out, Areas& areas) const noexcept {
-    constexpr std::size_t most_sides = 4;
-    detail::Unwritten<Side, most_sides> room;
+    constexpr std::size_t max_sides = 4;
+    detail::Unwritten<Side, max_sides> room;
     Side* const sides = room.data;
-    Xyz<T> forces[most_sides] = {};
+    Xyz<T> forces[max_sides] = {};
     Side last{};  // that of the last cell, and its force: in registers
     Xyz<T> pushes{T(0), T(0), T(0)};
     std::uint32_t strongest = seed;
@@ -210,15 +210,15 @@ class ContactFinder {
       const Xyz<T> force = vector(cell.force);
       if (count == 0 || !PressedArea<T>::same_side(pushes, force)) {
         unsigned same = 0;  // a bit a side: without a branch, cells at an edge go to and fro
-        for (std::size_t s = 0; s < most_sides; ++s)
+        for (std::size_t s = 0; s < max_sides; ++s)
           same |= unsigned(PressedArea<T>::same_side(forces[s], force)) << s;
         same &= ~(1u << k);  // as it was when it was left
         sides[k] = last, forces[k] = pushes;
-        if (same == 0 && count < most_sides) {
+        if (same == 0 && count < max_sides) {
           k = count++;
           last = Side{};
         } else {
-          k = same != 0 ? static_cast<std::size_t>(std::countr_zero(same)) : most_sides - 1;
+          k = same != 0 ? static_cast<std::size_t>(std::countr_zero(same)) : max_sides - 1;
           last = sides[k];
         }
         pushes = forces[k];

@@ -18,7 +18,7 @@ struct SkinCell {
   std::optional<CellGains> gains{};        ///< none: those of its patch
   std::optional<EventGate<>> force{};      ///< on the sum of its forces; none: that of `SkinSettings`
   std::optional<EventGate<>> proximity{};  ///< none: that of `SkinSettings`
-  bool masked = false;                     ///< it is no part of what feels, whatever it sends
+  bool masked = false;                     ///< cells that are no part of what feels, whatever they send
 
   /// The gates in the order of the channels.
   [[nodiscard]] std::array<EventGate<>, 2> gates(const SkinSettings& s) const {
@@ -41,7 +41,7 @@ struct ChannelCell {
   std::optional<ChannelGains<Kind>> gains{};  ///< none: those of its patch
   std::optional<std::array<EventGate<>, KindTable<Kind>::pushing>>
       gate{};           ///< none: those of `ChannelSettings`
-  bool masked = false;  ///< it is no part of what feels, whatever it sends
+  bool masked = false;  ///< cells that are no part of what feels, whatever they send
 
   [[nodiscard]] auto gates(const ChannelSettings<Kind>& s) const { return gate.value_or(s.gate); }
 };
@@ -114,7 +114,7 @@ class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, Kind> {
   static_assert((Links & ~all_links(M::joints)) == 0, "the mask names a link that the model does not have");
   using typename Core::Settings;
   using typename Core::Wrenches;
-  static constexpr std::size_t capacity = Capacity, most_patches = Patches;
+  static constexpr std::size_t capacity = Capacity, max_patch_count = Patches;
 
   /// Throws `ConfigurationError` for more cells or patches than there is room for, a patch without cells or on
   /// a link that is not in `Links`, and for what `Patch`, `Skin` and `EventGate::counted` refuse.

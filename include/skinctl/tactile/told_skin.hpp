@@ -6,8 +6,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The skin `S` with the newest amounts of the channels that are told, for a `Cycle` in place of `S`: `ToldSkin(skin)`.
-/// They exert no force. Cells of the innermost skin only; samples that it refuses tell nothing.
+/// The skin `S` with the newest amounts of the channels that are told, for a `Cycle` in place of `S`:
+/// `ToldSkin(skin)`. They exert no force. Cells of the innermost skin only; samples that it refuses tell
+/// nothing.
 template <class S>
 class ToldSkin : public WrappedTouch<ToldSkin<S>, S> {
   using Base = WrappedTouch<ToldSkin, S>;
@@ -19,8 +20,8 @@ class ToldSkin : public WrappedTouch<ToldSkin<S>, S> {
   static constexpr std::size_t channels = KindTable<Kind>::channels - first;
   static_assert(channels > 0, "this kind of sensor tells nothing");
   struct Memory : S::Memory {
-    std::array<std::array<float, channels>, detail::most_cells_of<S>> told{};
-    std::array<Nanoseconds, detail::most_cells_of<S>> told_at{};
+    std::array<std::array<float, channels>, detail::max_cells_of<S>> told{};
+    std::array<Nanoseconds, detail::max_cells_of<S>> told_at{};
   };
 
   SKINCTL_COLD explicit ToldSkin(const S& skin) : Base(skin) {}
@@ -39,8 +40,8 @@ class ToldSkin : public WrappedTouch<ToldSkin<S>, S> {
     }
     return status;
   }
-  /// The newest amount of channel `channel` of cell `i`; 0 before its first sample. Throws nothing: ask for a channel that
-  /// is told, of a cell of this skin.
+  /// The newest amount of channel `channel` of cell `i`; 0 before its first sample. Throws nothing: ask for a
+  /// channel that is told, of a cell of this skin.
   [[nodiscard]] float told(const Memory& memory, std::size_t i, std::size_t channel) const noexcept {
     SKINCTL_EXPECTS(channel >= first && channel < first + channels, "a channel that is told");
     return memory.told[i][channel - first];

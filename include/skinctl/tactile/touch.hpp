@@ -56,7 +56,7 @@ concept TouchSensor = TouchSource<S> && detail::HasSensed<S>;
 template <class Sensed, class State>
 struct TouchGiven {
   std::span<const CellSample> samples;  ///< of cells
-  const Sensed& sensed;                 ///< what other sensors read
+  const Sensed& sensed;                 ///< readings of other sensors
   const State& measured;                ///< newest good state of the robot
   Nanoseconds from, to;                 ///< interval
   std::size_t parts;                    ///< number of equal parts of the interval, >= 1

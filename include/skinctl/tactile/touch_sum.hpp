@@ -126,7 +126,7 @@ class TouchSources : public detail::ApartOfSum<A, B>,
   using scalar = typename A::Wrenches::scalar;
   using Wrenches = TouchSum<typename A::Wrenches, typename B::Wrenches>;
   static constexpr LinkMask links = Wrenches::links;
-  static constexpr std::size_t most_parts = 16;  ///< number of parts of an interval, at most
+  static constexpr std::size_t max_parts = 16;  ///< number of parts of an interval, at most
   struct Memory {
     typename A::Memory first;
     typename B::Memory second;
@@ -148,9 +148,9 @@ class TouchSources : public detail::ApartOfSum<A, B>,
   /// For `receive`: samples of cells go to those that have cells; one that neither knows is reported.
   template <class Given, class Means>
   Status take(Memory& memory, const Given& in, Means* means) const noexcept {
-    SKINCTL_EXPECTS(in.parts <= most_parts, "at most 16 parts of an interval");
-    detail::Unwritten<std::remove_cvref_t<decltype(means->first)>, most_parts> first;
-    detail::Unwritten<std::remove_cvref_t<decltype(means->second)>, most_parts> second;
+    SKINCTL_EXPECTS(in.parts <= max_parts, "at most 16 parts of an interval");
+    detail::Unwritten<std::remove_cvref_t<decltype(means->first)>, max_parts> first;
+    detail::Unwritten<std::remove_cvref_t<decltype(means->second)>, max_parts> second;
     TouchGiven to_first = in, to_second = in;
     if constexpr (!First::takes_hexagons && Second::takes_hexagons) to_first.samples = {};
     if constexpr (!Second::takes_hexagons) to_second.samples = {};

@@ -23,8 +23,8 @@ struct TrustSettings {
   Nanoseconds seen_for = 25ms;   ///< a proximity above 0.1 for so long, without a jump, is a witness
   double answer = 0.1;           ///< share of a cell's force that a neighbour has to feel to be its witness
   double other_proximity = 0.3;  ///< proximity of a neighbour from which on it is a witness
-  double explained = 0.05;       ///< cross-talk: what may be left unexplained
-  double explained_far = 0.25;   ///< the same if its own proximity is below 0.05
+  double explained = 0.05;       ///< largest share of a cell that cross-talk leaves unexplained
+  double explained_far = 0.25;   ///< such a share of a cell whose own proximity is below 0.05
   CellHealthSettings health;
   RestSettings rest;
   /// Greatest distance of a cell that does not count from one of its patch that does [m]; beyond it, `Coverage` has a

@@ -65,10 +65,10 @@ class WeightedSkin : public WrappedTouch<WeightedSkin<S>, S, WeightInput<S::Wren
   /// See `S::receive`. In each part of the interval a weight is that of its middle.
   template <class Given, class Means, class... Front>
   Status take(Memory& memory, const Given& in, Means* means, Front&&... front) const noexcept {
-    Touch apart[most_parts];
-    SKINCTL_EXPECTS(in.parts <= most_parts, "an interval has at most 16 parts");
+    Touch apart[max_parts];
+    SKINCTL_EXPECTS(in.parts <= max_parts, "an interval has at most 16 parts");
     TouchGiven given = in;
-    if (given.parts > most_parts) given.parts = most_parts;
+    if (given.parts > max_parts) given.parts = max_parts;
     const std::size_t parts = given.parts;
     const auto& sensed = in.sensed;
     Status status = this->take_on(memory, given, apart, std::forward<Front>(front)...);
@@ -100,7 +100,7 @@ class WeightedSkin : public WrappedTouch<WeightedSkin<S>, S, WeightInput<S::Wren
   }
 
  private:
-  static constexpr std::size_t most_parts = 16;  ///< of an interval: as many as a cycle has
+  static constexpr std::size_t max_parts = 16;  ///< of an interval: as many as a cycle has
 
   static Status move(float& weight, float asked, float most) noexcept {
     if (!(asked - asked == 0)) return Reason::sample_not_finite;

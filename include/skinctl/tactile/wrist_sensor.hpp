@@ -33,7 +33,7 @@ struct WristSensorSettings {
   EventGate<> force = EventGate<>(3.0, 2.0, 2.0);   ///< on |force| [N]
   EventGate<> moment = EventGate<>(0.3, 0.2, 0.2);  ///< on |moment| about the sensor's origin [N m]
   double gain = 1;                                  ///< newtons that the laws see per newton measured, > 0
-  double most_force = 1000, most_moment = 100;      ///< greatest component that it can measure [N], [N m]
+  double max_force = 1000, max_moment = 100;        ///< greatest component that it can measure [N], [N m]
   Nanoseconds max_age = 50ms;   ///< age of the last sample from which the sensor does not push
   Nanoseconds fade = 25ms;      ///< in the last part of `max_age` its wrench goes linearly to 0
   Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample
@@ -96,12 +96,11 @@ class WristSensor : public sensor_sums::Summand {
     finite(s_.centre, 10, "WristSensor: centre [m]");
     require(s_.reach >= 0 && s_.reach <= 10, "WristSensor: reach", s_.reach, "0 to 10 m");
     require(s_.gain > 0 && s_.gain <= 1000, "WristSensor: gain", s_.gain, "> 0, <= 1000");
-    require(s_.most_force > 0 && s_.most_force <= 1e6, "WristSensor: most_force", s_.most_force,
-            "> 0, <= 1e6 N");
-    require(s_.most_moment > 0 && s_.most_moment <= 1e6, "WristSensor: most_moment", s_.most_moment,
+    require(s_.max_force > 0 && s_.max_force <= 1e6, "WristSensor: max_force", s_.max_force, "> 0, <= 1e6 N");
+    require(s_.max_moment > 0 && s_.max_moment <= 1e6, "WristSensor: max_moment", s_.max_moment,
             "> 0, <= 1e6 N m");
-    finite(s_.bias.force, s_.most_force, "WristSensor: bias [N]");
-    finite(s_.bias.moment, s_.most_moment, "WristSensor: bias [N m]");
+    finite(s_.bias.force, s_.max_force, "WristSensor: bias [N]");
+    finite(s_.bias.moment, s_.max_moment, "WristSensor: bias [N m]");
     require(s_.fade > 0ns, "WristSensor: fade", milliseconds(s_.fade), "> 0 ms");
     require(s_.max_age >= s_.fade && s_.max_age <= 10s, "WristSensor: max_age", milliseconds(s_.max_age),
             ">= fade, <= 10 s [ms]");
@@ -126,7 +125,7 @@ class WristSensor : public sensor_sums::Summand {
     const double share = 1 / double(at_rest.size());
     Wrench<ForceSensor> mean;
     for (const WrenchSample& s : at_rest) {
-      require(!check(s, s_.most_force, s_.most_moment).any(), "WristSensor: a component of force at rest",
+      require(!check(s, s_.max_force, s_.max_moment).any(), "WristSensor: a component of force at rest",
               s.force[2], "within the sensor's range [N]");
       mean.force = mean.force + share * force(s);
       mean.moment = mean.moment + share * moment(s);
@@ -180,7 +179,7 @@ class WristSensor : public sensor_sums::Summand {
     if (!input.wrenches.empty()) {
       const Wrench<ForceSensor> load = weight(measured.q);
       for (const WrenchSample& sample : input.wrenches) {
-        Status bad = check(sample, s_.most_force, s_.most_moment);
+        Status bad = check(sample, s_.max_force, s_.max_moment);
         if (!bad.any()) bad = interval.admits(sample.time);
         status |= bad;
         if (bad.any()) continue;

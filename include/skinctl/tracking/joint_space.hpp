@@ -23,8 +23,8 @@ struct JointGoal {
 /// The joints as the coordinates of a tracking law: the members that `Tracking` uses of a space, at no cost.
 ///
 /// A space has `joints` and `coordinates`, `Settings` (from which `tracking` picks the gains), a `Memory` of
-/// its own, `needs`, `of_joints`: whether its coordinates are the joints, and `brief`: whether its surface costs so little
-/// that a call would show. For plans:
+/// its own, `needs`, `of_joints`: whether its coordinates are the joints, and `brief`: whether its surface
+/// costs so little that a call would show. For plans:
 /// - `Where`, `where`, `place`: a place, that of a state, that of a goal;
 /// - goals and their `shortest_time`, a `spline`;
 /// - `ahead` and `slow`: a reference later, and with its time slowed down; `stands`: whether it is at rest;

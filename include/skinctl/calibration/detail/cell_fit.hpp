@@ -125,8 +125,8 @@ class CellFit {
   }
 };
 
-/// What the readings of a cell say: `G` is its body's normal matrix of the blocks that the cell saw, `Y` its three readings,
-/// `X` the body's columns times these.
+/// What the readings of a cell say: `G` is its body's normal matrix of the blocks that the cell saw, `Y` its
+/// three readings, `X` the body's columns times these.
 template <class Motion>
 void CellFit<Motion>::add_cell(CellEquations& e, std::size_t c, const BodySignals& signal,
                                const Eigen::MatrixXd& G, const Eigen::Ref<const Eigen::MatrixXd>& Y,

@@ -17,8 +17,8 @@ concept CanBeAsked = std::is_class_v<X> && !std::is_final_v<X>;
 }  // namespace detail
 SKINCTL_END_NAMESPACE
 
-/// Defines `Concept`: whether a class has a member of this name. `Names` is a struct with one member of each name that
-/// is asked for. A class that is final cannot be asked: it has no name.
+/// Defines `Concept`: whether a class has a member of this name. `Names` is a struct with one member of each
+/// name that is asked for. A class that is final cannot be asked: it has no name.
 #define SKINCTL_NAMES(Concept, Names, member) \
   template <class X>                          \
   concept Concept =                           \

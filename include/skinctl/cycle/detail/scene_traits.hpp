@@ -41,7 +41,8 @@ struct SayParts {
 /// Whether it is settings of the guard, or a limit or its settings.
 template <class Robot, class Part>
 inline constexpr bool is_part = GivenGuardSettings<Part> || MakesLimit<Part, Robot> || LimitWithKind<Part>;
-/// The limit that a part makes, which is one already or settings; of the guard's settings a limit without fault.
+/// The limit that a part makes, which is one already or settings; of the guard's settings a limit without
+/// fault.
 template <class Robot, class Part>
 struct LimitMade {
   using type = decltype(limit_of(std::declval<const Robot&>(), std::declval<const Part&>()));

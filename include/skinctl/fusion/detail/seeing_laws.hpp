@@ -10,7 +10,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The members by which laws see their scene, for a sum `Own` that has `each_law(memory, f)`, which calls `f(law, memory)`.
+/// The members by which laws see their scene, for a sum `Own` that has `each_law(memory, f)`, which calls
+/// `f(law, memory)`.
 template <class Own, class... L>
 struct SeeingLaws {
   using Input = Together<typename LawTable<L>::Input...>;

@@ -9,7 +9,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Element (i, j) of `J'J` (by joints) or of `J J'`, of rows that each are a joint's column; with `d` its rate.
+/// Element (i, j) of `J'J` (by joints) or of `J J'`, of rows that each are a joint's column; with `d` its
+/// rate.
 template <bool ByJoints, std::size_t Joints, std::size_t Rows, class T>
 [[nodiscard]] SKINCTL_INLINE T row_product(const T (&r)[Joints][Rows], const T (&s)[Joints][Rows],
                                            std::size_t i, std::size_t j) noexcept {

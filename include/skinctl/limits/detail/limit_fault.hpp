@@ -1,4 +1,5 @@
-// Finds the fault of a limit that violates the protocol: a member that is missing, or that has a wrong signature.
+// Finds the fault of a limit that violates the protocol: a member that is missing, or that has a wrong
+// signature.
 #pragma once
 
 #include "skinctl/core/detail/named_twice.hpp"

@@ -49,8 +49,8 @@ struct SinCosTable<float> {
   static constexpr float cos[] = {-0.5f, 0x1.55554ap-5f, -0x1.6c0c1ap-10f, 0x1.99e0eep-16f};
 };
 
-/// Returns the reduced argument: above `max_reduced` the results are not accurate. That happens beyond the limit,
-/// and where the thread does not round to nearest, so that the count of quarter turns is one off.
+/// Returns the reduced argument: above `max_reduced` the results are not accurate. That happens beyond the
+/// limit, and where the thread does not round to nearest, so that the count of quarter turns is one off.
 template <class T, std::size_t W>
 SKINCTL_INLINE Lane<T, W> sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W>& cos) noexcept {
   using Table = SinCosTable<T>;

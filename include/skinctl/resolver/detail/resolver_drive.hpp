@@ -20,9 +20,10 @@ struct Asked {
 };
 
 /// What a law knows in a `Resolver`, and how the virtual robot moves under its torque.
-template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
-class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Keeper, Tool> {
-  using Base = ResolverEnergy<M, T, Sets, Integrator, History, Keeper, Tool>;
+template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class PassivityParts,
+          class Tool>
+class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, PassivityParts, Tool> {
+  using Base = ResolverEnergy<M, T, Sets, Integrator, History, PassivityParts, Tool>;
 
  public:
   using Base::carries_bias;
@@ -34,7 +35,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Kee
   using Driven = typename Base::Driven;
   using Stiff = typename Base::Stiff;
   using Memory = typename Base::Memory;
-  static constexpr Needs keeper_needs =
+  static constexpr Needs passivity_needs =
       has_virtual ? Integrator::needs |
                         Needs{.angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank}
                   : Needs{.angles = has_tank, .mass = has_tank};
@@ -43,7 +44,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Kee
   /// The input of a law: the state of stiff and driven joints, and the quantities that law and integrator need of
   /// it.
   template <class L, class Touch = NoTouch>
-  using Knows = Quantities<M, L::needs | keeper_needs, T, Touch, Mass>;
+  using Knows = Quantities<M, L::needs | passivity_needs, T, Touch, Mass>;
 
   /// What a law knows at `state`, which must outlive it like `touch`: for a torque that is held for `dt` seconds.
   template <class L, class Touch>
@@ -59,9 +60,9 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Kee
 
  protected:
   using Base::Base;
-  using Base::keeper_;
   using Base::limits_;
   using Base::model_;
+  using Base::passivity_;
   using Base::shape_;
   using Base::stiff_only;
   using Base::stiff_shape_;
@@ -165,7 +166,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Kee
       const Acceleration& swing, bool with_coulomb = true) noexcept {
     const ContactDamping<joints, T>* damping = nullptr;
     if constexpr (has_damper) {
-      const auto& d = m.keeper.template of<ContactDamper<T>>().damping;
+      const auto& d = m.passivity.template of<ContactDamper<T>>().damping;
       if (d.any) damping = &d;
     }
     const bool has_coulomb = with_coulomb && robot.has_coulomb_;
@@ -183,8 +184,8 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Kee
   SKINCTL_INLINE void draw_from_tank(Memory& m, const K& known, const Contact& contact, const Velocity& v,
                                      [[maybe_unused]] const Acceleration& pull, const Acceleration& swing,
                                      Moved<L>& out) const noexcept {
-    const auto& tank = keeper_.template get<EnergyTank<T>>();
-    auto& memory = m.keeper.template of<EnergyTank<T>>();
+    const auto& tank = passivity_.template get<EnergyTank<T>>();
+    auto& memory = m.passivity.template of<EnergyTank<T>>();
     tank.charge(memory, known.mass(), v);
     const Torque port = stiff_only(skin_torque(model_, known.angles(), contact));
     const Torque passive = tank.settings().port_gain * port + stiff_only(known.gravity());

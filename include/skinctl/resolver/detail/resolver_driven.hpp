@@ -7,9 +7,10 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// The measurement of a cycle, and the driven joints of a `Resolver`.
-template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
-class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Keeper, Tool> {
-  using Base = ResolverDrive<M, T, Sets, Integrator, History, Keeper, Tool>;
+template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class PassivityParts,
+          class Tool>
+class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, PassivityParts, Tool> {
+  using Base = ResolverDrive<M, T, Sets, Integrator, History, PassivityParts, Tool>;
 
  public:
   using Base::each;
@@ -38,9 +39,9 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Kee
 
  protected:
   using Base::Base;
-  using Base::keeper_;
   using Base::limits_;
   using Base::model_;
+  using Base::passivity_;
   using Base::stale_after_;
   using Base::virtual_;
   using Acceleration = typename Base::Acceleration;
@@ -113,15 +114,15 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Kee
       // An old velocity is no basis for braking.
       if (!begun.stale) load.resists = this->friction(now);
       if constexpr (has_damper) {
-        const auto& damping = m.keeper.template of<ContactDamper<T>>().damping;
+        const auto& damping = m.passivity.template of<ContactDamper<T>>().damping;
         if (damping.any && !begun.stale)
           load.resists += detail::held_damping<Driven>(damping, this->real_mass(now.q), now.dq,
                                                        seconds<T>(this->period()));
       }
       if constexpr (has_tank) {
         // The stiff joints draw from the same tank afterwards.
-        const auto& tank = keeper_.template get<EnergyTank<T>>();
-        auto& shared = m.keeper.template of<EnergyTank<T>>().energy;
+        const auto& tank = passivity_.template get<EnergyTank<T>>();
+        auto& shared = m.passivity.template of<EnergyTank<T>>().energy;
         load.port = skin_torque(model_, JointAngles<M, T>(model_, now.q), contact_part(touch));
         m.driven.tank.energy = shared;
         tank.book(m.driven.tank, Driven::of(begun.displaced), Driven::of(load.port),
@@ -176,8 +177,8 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Kee
       if (!(now.q[i] >= limits_.lower()[i] && now.q[i] <= limits_.upper()[i]))
         out.status |= Reason::outside_limits;
     if constexpr (has_tank)
-      keeper_.template get<EnergyTank<T>>().sent(m.driven.tank, m.driven.torque, load.passive,
-                                                 Driven::of(load.port), Driven::of(load.gravity));
+      passivity_.template get<EnergyTank<T>>().sent(m.driven.tank, m.driven.torque, load.passive,
+                                                    Driven::of(load.port), Driven::of(load.gravity));
   }
 };
 

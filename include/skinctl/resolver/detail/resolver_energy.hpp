@@ -12,9 +12,10 @@ struct PressedUnknown {};
 namespace detail {
 
 /// A resolver's `Passivity`: what it is told in a cycle, and what it leaves.
-template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
-class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Keeper, Tool> {
-  using Base = ResolverState<M, T, Sets, Integrator, History, Keeper, Tool>;
+template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class PassivityParts,
+          class Tool>
+class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, PassivityParts, Tool> {
+  using Base = ResolverState<M, T, Sets, Integrator, History, PassivityParts, Tool>;
 
  public:
   using Base::has_damper;
@@ -33,9 +34,9 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Kee
  protected:
   using Base::Base;
   using Base::each;
-  using Base::keeper_;
   using Base::limits_;
   using Base::model_;
+  using Base::passivity_;
   using Base::virtual_;
   using Position = typename Base::Position;
   using Velocity = typename Base::Velocity;
@@ -58,8 +59,8 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Kee
   /// Slows the stiff joints' velocity `v` to what the observer can pay for; false if it was slowed.
   SKINCTL_INLINE bool affords(const Memory& m, Velocity& v) const noexcept {
     if constexpr (has_passivity_observer) {
-      return slow_to_afford(keeper_.template get<PassivityObserver<T>>(),
-                            m.keeper.template of<PassivityObserver<T>>(), v,
+      return slow_to_afford(passivity_.template get<PassivityObserver<T>>(),
+                            m.passivity.template of<PassivityObserver<T>>(), v,
                             [&](const Velocity& u) { return way_to_rest(m, u); });
     } else {
       return true;
@@ -69,9 +70,9 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Kee
   /// is predicted for stiff joints that move steadily; what it was is booked in the next cycle.
   SKINCTL_INLINE Status pay(Memory& m, const DrivenTorque& passive, const DrivenTorque& gravity,
                             DrivenTorque& torque) const noexcept {
-    const auto& tank = keeper_.template get<EnergyTank<T>>();
+    const auto& tank = passivity_.template get<EnergyTank<T>>();
     auto& held_tank = m.driven.tank;
-    held_tank.energy = m.keeper.template of<EnergyTank<T>>().energy;
+    held_tank.energy = m.passivity.template of<EnergyTank<T>>().energy;
     Torque whole;
     Driven::put(torque, whole);
     const auto& now = m.measured();
@@ -97,16 +98,16 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Kee
   SKINCTL_INLINE Status observe(Memory& m, Contacts contacts, const T& dt) const noexcept {
     Status status;
     if constexpr (has_damper)
-      if (keeper_.template get<ContactDamper<T>>().observe(m.keeper.template of<ContactDamper<T>>(), contacts,
-                                                           m.measured().dq, dt))
+      if (passivity_.template get<ContactDamper<T>>().observe(m.passivity.template of<ContactDamper<T>>(),
+                                                              contacts, m.measured().dq, dt))
         status |= Reason::contact_damped;
     if constexpr (has_passivity_observer) {
       if constexpr (has_driven)
         for (std::size_t k = 0; k < contacts.count; ++k)
           for (const std::size_t i : Driven::index) contacts.list[k].row[i] = T(0);
-      keeper_.template get<PassivityObserver<T>>().book(m.keeper.template of<PassivityObserver<T>>(),
-                                                        contacts, m.measured().q, this->total_delay() / dt,
-                                                        [&](auto&& f) { each_way_under_way(m, f); });
+      passivity_.template get<PassivityObserver<T>>().book(m.passivity.template of<PassivityObserver<T>>(),
+                                                           contacts, m.measured().q, this->total_delay() / dt,
+                                                           [&](auto&& f) { each_way_under_way(m, f); });
     }
     return status;
   }

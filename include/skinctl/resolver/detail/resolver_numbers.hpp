@@ -28,7 +28,8 @@ template <class... S, class... D>
 struct InterfaceOfSets<std::tuple<S...>, std::tuple<D...>> : InterfaceOf<S..., D...> {};
 
 /// The data of a `Resolver`, which derives from it, and what follows from them alone.
-template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
+template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class PassivityParts,
+          class Tool>
 class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typename Sets::DrivenGroups> {
  public:
   static constexpr std::size_t joints = M::joints;
@@ -44,11 +45,11 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   /// What this robot is sent.
   using Sent = typename CommandOf<joints, T, Sets::template has<Interface::position>,
                                   Sets::template has<Interface::velocity>, has_driven>::type;
-  using Memory = ResolverMemory<joints, T, Sets, History, Keeper>;
+  using Memory = ResolverMemory<joints, T, Sets, History, PassivityParts>;
   static constexpr bool one_group = Memory::one_group;
-  static constexpr bool has_tank = Keeper::template has<EnergyTank<T>>;
-  static constexpr bool has_passivity_observer = Keeper::template has<PassivityObserver<T>>;
-  static constexpr bool has_damper = Keeper::template has<ContactDamper<T>>;
+  static constexpr bool has_tank = PassivityParts::template has<EnergyTank<T>>;
+  static constexpr bool has_passivity_observer = PassivityParts::template has<PassivityObserver<T>>;
+  static constexpr bool has_damper = PassivityParts::template has<ContactDamper<T>>;
   static constexpr bool watches_contacts = has_passivity_observer || has_damper;
   /// Whether laws may compute the bias of the virtual robot beside their own recursion.
   static constexpr bool carries_bias =
@@ -73,7 +74,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   [[nodiscard]] const M& model() const noexcept { return model_; }
   /// The limits of all joints.
   [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return limits_; }
-  [[nodiscard]] const Keeper& keeper() const noexcept { return keeper_; }
+  [[nodiscard]] const PassivityParts& passivity() const noexcept { return passivity_; }
   /// The numbers of the stiff group `K` in the form in which the resolver uses them.
   template <std::size_t K = 0>
   [[nodiscard]] SKINCTL_INLINE const auto& parameters() const noexcept {
@@ -135,11 +136,11 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
 
   template <class... S, class... D>
   SKINCTL_COLD ResolverNumbers(const M& model, const std::tuple<S...>& stiff, const std::tuple<D...>& driven,
-                               const Keeper& keeper, const Tool& tool)
+                               const PassivityParts& passivity, const Tool& tool)
       : model_(model),
         virtual_(virtual_of(stiff)),
         limits_(limits_of_all(std::tuple_cat(stiff, driven))),
-        keeper_(keeper),
+        passivity_(passivity),
         tool_(tool) {
     const auto groups = std::tuple_cat(stiff, driven);
     const auto& first = std::get<0>(groups).configuration;
@@ -210,7 +211,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   Nanoseconds driven_delay_{}, driven_lag_{};
   T driven_lead_ = T(2);  ///< `RobotConfiguration::max_lead` of the driven joints
   bool has_coulomb_ = false, has_friction_ = false;
-  [[no_unique_address]] Keeper keeper_;
+  [[no_unique_address]] PassivityParts passivity_;
   [[no_unique_address]] Tool tool_;
 
  private:

@@ -8,9 +8,10 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// What a `Resolver` does to its memory beside cycles.
-template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class Keeper, class Tool>
-class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Keeper, Tool> {
-  using Base = ResolverNumbers<M, T, Sets, Integrator, History, Keeper, Tool>;
+template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class PassivityParts,
+          class Tool>
+class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, PassivityParts, Tool> {
+  using Base = ResolverNumbers<M, T, Sets, Integrator, History, PassivityParts, Tool>;
 
  public:
   using Base::each;
@@ -100,7 +101,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Ke
       });
       if constexpr (has_driven) {
         m.driven.torque = Driven::of(command.torque);
-        if constexpr (has_tank) keeper_.template get<EnergyTank<T>>().sent(m.driven.tank, m.driven.torque);
+        if constexpr (has_tank) passivity_.template get<EnergyTank<T>>().sent(m.driven.tank, m.driven.torque);
       }
       compose(m, command.torque);
     }
@@ -161,8 +162,8 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Ke
 
  protected:
   using Base::Base;
-  using Base::keeper_;
   using Base::model_;
+  using Base::passivity_;
   using Base::virtual_;
   using Position = typename Base::Position;
   using Velocity = typename Base::Velocity;
@@ -219,14 +220,14 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Ke
   /// What a memory holds beside its virtual joints.
   [[nodiscard]] SKINCTL_COLD Memory take_over(Memory& m, const State<joints, T>& measured) const noexcept {
     m.time = measured.time;
-    m.keeper = keeper_.template start<joints>();
+    m.passivity = passivity_.template start<joints>();
     if constexpr (!one_group) {
       m.whole.measured = measured;
       const Torque torque = held(measured);
       if constexpr (has_driven) {
         m.driven.torque = Driven::of(torque);
         if constexpr (has_tank)
-          m.driven.tank = keeper_.template get<EnergyTank<T>>().template hold<Driven::count>();
+          m.driven.tank = passivity_.template get<EnergyTank<T>>().template hold<Driven::count>();
       }
       compose(m, torque);
     }

@@ -29,7 +29,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
   struct Begun {
     Correction correction;
     Velocity before;  ///< the rate of the joints at its begin [rad/s]
-    T dt;             ///< its interval [s]
+    T dt;             ///< interval of the cycle [s]
     Status status;
   };
 

@@ -26,7 +26,7 @@ class VirtualJointsObserver {
     JointAcceleration<N, T> pull;  ///< L2 rho
     bool off = false;              ///< rho is not zero
     bool gap = false;              ///< the robot stands beside its commands
-    bool lags = false;  ///< it follows later than declared: the correction holds the virtual one back
+    bool lags = false;  ///< whether it follows later than declared: the correction holds the virtual one back
     struct Speed {
       Velocity least, most;
     };
@@ -64,7 +64,7 @@ class VirtualJointsObserver {
       for (std::size_t i = 0; i < N; ++i) {
         if (m.pushed[i] == 0 || !(push > T(1e-4) * scale)) continue;
         T& slack = m.watch[i].slack;
-        const T more = slack + T(0.5) * p_.dead_band[i], most = most_slack(i);
+        const T more = slack + T(0.5) * p_.dead_band[i], most = max_slack(i);
         slack = more < most ? more : most;
         m.watched = true;
       }
@@ -179,7 +179,7 @@ class VirtualJointsObserver {
       const T moved = side * (m.measured.q[i] - w.robot);
       if (far > w.size) w.size = far;
       // No obstacle lets it move with its commands: friction of a servo that gives way holds it back.
-      const T most = most_slack(i), shown = far - p_.dead_band[i];
+      const T most = max_slack(i), shown = far - p_.dead_band[i];
       if (moved <= T(-0.1) * w.size && shown > w.slack && most > w.slack) {
         const T next = shown + T(0.25) * p_.dead_band[i];
         w.slack = next < most ? next : most;
@@ -253,7 +253,7 @@ class VirtualJointsObserver {
     }
   }
   /// Dead band and slack together stay within two thirds of the max lead.
-  [[nodiscard]] T most_slack(std::size_t i) const noexcept {
+  [[nodiscard]] T max_slack(std::size_t i) const noexcept {
     const T room = T(2) / T(3) * p_.max_lead[i] - p_.dead_band[i];
     return room > T(0) ? room : T(0);
   }

@@ -1,7 +1,6 @@
 // Readings of a kind of sensor as amounts and counts of its channels.
 #pragma once
 
-#include "skinctl/core/lane.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/sensing/sensor_kind.hpp"
 
@@ -26,15 +25,7 @@ template <SensorKind Kind>
     return b;
   }();
   bool good = true;
-  std::size_t r = 0;
-  if constexpr (native_lanes<float> >= 4) {
-    using L = Lane<float, native_lanes<float> >= 4 ? native_lanes<float> : 1>;
-    for (; r + L::lanes <= n; r += L::lanes) {
-      const L a = L::load(x + r);
-      good = good & all((a >= L::load(bounds[0].data() + r)) & (a <= L::load(bounds[1].data() + r)));
-    }
-  }
-  for (; r < n; ++r) good = good && x[r] >= bounds[0][r] && x[r] <= bounds[1][r];
+  for (std::size_t r = 0; r < n; ++r) good = good & (x[r] >= bounds[0][r]) & (x[r] <= bounds[1][r]);
   return good;
 }
 
@@ -50,27 +41,12 @@ template <SensorKind Kind, std::size_t C>
 }
 /// The count of an amount of any size; 0 for NaN.
 template <SensorKind Kind, std::size_t C>
-[[nodiscard]] SKINCTL_INLINE constexpr std::uint16_t cut_count_of(float amount) noexcept {
+[[nodiscard]] SKINCTL_INLINE constexpr std::uint16_t count_of(float amount) noexcept {
   using Table = KindTable<Kind>;
   constexpr auto limit = static_cast<float>(Table::limit(C)), least = Table::has_cone(C) ? -limit : 0.0f;
   const float steps = amount * static_cast<float>(1 / Table::step(C));
   const float cut = steps > limit ? limit : steps > least ? steps : steps <= least ? least : 0.0f;
   return static_cast<std::uint16_t>(static_cast<std::int32_t>(cut < 0 ? cut - 0.5f : cut + 0.5f));
-}
-/// The count of an amount that lies within the range of its readings.
-template <SensorKind Kind, std::size_t C>
-[[nodiscard]] SKINCTL_INLINE constexpr std::uint16_t count_of(float amount) noexcept {
-  using Table = KindTable<Kind>;
-  if constexpr (Table::has_cone(C) || Table::range(C)[0] < 0 ||
-                Table::range(C)[1] > Kind::channels[C].greatest) {
-    return cut_count_of<Kind, C>(amount);
-  } else {
-    const float steps = amount * static_cast<float>(1 / Table::step(C)) + 0.5f;
-    constexpr auto limit = static_cast<float>(Table::limit(C));
-    if constexpr (Table::range(C)[1] / Table::step(C) > double(limit))
-      return static_cast<std::uint16_t>(static_cast<std::int32_t>(steps > limit ? limit : steps));
-    return static_cast<std::uint16_t>(static_cast<std::int32_t>(steps));
-  }
 }
 /// The number that a count stands for.
 template <SensorKind Kind>

@@ -12,7 +12,7 @@ template <Scalar S = float>
 struct RestCell {
   S above{0};     ///< r: smoothed reading minus rest level [steps]
   S whole{0};     ///< the rest level in whole steps: what is taken off readings
-  S fraction{0};  ///< what the rest level has beyond `whole` [steps], within +-0.75
+  S fraction{0};  ///< rest level beyond `whole` [steps], within +-0.75
   S frozen{0};    ///< time since it froze, up to 64 s; negative after a fast rise; 0: not frozen
   S below{0};     ///< time continuously below the level that the state waits for, t <= 2 s; -1 - t in release
   S evidence{0};  ///< sum of the evidence for a drift, smoothed
@@ -23,11 +23,11 @@ namespace detail {
 /// What a step of one duration does, the same for all cells; all but `pieces` for one of its pieces.
 template <Real T>
 struct RestStep {
-  int pieces = 1;  ///< it is done in so many equal pieces, for changes of state to be in their right places
+  int pieces = 1;  ///< number of equal pieces of a step, so that changes of state are in their places
   T per_piece = T(1);
   T dt = T(0), per_dt = T(0);                    ///< [s], [1/s]; 0 s: nothing changes
   T begin = T(0), end = T(0);                    ///< share of (reading - m), at both ends, by which m moves
-  T begin_mean = T(0), end_mean = T(0);          ///< the same for the mean of m over the step
+  T begin_mean = T(0), end_mean = T(0);          ///< factor of the mean of m over the step
   T follow = T(0), fall = T(0), release = T(0);  ///< share of r by which b moves, state by state
   T smooth = T(0);                               ///< share by which the evidence moves
   T low_for = T(0), quiet_for = T(0), fast_within = T(0);  ///< [s]
@@ -81,9 +81,9 @@ SKINCTL_INLINE void carry_over(RestCell<S>& cell, const S& above, const S& fract
 }
 
 /// Readings beyond this are none [steps].
-inline constexpr double most_steps = 1048576;
+inline constexpr double max_steps = 1048576;
 /// Sums of evidence beyond this are none.
-inline constexpr double most_evidence = 100;
+inline constexpr double max_evidence = 100;
 /// Beyond this time a frozen cell is frozen [s].
 inline constexpr double longest_frozen = 64;
 
@@ -101,7 +101,7 @@ SKINCTL_INLINE void rest_step(RestCell<S>& cell, const S& x0, const S& x1, const
   using std::min;
   using T = skinctl::RealOf<S>;
   const S zero(0), dt(k.dt);
-  const auto heard = abs(x1) <= S(most_steps);  // not for NaN
+  const auto heard = abs(x1) <= S(max_steps);  // not for NaN
 
   // The smoothed reading, and its mean, relative to b at the beginning.
   const S r0 = cell.above, m0 = cell.fraction + r0;
@@ -109,7 +109,7 @@ SKINCTL_INLINE void rest_step(RestCell<S>& cell, const S& x0, const S& x1, const
   const S r = r0 + (S(k.begin) * d0 + S(k.end) * d1);
   const S mean = r0 + (S(k.begin_mean) * d0 + S(k.end_mean) * d1);
 
-  const S said = select(abs(seen) <= S(most_evidence), seen, zero);
+  const S said = select(abs(seen) <= S(max_evidence), seen, zero);
   const S evidence = cell.evidence + S(k.smooth) * (said - cell.evidence);
 
   // Nearly always, nearly all cells are calm: as below, to the bit, with all its branches known.
@@ -183,7 +183,7 @@ template <Scalar S>
 SKINCTL_INLINE void rest_steps(RestCell<S>& cell, const S& from, const S& x1, const S& seen, const S& kappa,
                                const S& touch, const RestStep<skinctl::RealOf<S>>& k) noexcept {
   using std::abs;
-  const S x0 = select(abs(from) <= S(most_steps), from, x1);
+  const S x0 = select(abs(from) <= S(max_steps), from, x1);
   if (k.pieces == 1) [[likely]]
     return rest_step<S>(cell, x0, x1, seen, kappa, touch, k);
   const S slope = S(k.per_piece) * (x1 - x0);

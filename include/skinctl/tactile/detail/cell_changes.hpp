@@ -129,8 +129,8 @@ class CellChanges {
     }
   }
 
-  /// Calls `f<Seen, Line>()` for the pushes of a cell whose wrenches are apart: of what is seen, and along each line.
-  /// Where contacts and what is seen go together, `Seen` is false.
+  /// Calls `f<Seen, Line>()` for the pushes of a cell whose wrenches are apart: of what is seen, and along
+  /// each line. Where contacts and what is seen go together, `Seen` is false.
   template <class F>
   static SKINCTL_INLINE void each_push(const F& f) noexcept {
     [&]<std::size_t... L>(std::index_sequence<L...>) SKINCTL_INLINE_LAMBDA {

@@ -55,8 +55,9 @@ template <Real T>
 /// A unit wrench: forces in steps of 2^-24, moments in steps of 2^-24 times the reach of its patch.
 using UnitWrench = std::array<std::int32_t, 6>;
 
-/// What one channel of a cell has of its own, in counts: a magnitude above `opens` passes, while it is open one above
-/// `opens - less`, and `subtract`, which is no more than that and one, is taken off; `share` of its patch's gain.
+/// What one channel of a cell has of its own, in counts: a magnitude above `opens` passes, while it is open
+/// one above `opens - less`, and `subtract`, which is no more than that and one, is taken off; `share` of its
+/// patch's gain.
 struct ChannelTuning {
   std::uint16_t opens = 0, less = 0, subtract = 0;
   std::uint16_t share = whole;
@@ -134,13 +135,14 @@ struct CellRow {
 template <class Kind, Real T>
 struct PatchRow {
   PerChannel<Kind, T> gain{};               ///< [N] per count
-  PerChannel<Kind, double> newton{};        ///< the same, for cones
+  PerChannel<Kind, double> newton{};        ///< gain of the cones [N] per count
   T moment_step{};                          ///< of its cells' unit wrenches [m]
   std::uint32_t first = 0, count = 0;       ///< cells
   std::uint32_t link = 0, slot = 0;         ///< and its index in the link wrenches
   PerChannel<Kind, std::int32_t> hidden{};  ///< no count of what is seen below passes
 
-  /// The counts of a cell that count: those that pass its gates, as far as their cones let them. `old` passed last.
+  /// The counts of a cell that count: those that pass its gates, as far as their cones let them. `old` passed
+  /// last.
   [[nodiscard]] SKINCTL_INLINE PerChannel<Kind, std::uint16_t> pass(
       const CellRow<Kind>& cell, const PerChannel<Kind, std::uint16_t>& raw,
       const PerChannel<Kind, std::uint16_t>& old) const noexcept {

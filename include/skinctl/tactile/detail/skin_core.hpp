@@ -139,8 +139,8 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
     });
     return areas;
   }
-  /// Calls `f(i, pressure)` for each cell whose pressure is held, in the order of the patches, with its pressure
-  /// > 0 [N].
+  /// Calls `f(i, pressure)` for each cell whose pressure is held, in the order of the patches, with its
+  /// pressure > 0 [N].
   template <class F>
   SKINCTL_INLINE void each_pressed(const Memory& memory, F&& f) const noexcept {
     memory.each_cell(&BlockStates::pressed, 0, size(), [&](std::size_t i) SKINCTL_INLINE_LAMBDA {
@@ -161,8 +161,9 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
     return all;
   }
 
-  /// Calls `f(link, force, moment, gain)` for the contacts of up to `most` cells of each patch, evenly over its list: the
-  /// unit wrench of a channel about the link's origin, and its gain [N per unit of its readings].
+  /// Calls `f(link, force, moment, gain)` for the contacts of up to `most` cells of each patch, evenly over
+  /// its list: the unit wrench of a channel about the link's origin, and its gain [N per unit of its
+  /// readings].
   template <class F>
   void each_cell(F&& f, std::size_t most = ~std::size_t(0)) const {
     for (const PatchRow<Kind, T>& patch : tables_.patches) {
@@ -196,9 +197,10 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
               patch.count);
     return out;
   }
-  /// Upper bound of the proximity readings on link `I`, as shares of their greatest amount in [0, 1]: at least the gate's
-  /// opening threshold, below which nothing passes; 1 if one of the cells is silent and its reading unknown, if there is
-  /// none, or if this kind of cell sees nothing. A link that cannot have a cell does not compile.
+  /// Upper bound of the proximity readings on link `I`, as shares of their greatest amount in [0, 1]: at
+  /// least the gate's opening threshold, below which nothing passes; 1 if one of the cells is silent and its
+  /// reading unknown, if there is none, or if this kind of cell sees nothing. A link that cannot have a cell
+  /// does not compile.
   template <std::size_t I>
   [[nodiscard]] T nearest(const Memory& memory) const noexcept {
     static_assert((Links >> I) & 1u, "no skin on this link: it sees nothing");
@@ -231,7 +233,8 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
     SKINCTL_EXPECTS(i < size(), "a cell of this skin");
     return memory.hears(i) ? counts_of<Kind>(memory.records[i].held) : Counts{};
   }
-  /// The amounts of cell `i`'s channels that push, of a sample that passed `check`: by its calibration if it has one.
+  /// The amounts of cell `i`'s channels that push, of a sample that passed `check`: by its calibration if it
+  /// has one.
   [[nodiscard]] auto amounts(std::size_t i, const Sample& sample) const noexcept {
     return tables_.amounts(i, sample);
   }

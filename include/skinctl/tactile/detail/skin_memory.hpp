@@ -18,8 +18,8 @@ struct alignas(8) CellRecord {
   friend bool operator==(const CellRecord&, const CellRecord&) noexcept = default;
 };
 
-/// The sums of a patch, for each channel: over its cells that are heard, of unit wrench times count, in whole steps. So
-/// they are exact in any order.
+/// The sums of a patch, for each channel: over its cells that are heard, of unit wrench times count, in whole
+/// steps. So they are exact in any order.
 template <class Kind>
 struct PatchSums {
   PerChannel<Kind, std::array<std::int64_t, 6>> steps{};
@@ -35,9 +35,9 @@ struct PatchSums {
 
 /// The states of 64 cells, a bit a cell.
 struct BlockStates {
-  std::uint64_t heard = 0;    ///< its reading is in the sums
+  std::uint64_t heard = 0;    ///< a cell whose reading is in the sums
   std::uint64_t pressed = 0;  ///< a pressure of it is not 0
-  std::uint64_t seeing = 0;   ///< it sees something
+  std::uint64_t seeing = 0;   ///< a cell that sees something
 
   SKINCTL_INLINE void set(std::uint64_t BlockStates::* state, std::size_t cell, bool value) noexcept {
     const std::uint64_t at = cell % 64;

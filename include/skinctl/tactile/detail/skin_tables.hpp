@@ -86,11 +86,7 @@ struct SkinTables {
       std::size_t i, const SampleOf<Kind>& sample) const noexcept {
     const PerChannel<Kind, float> amount = amounts(i, sample);
     PerChannel<Kind, std::uint16_t> out;
-    if (!calibration.empty()) [[unlikely]] {
-      each_channel<Kind>([&](auto c) { out[c] = cut_count_of<Kind, c>(amount[c]); });
-    } else {
-      each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA { out[c] = count_of<Kind, c>(amount[c]); });
-    }
+    each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA { out[c] = count_of<Kind, c>(amount[c]); });
     return out;
   }
   /// Whether another skin has the same cells at the same places.

@@ -103,7 +103,7 @@ concept HasRecomputed = requires(const S& s, const typename S::Memory& m) { s.re
 template <class S>
 concept HasCapacity = requires {
   { S::capacity } -> std::convertible_to<std::size_t>;
-  { S::most_patches } -> std::convertible_to<std::size_t>;
+  { S::max_patch_count } -> std::convertible_to<std::size_t>;
 };
 
 template <class S, class None>
@@ -159,7 +159,7 @@ struct WithSensed<S, None, Adds> : S {
 
 /// Room for cells, and for patches, of a skin whose numbers are known at compile time or have an upper bound.
 template <class S>
-inline constexpr std::size_t most_cells_of = [] {
+inline constexpr std::size_t max_cells_of = [] {
   if constexpr (HasCapacity<S>) {
     return S::capacity;
   } else {
@@ -167,9 +167,9 @@ inline constexpr std::size_t most_cells_of = [] {
   }
 }();
 template <class S>
-inline constexpr std::size_t most_patches_of = [] {
+inline constexpr std::size_t max_patches_of = [] {
   if constexpr (HasCapacity<S>) {
-    return S::most_patches;
+    return S::max_patch_count;
   } else {
     return S::patches;
   }

@@ -48,9 +48,9 @@ class TrustCore : public TrustFrames<S> {
     }
   };
 
-  /// What cells would read after the gates, from those around them, in counts of each channel. What these count
-  /// without a witness is not passed on: it would be more than their lone force. What is found of a cell is kept for the
-  /// others that it is around of.
+  /// What cells would read after the gates, from those around them, in counts of each channel. What these
+  /// count without a witness is not passed on: it would be more than their lone force. What is found of a
+  /// cell is kept for the others that it is around of.
   class Filled {
    public:
     using Values = PerChannel<Kind, float>;
@@ -104,7 +104,8 @@ class TrustCore : public TrustFrames<S> {
     }
   }
 
-  /// The pushes of cell `i` as far as it is filled in, one a channel [N]: shear within the cone of its pressure.
+  /// The pushes of cell `i` as far as it is filled in, one a channel [N]: shear within the cone of its
+  /// pressure.
   [[nodiscard]] PerChannel<Kind, T> pushes_filled(std::size_t i, double share,
                                                   const PerChannel<Kind, float>& filled) const noexcept {
     PerChannel<Kind, double> push;

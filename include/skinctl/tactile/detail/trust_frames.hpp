@@ -25,7 +25,7 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
   using Kind = typename S::kind;
   using Table = KindTable<Kind>;
   /// Room for so many, if their number is known at run time only.
-  static constexpr std::size_t patches = most_patches_of<S>, cells = most_cells_of<S>;
+  static constexpr std::size_t patches = max_patches_of<S>, cells = max_cells_of<S>;
   using Memory = TrustMemory<S>;
   using Health = typename Memory::Health;
   using Cross = typename Memory::Cross;
@@ -275,7 +275,7 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
     all.fill(1e9f);
     return all;
   }();  ///< below these no cell counts [steps]
-  float low_proximity_ = 1e9f;  ///< the same of 0 to 1
+  float low_proximity_ = 1e9f;  ///< proximity below which no cell counts, 0 to 1
 };
 
 }  // namespace detail
