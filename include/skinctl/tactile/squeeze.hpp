@@ -35,8 +35,8 @@ class Squeeze {
     T stiffness = T(0);  ///< [N/m]
   };
 
-  /// Throws `ConfigurationError` unless `0 <= from < to`, `own > 0`, `0 < swing <= 1e4`, `0 < min_span <= to
-  /// - from`.
+  /// Throws `ConfigurationError` unless `0 <= from < to`, `own > 0`, `0 < swing <= 1e4`,
+  /// `0 < min_span <= to - from`.
   SKINCTL_COLD explicit Squeeze(const Settings& s = {}) : s_(s) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
     require(s.from >= T(0) && s.from < s.to, "Squeeze: from", number(s.from), ">= 0, < to N");

@@ -25,7 +25,7 @@ template <SensorKind Kind>
     return b;
   }();
   bool good = true;
-  for (std::size_t r = 0; r < n; ++r) good = good & (x[r] >= bounds[0][r]) & (x[r] <= bounds[1][r]);
+  for (std::size_t r = 0; r < n; ++r) good = good && x[r] >= bounds[0][r] && x[r] <= bounds[1][r];
   return good;
 }
 

@@ -23,8 +23,8 @@ struct AsSent {
 ///
 /// The usual sample is taken on a path of its own: of a cell that is heard and not fading, not ahead of the
 /// interval's end, with a ramp that began within the time for which missing impulse is added. The mean over an
-/// interval of one part is then `jump (2 (to - t) + min(gap, ramp)) / 2h`, without a division, and `jump
-/// (...)` add up for each link until all samples have been taken. What is not usual is taken by the rules one
+/// interval of one part is then `jump (2 (to - t) + min(gap, ramp)) / 2h`, without a division, and
+/// `jump (...)` add up for each link until all samples have been taken. What is not usual is taken by the rules one
 /// by one.
 template <class Kind, Real T, class Memory, class Means>
 class Reception : public CellChanges<Kind, T, Memory, Means> {
