@@ -91,6 +91,7 @@
 #include "skinctl/robot/preset.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/robot_description.hpp"
+#include "skinctl/robot/servo.hpp"
 #include "skinctl/robot/tool_shape.hpp"
 #include "skinctl/robot/virtual_dynamics.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
@@ -242,7 +243,6 @@
 #include "skinctl/resolver/memory.hpp"
 #include "skinctl/resolver/resolver.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
-#include "skinctl/resolver/servo.hpp"
 
 #include "skinctl/guard/budget.hpp"
 #include "skinctl/guard/faults.hpp"

@@ -9,8 +9,8 @@
 #include "skinctl/model/attached.hpp"
 #include "skinctl/model/mounted.hpp"
 #include "skinctl/resolver/integrator.hpp"
-#include "skinctl/resolver/servo.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
+#include "skinctl/robot/servo.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/sensing/event_gate.hpp"
@@ -167,12 +167,12 @@ TEST_CASE_TEMPLATE("extremes: references and surfaces", T, float, double) {
        [](T x) { return Results<T>(CrankNicolson::weight(T(std::abs(x)), T(1))); }},
       {"SemiImplicitEuler::weight", 0, safe, safe,
        [](T x) { return Results<T>(SemiImplicitEuler::weight(T(std::abs(x)), T(1))); }},
-      {"JointServo", 1, shows, shows,
+      {"DelayLag", 1, shows, shows,
        [](T x) {
-         const JointServo<6, T, 8> servo(8ms, T(0.03));
+         const DelayLag<6, T, 8> servo(8ms, T(0.03));
          auto m = servo.start(0ns, P6<T>{}, V6<T>{});
          servo.send(m, 1ms, P6<T>::constant(x), V6<T>{});
-         return Results<T>(servo.predict(m, 100ms));
+         return Results<T>(servo.due(m, 100ms));
        }},
   };
   check_rows(rows);

@@ -77,8 +77,9 @@ class FollowingMonitor {
   }
 
   /// After a cycle: `robot` is its resolver's memory.
-  template <std::size_t History>
-  SKINCTL_INLINE void step(Memory& m, const VirtualJointsMemory<N, T, History>& robot) const noexcept {
+  template <std::size_t History, class UnderWay>
+  SKINCTL_INLINE void step(Memory& m,
+                           const VirtualJointsMemory<N, T, History, UnderWay>& robot) const noexcept {
     const Nanoseconds passed = robot.measured.time - m.time;
     if (passed <= 0ns) return;  // nothing new was measured
     const JointPosition<N, T> expected = robot.measured.q - robot.residual;

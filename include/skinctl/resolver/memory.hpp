@@ -9,7 +9,6 @@
 #include "skinctl/resolver/detail/running_sum.hpp"
 #include "skinctl/resolver/detail/torque_rate.hpp"
 #include "skinctl/resolver/interval.hpp"
-#include "skinctl/resolver/servo.hpp"
 #include "skinctl/robot/joint_groups.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -37,7 +36,8 @@ struct ResidualWatch {
 
 /// The virtual robot's joints, the commands under way, the last good measurement. Trivially copyable; a
 /// default value has not been started and gives no valid command.
-template <std::size_t N, Real T, std::size_t History>
+/// @tparam UnderWay  memory of their servo.
+template <std::size_t N, Real T, std::size_t History, class UnderWay = CommandsUnderWay<N, T, History>>
 struct VirtualJointsMemory {
   bool started = false;
   bool stop = false;  ///< a stop was requested
@@ -64,7 +64,7 @@ struct VirtualJointsMemory {
   signed char pushed[N] = {};          ///< the direction in which a blocked robot did not follow
   detail::RunningPosition<N, T> sent;  ///< the sent position, or the integral of the sent velocities
   detail::RunningPosition<N, T> offset;  ///< corrections of r without motion (velocity interface)
-  CommandsUnderWay<N, T, History> under_way;
+  UnderWay under_way;
   JointCommand<N, T> command;  ///< the last one
 };
 
@@ -75,7 +75,9 @@ template <Real T, std::size_t History, class Groups>
 struct VirtualGroups;
 template <Real T, std::size_t History, class... Groups>
 struct VirtualGroups<T, History, std::tuple<Groups...>> {
-  using Memory = PlainTuple<VirtualJointsMemory<Groups::count, T, History>...>;
+  template <class Group>
+  using UnderWay = typename Group::template Servo<History>::Memory;
+  using Memory = PlainTuple<VirtualJointsMemory<Groups::count, T, History, UnderWay<Groups>>...>;
 };
 
 /// What joints by torque remember beside their measurement.

@@ -4,6 +4,7 @@
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/robot/robot_description.hpp"
+#include "skinctl/robot/servo.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -16,6 +17,9 @@ struct JointGroup {
   static constexpr LinkMask set = Set;
   static constexpr std::size_t count = static_cast<std::size_t>(std::popcount(Set));
   using scalar = T;
+  /// What answers its commands, up to `History` of them under way.
+  template <std::size_t History>
+  using Servo = ServoOf<I, count, T, History>;
   RobotConfiguration<count, T> configuration;
 };
 
@@ -46,9 +50,9 @@ struct IsGroup : std::bool_constant<IsJointGroup<X>> {};
 template <class X>
 struct IsNoGroup : std::bool_constant<!IsJointGroup<X>> {};
 template <class X>
-struct IsStiffGroup : std::bool_constant<IsJointGroup<X> && X::interface != Interface::torque> {};
+struct IsStiffGroup : std::bool_constant<IsJointGroup<X> && has_servo<X::interface>> {};
 template <class X>
-struct IsDrivenGroup : std::bool_constant<IsJointGroup<X> && X::interface == Interface::torque> {};
+struct IsDrivenGroup : std::bool_constant<IsJointGroup<X> && !has_servo<X::interface>> {};
 }  // namespace detail
 
 /// The joints of a robot with `N` joints by their interface.
@@ -57,7 +61,7 @@ struct JointGroups {
   static constexpr LinkMask all = joints_between(0, N);
   static constexpr LinkMask named = (Groups::set | ... | 0u);
   static constexpr LinkMask by_torque =
-      ((Groups::interface == Interface::torque ? Groups::set : LinkMask(0)) | ... | 0u);
+      ((has_servo<Groups::interface> ? LinkMask(0) : Groups::set) | ... | 0u);
   static_assert((std::size_t(std::popcount(Groups::set)) + ... + 0u) == std::size_t(std::popcount(named)),
                 "a joint is in two groups");
   static_assert((named & ~all) == 0, "a group names a joint that the robot has not");

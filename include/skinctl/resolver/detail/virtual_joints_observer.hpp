@@ -12,10 +12,11 @@ namespace detail {
 /// mode.
 template <Interface I, std::size_t N, Real T, std::size_t History>
 class VirtualJointsObserver {
-  static_assert(I != Interface::torque, "a joint that takes torques has no virtual state");
+  static_assert(has_servo<I>, "a joint that takes torques has no virtual state");
 
  public:
-  using Memory = VirtualJointsMemory<N, T, History>;
+  using Servo = ServoOf<I, N, T, History>;
+  using Memory = VirtualJointsMemory<N, T, History, typename Servo::Memory>;
   using Position = JointPosition<N, T>;
   using Velocity = JointVelocity<N, T>;
   using Torque = JointTorque<N, T>;
@@ -35,13 +36,12 @@ class VirtualJointsObserver {
         speed;  ///< of the command
   };
 
-  SKINCTL_COLD explicit VirtualJointsObserver(const RobotConfiguration<N, T>& c)
-      : p_(c), servo_(p_.delay, p_.lag) {
+  SKINCTL_COLD explicit VirtualJointsObserver(const RobotConfiguration<N, T>& c) : p_(c), servo_(c) {
     require(p_.delay / p_.period + 2 <= static_cast<std::int64_t>(History), "delay / period",
             milliseconds(p_.delay) / milliseconds(p_.period), "<= History - 2: commands under way");
   }
   [[nodiscard]] SKINCTL_INLINE const ResolverParameters<N, T>& parameters() const noexcept { return p_; }
-  [[nodiscard]] SKINCTL_INLINE const JointServo<N, T, History>& servo() const noexcept { return servo_; }
+  [[nodiscard]] SKINCTL_INLINE const Servo& servo() const noexcept { return servo_; }
   /// Lets a blocked robot follow again if it may; `net` is the torque of its laws at rest, less gravity.
   SKINCTL_COLD void try_to_leave(Memory& m, const Correction& c, const Torque& net) const noexcept {
     bool here = true, moved_on = false;
@@ -81,7 +81,7 @@ class VirtualJointsObserver {
     const State<N, T> taken{measured.time, Position(Row(measured.q) - m.gap), measured.dq};
     Status status = take_measurement(m.measured, taken, now, check);
     [[maybe_unused]] const Row before = m.under_way.reached;
-    const Position& expected = servo_.predict(m.under_way, m.measured.time);
+    const Position& expected = servo_.due(m.under_way, m.measured.time);
     if constexpr (I == Interface::position)
       (Row(m.told) * p_.forgets + magnitude(expected - before)).store(m.told);
     Row residual = Row(m.measured.q) - expected;
@@ -259,7 +259,7 @@ class VirtualJointsObserver {
   }
 
   ResolverParameters<N, T> p_;
-  JointServo<N, T, History> servo_;
+  Servo servo_;
 };
 
 }  // namespace detail

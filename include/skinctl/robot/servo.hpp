@@ -1,11 +1,10 @@
-// The declared response of a robot to commands: a delay and a lag.
+// Servos: how a robot as declared answers its commands.
 #pragma once
 
 #include <cmath>
 
-#include "skinctl/core/detail/row.hpp"
-#include "skinctl/core/joint.hpp"
-#include "skinctl/core/time.hpp"
+#include "skinctl/core/command.hpp"
+#include "skinctl/robot/robot_configuration.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -31,14 +30,16 @@ struct CommandsUnderWay {
 /// The operator H of the resolver: a pure delay and a lag of first order,
 /// `lag * dq/dt = command(t - delay) - q`. Exact for held commands and for held velocities.
 template <std::size_t N, Real T, std::size_t Capacity>
-class JointServo {
+class DelayLag {
  public:
   using Memory = CommandsUnderWay<N, T, Capacity>;
+  using Pushed = JointTorque<N, T>;
 
   /// @param delay  from sending a command until the robot begins to move, and from there until its measured
   ///               position is stamped [ns], >= 0.
   /// @param lag    time constant of the robot's own control loop [s], >= 0.
-  constexpr JointServo(Nanoseconds delay, const T& lag) noexcept : delay_(delay), lag_(lag) {}
+  constexpr DelayLag(Nanoseconds delay, const T& lag) noexcept : delay_(delay), lag_(lag) {}
+  SKINCTL_COLD explicit DelayLag(const RobotConfiguration<N, T>& c) : DelayLag(c.delay, seconds<T>(c.lag)) {}
 
   /// Begins with a robot at `q` that has moved steadily at `dq`, as if by commands.
   [[nodiscard]] SKINCTL_INLINE Memory start(Nanoseconds time, const JointPosition<N, T>& q,
@@ -85,8 +86,10 @@ class JointServo {
     for (std::uint32_t k = 0; k < m.count; ++k) f(m.value[(m.first + k) % Capacity]);
   }
 
-  /// Position of the declared robot at `until`; a time before that of the last call changes nothing.
-  SKINCTL_INLINE const JointPosition<N, T>& predict(Memory& m, Nanoseconds until) const noexcept {
+  /// Position of the declared robot at `until`, which no contact moves; a time before that of the last call changes
+  /// nothing.
+  SKINCTL_INLINE const JointPosition<N, T>& due(Memory& m, Nanoseconds until,
+                                                const Pushed& = {}) const noexcept {
     while (m.now < until) {
       const std::uint32_t next = (m.first + 1) % Capacity;
       const bool more = m.count > 1 && m.time[next] + delay_ <= until;
@@ -129,5 +132,35 @@ class JointServo {
   Nanoseconds delay_;
   T lag_;
 };
+
+/// In place of a servo, for joints that take torques: nothing says where they should be.
+struct NoServo {};
+
+namespace detail {
+template <Interface I, std::size_t N, Real T, std::size_t Capacity>
+struct ServoBy {
+  using type = DelayLag<N, T, Capacity>;
+};
+template <std::size_t N, Real T, std::size_t Capacity>
+struct ServoBy<Interface::torque, N, T, Capacity> {
+  using type = NoServo;
+};
+}  // namespace detail
+
+/// The servo of `N` joints that take `I`:
+///
+/// | member | |
+/// |---|---|
+/// | `Memory` | trivially copyable: at least `reached`, the position of the robot at the time of the last `due` |
+/// | `start(time, q, dq)` | of a robot that has moved steadily |
+/// | `send(m, time, value, slope)` | a command was sent; `correct`: the last one with other values |
+/// | `due(m, until, pushed)` | where a robot as declared would be, pushed by the joint torque of the contacts felt |
+/// | `each_under_way(m, f)` | calls `f` with the position of each command from the present one on |
+/// | `restart(m, time)` | the clock was set |
+template <Interface I, std::size_t N, Real T, std::size_t Capacity>
+using ServoOf = typename detail::ServoBy<I, N, T, Capacity>::type;
+/// Whether commands of the interface say where the joints should be.
+template <Interface I>
+inline constexpr bool has_servo = !std::is_same_v<ServoOf<I, 1, double, 2>, NoServo>;
 
 SKINCTL_END_NAMESPACE

@@ -1,4 +1,4 @@
-#include "skinctl/resolver/servo.hpp"
+#include "skinctl/robot/servo.hpp"
 
 #include <doctest/doctest.h>
 
@@ -23,7 +23,7 @@ JointPosition<2, T> row(double a, double b) {
 template <class T>
 double apart(SimulatedJoints<2>::Kind kind, Nanoseconds delay, double lag, Nanoseconds period, bool jitter) {
   using Kind = SimulatedJoints<2>::Kind;
-  const JointServo<2, T, 64> servo(delay, T(lag));
+  const DelayLag<2, T, 64> servo(delay, T(lag));
   SimulatedJoints<2> joints(kind, seconds<double>(delay), lag, {0.3, -0.2});
   auto memory = servo.start(0ns, row<T>(0.3, -0.2), {});
   std::mt19937_64 rng(3);
@@ -37,7 +37,7 @@ double apart(SimulatedJoints<2>::Kind kind, Nanoseconds delay, double lag, Nanos
     now += dt;
     const double t = seconds<double>(now);
     joints.advance(t);
-    const auto& q = servo.predict(memory, now);
+    const auto& q = servo.due(memory, now);
     for (std::size_t i = 0; i < 2; ++i) worst = std::max(worst, std::abs(double(q[i]) - joints.q()[i]));
     const std::array<double, 2> value{std::sin(3 * t) + 0.2 * unit(rng), std::cos(5 * t)};
     joints.command(t, value);
@@ -54,7 +54,7 @@ double apart(SimulatedJoints<2>::Kind kind, Nanoseconds delay, double lag, Nanos
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("JointServo: predicts joints that do what is declared", T, float, double) {
+TEST_CASE_TEMPLATE("DelayLag: predicts joints that do what is declared", T, float, double) {
   using Kind = SimulatedJoints<2>::Kind;
   const double tolerance = std::is_same_v<T, float> ? 2e-5 : 1e-10;
   for (const Kind kind : {Kind::position, Kind::velocity})
@@ -68,37 +68,37 @@ TEST_CASE_TEMPLATE("JointServo: predicts joints that do what is declared", T, fl
         }
 }
 
-TEST_CASE_TEMPLATE("JointServo: a steady motion at the start goes on", T, float, double) {
-  const JointServo<2, T, 8> servo(8ms, T(0.01));
+TEST_CASE_TEMPLATE("DelayLag: a steady motion at the start goes on", T, float, double) {
+  const DelayLag<2, T, 8> servo(8ms, T(0.01));
   auto memory = servo.start(1s, row<T>(1, 2), {T(0.5), T(-1)});
-  const auto& q = servo.predict(memory, 1s + 20ms);
+  const auto& q = servo.due(memory, 1s + 20ms);
   CHECK(double(q[0]) == doctest::Approx(1.01).epsilon(1e-6));
   CHECK(double(q[1]) == doctest::Approx(1.98).epsilon(1e-6));
 }
 
-TEST_CASE("JointServo: times that go back leave the prediction where it was") {
-  const JointServo<1, double, 8> servo(2ms, 0.01);
+TEST_CASE("DelayLag: times that go back leave the prediction where it was") {
+  const DelayLag<1, double, 8> servo(2ms, 0.01);
   auto memory = servo.start(0ns, JointPosition<1>::constant(0), {});
   servo.send(memory, 0ns, JointPosition<1>::constant(1), {});
-  const double q = servo.predict(memory, 10ms)[0];
-  CHECK(servo.predict(memory, 4ms)[0] == q);
-  CHECK(servo.predict(memory, 10ms)[0] == q);
-  CHECK(servo.predict(memory, 11ms)[0] > q);
+  const double q = servo.due(memory, 10ms)[0];
+  CHECK(servo.due(memory, 4ms)[0] == q);
+  CHECK(servo.due(memory, 10ms)[0] == q);
+  CHECK(servo.due(memory, 11ms)[0] > q);
 }
 
-TEST_CASE("JointServo: more commands than there is room for count as carried out, from the oldest") {
-  const JointServo<1, double, 4> servo(1s, 0.0);
+TEST_CASE("DelayLag: more commands than there is room for count as carried out, from the oldest") {
+  const DelayLag<1, double, 4> servo(1s, 0.0);
   auto memory = servo.start(0ns, JointPosition<1>::constant(0), {});
   for (int k = 1; k <= 10; ++k) servo.send(memory, k * 10ms, JointPosition<1>::constant(k), {});
   CHECK(memory.count == 4);
-  CHECK(servo.predict(memory, 101ms)[0] == 7);  // 8, 9, 10 are still under way
-  CHECK(servo.predict(memory, 2s)[0] == 10);
+  CHECK(servo.due(memory, 101ms)[0] == 7);  // 8, 9, 10 are still under way
+  CHECK(servo.due(memory, 2s)[0] == 10);
 }
 
-TEST_CASE("JointServo: what was not sent as told is corrected") {
-  const JointServo<1, double, 4> servo(1ms, 0.0);
+TEST_CASE("DelayLag: what was not sent as told is corrected") {
+  const DelayLag<1, double, 4> servo(1ms, 0.0);
   auto memory = servo.start(0ns, JointPosition<1>::constant(0), {});
   servo.send(memory, 0ns, JointPosition<1>::constant(5), {});
   servo.correct(memory, JointPosition<1>::constant(2), {});
-  CHECK(servo.predict(memory, 2ms)[0] == 2);
+  CHECK(servo.due(memory, 2ms)[0] == 2);
 }
