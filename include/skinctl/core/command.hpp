@@ -13,6 +13,18 @@ enum class Interface : unsigned char {
   velocity,  ///< `velocity`, which the robot holds until the next command
   torque     ///< `torque`, held until the next command
 };
+inline constexpr Interface all_interfaces[] = {Interface::position, Interface::velocity, Interface::torque};
+
+/// Which numbers a command of an interface holds.
+[[nodiscard]] constexpr bool takes_position(Interface i) noexcept {
+  return i == Interface::position;
+}
+[[nodiscard]] constexpr bool takes_velocity(Interface i) noexcept {
+  return i == Interface::velocity;
+}
+[[nodiscard]] constexpr bool takes_torque(Interface i) noexcept {
+  return i == Interface::torque;
+}
 
 /// What a cycle has planned for `time`, between its stages and for those who watch: the commanded motion,
 /// whatever the interface, and the fused torque, beside a motion the last finite one. A robot gets a
@@ -47,28 +59,42 @@ struct JointCommand {
 };
 
 namespace detail {
-template <std::size_t N, Real T, Interface I>
-struct CommandedNumbers;
-template <std::size_t N, Real T>
-struct CommandedNumbers<N, T, Interface::position> {
+// The numbers of a command, each kind for itself; of the kinds that no interface takes nothing is left.
+template <bool Takes, std::size_t N, Real T>
+struct CommandedPosition {
   JointPosition<N, T> position;  ///< [rad], [m]
-  SKINCTL_INLINE explicit CommandedNumbers(const JointCommand<N, T>& c) noexcept
+  SKINCTL_INLINE explicit CommandedPosition(const JointCommand<N, T>& c) noexcept
       : position(Row<N, T>(c.position)) {}
-  CommandedNumbers() = default;
+  CommandedPosition() = default;
 };
-template <std::size_t N, Real T>
-struct CommandedNumbers<N, T, Interface::velocity> {
+template <bool Takes, std::size_t N, Real T>
+struct CommandedVelocity {
   JointVelocity<N, T> velocity;  ///< [rad/s], [m/s]
-  SKINCTL_INLINE explicit CommandedNumbers(const JointCommand<N, T>& c) noexcept
+  SKINCTL_INLINE explicit CommandedVelocity(const JointCommand<N, T>& c) noexcept
       : velocity(Row<N, T>(c.velocity)) {}
-  CommandedNumbers() = default;
+  CommandedVelocity() = default;
+};
+template <bool Takes, std::size_t N, Real T>
+struct CommandedTorque {
+  JointTorque<N, T> torque;  ///< [N m], [N]
+  SKINCTL_INLINE explicit CommandedTorque(const JointCommand<N, T>& c) noexcept
+      : torque(Row<N, T>(c.torque)) {}
+  CommandedTorque() = default;
 };
 template <std::size_t N, Real T>
-struct CommandedNumbers<N, T, Interface::torque> {
-  JointTorque<N, T> torque;  ///< [N m], [N]
-  SKINCTL_INLINE explicit CommandedNumbers(const JointCommand<N, T>& c) noexcept
-      : torque(Row<N, T>(c.torque)) {}
-  CommandedNumbers() = default;
+struct CommandedPosition<false, N, T> {
+  SKINCTL_INLINE explicit CommandedPosition(const JointCommand<N, T>&) noexcept {}
+  CommandedPosition() = default;
+};
+template <std::size_t N, Real T>
+struct CommandedVelocity<false, N, T> {
+  SKINCTL_INLINE explicit CommandedVelocity(const JointCommand<N, T>&) noexcept {}
+  CommandedVelocity() = default;
+};
+template <std::size_t N, Real T>
+struct CommandedTorque<false, N, T> {
+  SKINCTL_INLINE explicit CommandedTorque(const JointCommand<N, T>&) noexcept {}
+  CommandedTorque() = default;
 };
 }  // namespace detail
 
@@ -80,13 +106,22 @@ struct CommandedNumbers<N, T, Interface::torque> {
 /// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet, or
 /// it shows the robot elsewhere than where it was started.
 template <std::size_t N, Real T, Interface... I>
-struct RobotCommand : detail::CommandedNumbers<N, T, I>... {
+struct RobotCommand : detail::CommandedPosition<(takes_position(I) || ...), N, T>,
+                      detail::CommandedVelocity<(takes_velocity(I) || ...), N, T>,
+                      detail::CommandedTorque<(takes_torque(I) || ...), N, T> {
+  static constexpr bool has_position = (takes_position(I) || ...);
+  static constexpr bool has_velocity = (takes_velocity(I) || ...);
+  static constexpr bool has_torque = (takes_torque(I) || ...);
   Nanoseconds time{};
   bool valid = false;
 
   RobotCommand() = default;
   SKINCTL_INLINE explicit RobotCommand(const JointCommand<N, T>& planned) noexcept
-      : detail::CommandedNumbers<N, T, I>(planned)..., time(planned.time), valid(planned.valid) {}
+      : detail::CommandedPosition<has_position, N, T>(planned),
+        detail::CommandedVelocity<has_velocity, N, T>(planned),
+        detail::CommandedTorque<has_torque, N, T>(planned),
+        time(planned.time),
+        valid(planned.valid) {}
 };
 template <std::size_t N, Real T = double>
 using PositionCommand = RobotCommand<N, T, Interface::position>;

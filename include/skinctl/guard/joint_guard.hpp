@@ -199,7 +199,7 @@ class JointGuard : public detail::GuardReach<I, N, T> {
   SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const State<N, T>& measured, const T& elapsed,
                                    Status status) const noexcept {
     const T cycle = seconds<T>(period_);
-    const T dt = I == Interface::position && elapsed > cycle ? cycle : elapsed;
+    const T dt = takes_position(I) && elapsed > cycle ? cycle : elapsed;
     Guarded<N, T> out{m.command, status, true};
     const auto& last = m.command;
     if constexpr (smooth) {

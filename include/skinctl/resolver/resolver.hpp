@@ -118,8 +118,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
   using Sent = typename Base::Sent;
   /// The command of the stiff joints.
   [[nodiscard]] static auto stiff(const Sent& c) noexcept {
-    typename detail::CommandOf<Stiff::count, T, Sets::template has<Interface::position>,
-                               Sets::template has<Interface::velocity>, false>::type out;
+    typename detail::CommandOf<Stiff::count, T, typename Sets::StiffGroups>::type out;
     detail::take_part<Stiff>(c, out);
     return out;
   }

@@ -69,12 +69,10 @@ struct JointGroups {
 
   using Driven = JointSubset<N, by_torque>;  ///< joints by torque
   using Stiff = typename Driven::Others;     ///< joints by position or velocity
+  using All = std::tuple<Groups...>;
   /// The groups of the stiff joints, and those of the driven ones, in tuples.
   using StiffGroups = decltype(detail::those_of<detail::IsStiffGroup>(std::declval<const Groups&>()...));
   using DrivenGroups = decltype(detail::those_of<detail::IsDrivenGroup>(std::declval<const Groups&>()...));
-
-  template <Interface I>
-  static constexpr bool has = ((Groups::interface == I) || ...);
 };
 
 /// The elements of `whole` that belong to the joints of `Subset`.
@@ -102,38 +100,35 @@ SKINCTL_INLINE void put_part(const JointCommand<Subset::count, T>& from, JointCo
 }
 
 namespace detail {
-/// The command of joints with some interfaces, in one order.
-template <std::size_t N, Real T, bool Position, bool Velocity, bool Torque>
-struct CommandOf {
+/// The command of joints in groups: their interfaces, each once, in one order.
+template <std::size_t N, Real T, class Groups>
+struct CommandOf;
+template <std::size_t N, Real T, class... Groups>
+struct CommandOf<N, T, std::tuple<Groups...>> {
   template <Interface... I>
   struct List {};
-  template <Interface... I, Interface... J>
-  static List<I..., J...> both(List<I...>, List<J...>);
-  template <bool Has, Interface I>
-  using If = std::conditional_t<Has, List<I>, List<>>;
-  template <Interface... I>
-  static RobotCommand<N, T, I...> command(List<I...>);
-  using type =
-      decltype(command(both(both(If<Position, Interface::position>{}, If<Velocity, Interface::velocity>{}),
-                            If<Torque, Interface::torque>{})));
-};
-template <class Subset, std::size_t N, Real T, Interface I, class Out>
-SKINCTL_INLINE void take_numbers(const CommandedNumbers<N, T, I>& whole, Out& out) noexcept {
-  if constexpr (I == Interface::position) {
-    out.position = Subset::of(whole.position);
-  } else if constexpr (I == Interface::velocity) {
-    out.velocity = Subset::of(whole.velocity);
-  } else {
-    out.torque = Subset::of(whole.torque);
+  template <std::size_t K, Interface... I>
+  static auto command(List<I...> list) {
+    if constexpr (K == std::size(all_interfaces)) {
+      return RobotCommand<N, T, I...>();
+    } else if constexpr (constexpr Interface next = all_interfaces[K]; ((Groups::interface == next) || ...)) {
+      return command<K + 1>(List<I..., next>());
+    } else {
+      return command<K + 1>(list);
+    }
   }
-}
+  using type = decltype(command<0>(List<>()));
+};
 /// The numbers of the interfaces `I` of the joints of `Subset`.
 template <class Subset, std::size_t N, Real T, Interface... J, Interface... I>
 SKINCTL_INLINE void take_part(const RobotCommand<N, T, J...>& whole,
                               RobotCommand<Subset::count, T, I...>& out) noexcept {
+  using Out = RobotCommand<Subset::count, T, I...>;
   out.time = whole.time;
   out.valid = whole.valid;
-  (take_numbers<Subset, N, T, I>(whole, out), ...);
+  if constexpr (Out::has_position) out.position = Subset::of(whole.position);
+  if constexpr (Out::has_velocity) out.velocity = Subset::of(whole.velocity);
+  if constexpr (Out::has_torque) out.torque = Subset::of(whole.torque);
 }
 }  // namespace detail
 

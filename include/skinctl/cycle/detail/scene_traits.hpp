@@ -112,7 +112,7 @@ struct Seen {
 /// A robot of one group that takes positions.
 template <class Resolver>
 inline constexpr bool takes_positions = [] {
-  if constexpr (Resolver::is_one_group) return Resolver::interface == Interface::position;
+  if constexpr (Resolver::is_one_group) return takes_position(Resolver::interface);
   return false;
 }();
 /// The touch that a resolver takes from a skin: forces and proximities apart where a tank has to tell them, and

@@ -30,8 +30,8 @@ class GuardReach {
                                       const JointPosition<N, T>& command) const noexcept {
     using R = Row<N, T>;
     const R q = measured.q;
-    auto room = limits_.room(I == Interface::position ? command : measured.q);
-    if constexpr (I == Interface::position) {
+    auto room = limits_.room(takes_position(I) ? command : measured.q);
+    if constexpr (takes_position(I)) {
       const R ahead = R(command) - q, lead = lead_;
       smaller(room.above, lead - ahead).store(room.above);
       smaller(room.below, lead + ahead).store(room.below);
@@ -49,13 +49,13 @@ class GuardReach {
                                const State<N, T>& measured, const T& dt, Status& status) const noexcept {
     const T cycle = seconds<T>(period_);
     T span = dt;
-    if (I == Interface::position && dt > cycle && !within_period(last, wish, cycle)) [[unlikely]]
+    if (takes_position(I) && dt > cycle && !within_period(last, wish, cycle)) [[unlikely]]
       span = cycle;
     for (;; span = cycle) {  // all of the time, or a period of it
       Status found;
       if (can_reach(last, wish, measured, span, found)) [[likely]]
         return true;
-      if (I != Interface::position || !(span > cycle)) return status |= found, false;
+      if (!takes_position(I) || !(span > cycle)) return status |= found, false;
     }
   }
   /// Whether the command is no farther from the last one than the joints get in a period.
@@ -83,7 +83,7 @@ class GuardReach {
     const R stop = T(T(1) / slack()) * limits_.stopping_distance(u) - T(16) * eps * (R(T(1)) + q);
     const auto rushes = !(magnitude(u) <= magnitude(u0) - (T(2) * a * R(dt) - most));
     auto outside = rushes & (((u > zero) & (stop > above)) | ((u < zero) & (stop > below)));
-    if constexpr (I == Interface::position) {
+    if constexpr (takes_position(I)) {
       // Within its acceleration limit, a joint reaches this far to both sides of the position of the mean
       // speed.
       const R moved = to - from, straight = R(T(T(0.5) * dt)) * (u0 + u);

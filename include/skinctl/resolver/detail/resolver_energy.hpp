@@ -115,14 +115,14 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
   template <class F>
   SKINCTL_INLINE void each_way_under_way(const Memory& m, F& f) const noexcept {
     each([&](auto k) {
-      constexpr bool here = Group<k.value>::interface == Interface::position;
+      constexpr bool here = takes_position(Group<k.value>::interface);
       const auto& group = m.template group<k.value>();
       std::get<k.value>(virtual_).servo().each_under_way(group.under_way, [&](const auto& q) {
         Position way;
         // The other groups' furthest command is their last one.
         each([&](auto other) {
           const auto& o = m.template group<other.value>();
-          constexpr bool by_position = Group<other.value>::interface == Interface::position;
+          constexpr bool by_position = takes_position(Group<other.value>::interface);
           Part<other.value>::put(o.sent.value - (by_position ? o.measured.q : o.under_way.reached), way);
         });
         Part<k.value>::put(q - (here ? group.measured.q : group.under_way.reached), way);
@@ -136,7 +136,7 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
     each([&](auto k) {
       const auto& group = m.template group<k.value>();
       const auto& p = this->template parameters<k.value>();
-      constexpr bool by_position = Group<k.value>::interface == Interface::position;
+      constexpr bool by_position = takes_position(Group<k.value>::interface);
       const T ahead = p.lead + p.cycle;
       for (std::size_t j = 0; j < Group<k.value>::count; ++j) {
         const std::size_t i = Part<k.value>::index[j];

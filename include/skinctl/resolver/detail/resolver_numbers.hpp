@@ -43,8 +43,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   using Configuration = RobotConfiguration<joints, T>;
   using JointSets = Sets;
   /// What this robot is sent.
-  using Sent = typename CommandOf<joints, T, Sets::template has<Interface::position>,
-                                  Sets::template has<Interface::velocity>, has_driven>::type;
+  using Sent = typename CommandOf<joints, T, typename Sets::All>::type;
   using Memory = ResolverMemory<joints, T, Sets, History, PassivityParts>;
   static constexpr bool one_group = Memory::one_group;
   static constexpr bool has_tank = PassivityParts::template has<EnergyTank<T>>;

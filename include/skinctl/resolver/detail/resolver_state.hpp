@@ -157,7 +157,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
   /// The time in which a command of the stiff group `K` is to be reached [s].
   template <std::size_t K = 0>
   [[nodiscard]] SKINCTL_INLINE T span(const Memory& m, const T& dt) const noexcept {
-    return Group<K>::interface == Interface::position ? m.template group<K>().command_span : dt;
+    return takes_position(Group<K>::interface) ? m.template group<K>().command_span : dt;
   }
 
  protected:

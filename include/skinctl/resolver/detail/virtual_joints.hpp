@@ -81,7 +81,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
     const Velocity before = m.rate;
     if (interval.clock_set || interval.to - m.command.time > 1s + p_.longest_interval) [[unlikely]] {
       set_clock(m, interval);
-    } else if constexpr (I == Interface::velocity) {
+    } else if constexpr (takes_velocity(I)) {
       // The velocity that was sent has been held up to now.
       for (std::size_t i = 0; i < N; ++i)
         m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
@@ -145,12 +145,12 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
     }
     m.rate = command.velocity;
     m.last = {};
-    const T ahead = p_.lead - (I == Interface::velocity ? T(0.5) * seconds<T>(p_.period) : T(0));
+    const T ahead = p_.lead - (takes_velocity(I) ? T(0.5) * seconds<T>(p_.period) : T(0));
     for (std::size_t i = 0; i < N; ++i) {
-      if constexpr (I == Interface::position) m.sent.set(i, command.position[i]);
+      if constexpr (takes_position(I)) m.sent.set(i, command.position[i]);
       m.q.set(i, m.sent.value[i] + m.offset.value[i] - ahead * m.v[i]);
     }
-    servo_.correct(m.under_way, m.sent.value, I == Interface::velocity ? command.velocity : Velocity{});
+    servo_.correct(m.under_way, m.sent.value, takes_velocity(I) ? command.velocity : Velocity{});
   }
 
  private:
@@ -164,7 +164,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
   /// A clock that leapt, or was set.
   SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept {
     servo_.restart(m.under_way, interval.from);
-    if constexpr (I == Interface::velocity) {
+    if constexpr (takes_velocity(I)) {
       servo_.correct(m.under_way, m.sent.value, m.command.velocity);
       for (std::size_t i = 0; i < N; ++i)
         m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - interval.from));

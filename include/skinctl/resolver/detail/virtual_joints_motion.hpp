@@ -40,7 +40,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
     auto& command = m.command;
     const Row last = command.velocity;
     m.command_span = dt;
-    if constexpr (I == Interface::position) {
+    if constexpr (takes_position(I)) {
       const Row moved = Row(m.q.value) - m.sent.value;
       if (p_.lead == T(0) && !m.behind && (!(dt > p_.cycle) || is_near(moved))) [[likely]] {
         m.sent.copy(m.q);
@@ -63,11 +63,11 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
       command.velocity = motion.velocity;
     }
     command.time = m.time;
-    copy_row(I == Interface::position ? m.sent.value : m.q.value, command.position);
+    copy_row(takes_position(I) ? m.sent.value : m.q.value, command.position);
     ((Row(command.velocity) - last) / Row(dt)).store(command.acceleration);
     copy_row(torque, command.torque);
     command.valid = true;
-    servo_.send(m.under_way, m.time, m.sent.value, I == Interface::velocity ? command.velocity : Velocity{});
+    servo_.send(m.under_way, m.time, m.sent.value, takes_velocity(I) ? command.velocity : Velocity{});
     return status;
   }
 
@@ -82,7 +82,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
     const Row least = select(below > zero, -below * p_.per_delay, zero);
     Row v = v1;
     auto by_lead = above < room.above;
-    if constexpr (I == Interface::position) {
+    if constexpr (takes_position(I)) {
       by_lead = by_lead | (below < room.below);
       smaller(room.above, above).store(room.above);
       smaller(room.below, below).store(room.below);
@@ -98,7 +98,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
     own.store(m.v);
     Status found = motion.status;
     std::uint64_t braked = motion.braked;
-    if constexpr (I == Interface::position) {
+    if constexpr (takes_position(I)) {
       if (off || any(last != m.rate)) {
         motion = p_.limits.move(room, m.rate, Velocity(clamp(own + rate, least, most)), h);
         found |= motion.status;
@@ -126,7 +126,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
       }
     }
     copy_row(motion.velocity, m.rate);
-    const std::uint64_t lead_acts = I == Interface::position && braked != 0 ? by_lead.bits() : 0;
+    const std::uint64_t lead_acts = takes_position(I) && braked != 0 ? by_lead.bits() : 0;
     status |= found.without(Reason::position_limited);
     if ((braked & lead_acts) != 0) status |= Reason::lead_limited;
     if ((braked & ~lead_acts) != 0) status |= Reason::position_limited;
@@ -143,7 +143,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
       const T hard = speed_to_stop(far, h, T(T(0.5) * p_.limits.acceleration()[i]));
       T speed = soft < hard ? soft : hard;
       const auto& w = m.watch[i];
-      if (I == Interface::position && w.size > T(0) && w.side * d > T(0) && w.most < speed) speed = w.most;
+      if (takes_position(I) && w.size > T(0) && w.side * d > T(0) && w.most < speed) speed = w.most;
       u[i] = d < T(0) ? T(-speed) : speed;
     }
     return u;

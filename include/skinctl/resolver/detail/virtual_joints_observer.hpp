@@ -32,8 +32,7 @@ class VirtualJointsObserver {
       Velocity least, most;
     };
     struct Free {};
-    [[no_unique_address]] std::conditional_t<I == Interface::velocity, Speed, Free>
-        speed;  ///< of the command
+    [[no_unique_address]] std::conditional_t<takes_velocity(I), Speed, Free> speed;  ///< of the command
   };
 
   SKINCTL_COLD explicit VirtualJointsObserver(const RobotConfiguration<N, T>& c) : p_(c), servo_(c) {
@@ -82,17 +81,16 @@ class VirtualJointsObserver {
     Status status = take_measurement(m.measured, taken, now, check);
     [[maybe_unused]] const Row before = m.under_way.reached;
     const Position& expected = servo_.due(m.under_way, m.measured.time);
-    if constexpr (I == Interface::position)
-      (Row(m.told) * p_.forgets + magnitude(expected - before)).store(m.told);
+    if constexpr (takes_position(I)) (Row(m.told) * p_.forgets + magnitude(expected - before)).store(m.told);
     Row residual = Row(m.measured.q) - expected;
-    if constexpr (I == Interface::velocity) residual = residual - m.offset.value;
+    if constexpr (takes_velocity(I)) residual = residual - m.offset.value;
     residual.store(m.residual);
     if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
     return status;
   }
   SKINCTL_INLINE Correction correct(Memory& m, Nanoseconds now, const T& dt) const noexcept {
     const bool fresh = now - m.measured.time <= p_.fresh_for;
-    if constexpr (I == Interface::position)
+    if constexpr (takes_position(I))
       if (fresh && m.settles_for > T(0)) [[unlikely]]
         settle(m, dt);
     // An old measurement does not show the present position of the robot: its residual is not used again.
@@ -103,13 +101,13 @@ class VirtualJointsObserver {
     Correction c{Velocity(p_.L1 * rho), JointAcceleration<N, T>(p_.L2 * rho), any(off), false, false, {}};
     if (c.off || m.watched) [[unlikely]]
       watch(m, c, Position(r), Position(rho), dt);
-    if constexpr (I == Interface::position) {
+    if constexpr (takes_position(I)) {
       if (fresh) {
         const Row slow = m.slow_residual;
         (slow + T(dt / (p_.settle + dt)) * (r - slow)).store(m.slow_residual);
       }
     }
-    if constexpr (I == Interface::velocity) {
+    if constexpr (takes_velocity(I)) {
       c.rate = Velocity(Row(c.rate) + p_.drift * r);
       // What a robot lags behind beyond its declared delay is still to come.
       const Position late(clamp(r, -dead_band, dead_band));
@@ -173,7 +171,7 @@ class VirtualJointsObserver {
         // Beyond any lead at once; or beside commands that have hardly moved while it came to be there.
         const T came = r[i] - m.slow_residual[i];
         c.gap = c.gap || far > p_.max_lead[i] ||
-                (I == Interface::position && m.told[i] < T(0.5) * (came < T(0) ? T(-came) : came));
+                (takes_position(I) && m.told[i] < T(0.5) * (came < T(0) ? T(-came) : came));
         begin();
       }
       const T moved = side * (m.measured.q[i] - w.robot);
@@ -195,7 +193,7 @@ class VirtualJointsObserver {
         m.off_for[i] = T(0);
         c.lags = true;
       }
-      if constexpr (I == Interface::position) {
+      if constexpr (takes_position(I)) {
         c.gap = c.gap || (moved >= T(0.4) * w.size && far > T(0.7) * w.size);
         const T way = side * (m.q.value[i] - w.joint);
         if (way < T(0)) w.joint = m.q.value[i];
@@ -246,7 +244,7 @@ class VirtualJointsObserver {
     } else if (m.mode != ResolverMode::blocked && stuck) {
       enter(ResolverMode::blocked);
       for (std::size_t i = 0; i < N; ++i) m.back[i] = m.off_for[i] > T(0) ? m.measured.q[i] : m.q.value[i];
-      if constexpr (I == Interface::position) m.v = m.v * T(0);
+      if constexpr (takes_position(I)) m.v = m.v * T(0);
       for (std::size_t i = 0; i < N; ++i) m.pushed[i] = c.pull[i] < T(0) ? 1 : (c.pull[i] > T(0) ? -1 : 0);
     } else if (m.mode != ResolverMode::blocked) {
       enter(m.stop ? ResolverMode::braking : ResolverMode::following);
