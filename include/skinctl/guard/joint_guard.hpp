@@ -13,7 +13,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// Passes a command unchanged if it is finite, if the robot's state is fresh, if no stage found a fault, and
 /// if a motion from the last command to it exists within the limits of acceleration and velocity, after which
 /// the joint can still stop before its end. Otherwise it reacts in the same cycle, as the table `faults`
-/// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback.
+/// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback. A torque beside
+/// positions keeps its limits and its rate, and ramps to zero while it brakes.
 ///
 /// With `Smooth` the guard brakes as it says, such as `JerkLimits`: a motion that can be stopped within its jerk
 /// keeps it (a governor with the same limits sends no other); for others the limits give way as that class
@@ -44,6 +45,8 @@ class JointGuard : public detail::GuardReach<I, N, T> {
   using scalar = T;
   using Settings = GuardSettings<N, T>;
   using Memory = GuardMemory<N, T>;
+  /// Whether a torque leaves beside the motion.
+  static constexpr bool beside_motion = takes_position(I) && takes_torque(I);
 
   /// Throws `ConfigurationError` for a number out of its range.
   ///
@@ -129,10 +132,19 @@ class JointGuard : public detail::GuardReach<I, N, T> {
     } else {
       if (good && finite && wish.time == interval.to && this->can_send(m.command, wish, measured, dt, status))
           [[likely]] {
+        if constexpr (beside_motion) {
+          const Row beside = m.command.torque;
+          m.command.assign(wish);
+          status |= turn_beside(beside, wish.torque, measured, dt, m.command.torque);
+          return {m.command.copy(), status, false};
+        }
         m.command.assign(wish);
         return {wish.copy(), status, false};
       }
-      return let_out(m, interval.to, brake(m, measured, dt, status));
+      Guarded<N, T> out = brake(m, measured, dt, status);
+      if constexpr (beside_motion)
+        out.status |= turn_beside(m.command.torque, {}, measured, dt, out.command.torque);
+      return let_out(m, interval.to, out);
     }
   }
 
@@ -159,6 +171,7 @@ class JointGuard : public detail::GuardReach<I, N, T> {
   using Reach::longest_;
   using Reach::period_;
   using Size = std::size_t;
+  using Row = detail::Row<N, T>;
   using Distance = JointPosition<N, T>;
   // The first good state of the robot decides whether it stands where it was started.
   SKINCTL_COLD Guarded<N, T> begin(Memory& m, const State<N, T>& measured, Nanoseconds now,
@@ -227,6 +240,16 @@ class JointGuard : public detail::GuardReach<I, N, T> {
     return out;
   }
 
+  /// The torque beside a motion, into `out`: from the last one towards `wish`, within its limits, at most at the
+  /// allowed rate.
+  SKINCTL_INLINE Status turn_beside(const Row& last, const JointTorque<N, T>& wish,
+                                    const State<N, T>& measured, const T& dt,
+                                    JointTorque<N, T>& out) const noexcept {
+    const Row step = T(torque_rate_ * dt) * Row(limits_.torque()), wanted = wish;
+    const Row given = clamp(Row(limits_.within(wish, measured.dq)), last - step, last + step);
+    given.store(out);
+    return any(given != wanted) ? Status(Reason::torque_limited) : Status();
+  }
   /// Towards the given torque or the fallback, at most at the allowed rate.
   SKINCTL_INLINE Guarded<N, T> turn_torque(const Memory& m, const JointCommand<N, T>& wish,
                                            const State<N, T>& measured, bool good,

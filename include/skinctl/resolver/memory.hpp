@@ -47,7 +47,7 @@ struct VirtualJointsMemory {
   JointVelocity<N, T> v;               ///< the virtual robot's velocity, which laws read
   JointVelocity<N, T> rate;            ///< dq^/dt: v, with the correction where that is sent
   JointAcceleration<N, T> last;        ///< dv/dt of the last sub-step
-  State<N, T> measured;                ///< the last good measurement, less the gap
+  State<N, T> measured;                ///< the last good measurement, less the gap and what contacts deflect
   JointPosition<N, T> residual;        ///< r: measured position minus that brought by the commands
   JointPosition<N, T> gap;             ///< g: a residual to which the user has agreed; taken off measurements
   bool gap_told = false;               ///< g began as the gap to where the robot says that it was told to be
@@ -138,7 +138,8 @@ struct ResolverMemory {
       return whole.command;
     }
   }
-  /// The last good measurement; of a robot that is one group of virtual joints less its gap.
+  /// The last good measurement; of a robot that is one group of virtual joints less its gap and what contacts
+  /// deflect.
   [[nodiscard]] SKINCTL_INLINE const State<N, T>& measured() const noexcept {
     if constexpr (one_group) {
       return group().measured;

@@ -154,7 +154,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     m.odd = detail::no_time;
     const Touch& newest = touches[interval.substeps - 1];
     const T dt = seconds<T>(interval.to - interval.from);
-    const auto begun = this->begin(m, measured, interval, check, dt);
+    const auto begun = this->begin(m, measured, interval, check, dt, this->pushed(m, newest));
     out.status |= begun.status | this->watch(m, pressed, newest, dt);
     [[maybe_unused]] auto load = this->load_of(m, begun, newest);
 
@@ -183,6 +183,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     if (!braking && (has_driven || blocked))
       turn(m, law, law_memory, begun, blocked, newest, dt, load, torque, out);
     if constexpr (has_driven) this->give(m, load, torque, out);
+    this->feed_forward(m, torque);
     each([&](auto k) {
       out.status |= std::get<k.value>(virtual_).end(
           m.template group<k.value>(), std::get<k.value>(begun.groups), Part<k.value>::of(torque));

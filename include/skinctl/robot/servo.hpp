@@ -34,6 +34,7 @@ class DelayLag {
  public:
   using Memory = CommandsUnderWay<N, T, Capacity>;
   using Pushed = JointTorque<N, T>;
+  static constexpr bool gives_way = false;
 
   /// @param delay  from sending a command until the robot begins to move, and from there until its measured
   ///               position is stamped [ns], >= 0.
@@ -157,6 +158,7 @@ struct ServoBy<Interface::torque, N, T, Capacity> {
 /// | `due(m, until, pushed)` | where a robot as declared would be, pushed by the joint torque of the contacts felt |
 /// | `each_under_way(m, f)` | calls `f` with the position of each command from the present one on |
 /// | `restart(m, time)` | the clock was set |
+/// | `gives_way` | whether pushes deflect it: `Memory` then has `deflection` [rad] |
 template <Interface I, std::size_t N, Real T, std::size_t Capacity>
 using ServoOf = typename detail::ServoBy<I, N, T, Capacity>::type;
 /// Whether commands of the interface say where the joints should be.

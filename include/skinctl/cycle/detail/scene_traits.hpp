@@ -115,14 +115,14 @@ inline constexpr bool takes_positions = [] {
   if constexpr (Resolver::is_one_group) return takes_position(Resolver::interface);
   return false;
 }();
-/// The touch that a resolver takes from a skin: forces and proximities apart where a tank has to tell them, and
-/// where contacts are asked for (`Contacts`) and not known otherwise.
+/// The touch that a resolver takes from a skin: forces and proximities apart where a tank or a spring has to tell
+/// them, and where contacts are asked for (`Contacts`) and not known otherwise.
 template <class Resolver, class Skin, bool Contacts>
 struct TouchFor {
   using type = typename Skin::Wrenches;
 };
 template <class Resolver, class Skin, bool Contacts>
-  requires(Resolver::has_tank ||
+  requires(Resolver::has_tank || Resolver::gives_way ||
            (Contacts && !TouchTable<Skin>::template knows_pressed<typename Skin::Wrenches>))
 struct TouchFor<Resolver, Skin, Contacts> {
   using type = typename TouchTable<Skin>::Touch;

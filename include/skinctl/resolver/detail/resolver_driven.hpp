@@ -69,13 +69,15 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
   struct NoLoad {};
 
   /// Takes the measurement.
+  ///
+  /// @param pushed  joint torque of the contacts felt [N m].
   template <class Check>
   [[nodiscard]] SKINCTL_INLINE auto begin(Memory& m, const State<joints, T>& measured,
                                           const Interval& interval, const Check& check,
-                                          [[maybe_unused]] const T& dt) const noexcept {
+                                          [[maybe_unused]] const T& dt, const Torque& pushed) const noexcept {
     if constexpr (one_group) {
       Begun<std::tuple<typename std::tuple_element_t<0, decltype(virtual_)>::Begun>> out{
-          {std::get<0>(virtual_).begin(m.group(), measured, interval, check)}};
+          {std::get<0>(virtual_).begin(m.group(), measured, interval, check, pushed)}};
       out.status = std::get<0>(out.groups).status;
       out.pull = std::get<0>(out.groups).correction.pull;
       return out;
@@ -84,7 +86,8 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
       const Status taken = take_measurement(m.whole.measured, measured, interval.to, check);
       auto groups = [&]<std::size_t... K>(std::index_sequence<K...>) {
         return std::tuple{std::get<K>(virtual_).begin(m.template group<K>(),
-                                                      part_of<Part<K>>(m.whole.measured), interval)...};
+                                                      part_of<Part<K>>(m.whole.measured), interval,
+                                                      AnyState{}, Part<K>::of(pushed))...};
       }(std::make_index_sequence<Base::stiff_groups>{});
       Begun<decltype(groups)> out{groups};
       out.status = taken;

@@ -50,6 +50,14 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   static constexpr bool has_passivity_observer = PassivityParts::template has<PassivityObserver<T>>;
   static constexpr bool has_damper = PassivityParts::template has<ContactDamper<T>>;
   static constexpr bool watches_contacts = has_passivity_observer || has_damper;
+  /// Whether contacts deflect joints from their commands.
+  static constexpr bool gives_way = []<class... G>(std::tuple<G...>*) {
+    return (G::template Servo<History>::gives_way || ...);
+  }(static_cast<Groups*>(nullptr));
+  /// Whether joints are sent a torque beside their positions.
+  static constexpr bool feeds_forward = []<class... G>(std::tuple<G...>*) {
+    return (takes_torque(G::interface) || ...);
+  }(static_cast<Groups*>(nullptr));
   /// Whether laws may compute the bias of the virtual robot beside their own recursion.
   static constexpr bool carries_bias =
       Stiff::is_all && std::same_as<Integrator, CrankNicolson> && std::same_as<Tool, NoToolShape>;

@@ -2,7 +2,10 @@
 #pragma once
 
 #include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/resolver/detail/resolver_numbers.hpp"
+#include "skinctl/tactile/skin_torque.hpp"
+#include "skinctl/tactile/touch_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -205,6 +208,28 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     bool all = true;
     each([&](auto k) { all = all && m.template group<k.value>().mode == ResolverMode::following; });
     return all;
+  }
+  /// The joint torque of the contacts felt [N m], if there are joints that contacts deflect.
+  template <class Touch>
+  [[nodiscard]] SKINCTL_INLINE Torque pushed(const Memory& m, const Touch& touch) const noexcept {
+    if constexpr (Base::gives_way) {
+      return skin_torque(model_, JointAngles<M, T>(model_, m.measured().q), contact_part(touch));
+    } else {
+      return {};
+    }
+  }
+  /// Puts what the motion of the last command takes, `M ddq + C dq` [N m], into `torque` of the joints that are sent it
+  /// beside their positions. That command has passed the guard; joints by torque are taken to move steadily.
+  SKINCTL_INLINE void feed_forward(const Memory& m, Torque& torque) const noexcept {
+    if constexpr (!Base::feeds_forward) return;
+    const auto& c = m.command();
+    const Torque takes =
+        yr_theta<GravityTerm::left_out>(model_, c.position, c.velocity, c.velocity, c.acceleration);
+    if (!is_finite(takes)) return;
+    each([&](auto k) {
+      if constexpr (takes_torque(Group<k.value>::interface))
+        Part<k.value>::put(Part<k.value>::of(takes), torque);
+    });
   }
   /// The command of all groups.
   SKINCTL_INLINE void compose(Memory& m, const Torque& torque) const noexcept {

@@ -74,9 +74,11 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
   }
 
   /// Begins a cycle: takes the measurement and computes the correction for the sub-steps.
+  ///
+  /// @param pushed  joint torque of the contacts felt [N m].
   template <class Check = AnyState>
   SKINCTL_INLINE Begun begin(Memory& m, const State<N, T>& measured, const Interval& interval,
-                             const Check& check = {}) const noexcept {
+                             const Check& check = {}, const Torque& pushed = {}) const noexcept {
     const T dt = seconds<T>(interval.to - interval.from);
     const Velocity before = m.rate;
     if (interval.clock_set || interval.to - m.command.time > 1s + p_.longest_interval) [[unlikely]] {
@@ -86,7 +88,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
       for (std::size_t i = 0; i < N; ++i)
         m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
     }
-    const Status status = interval.status | measure(m, measured, interval.to, check);
+    const Status status = interval.status | measure(m, measured, interval.to, check, pushed);
     const Begun out{correct(m, interval.to, dt), before, dt, status};
     m.mode_for = m.mode_for + dt;
     choose_mode(m, out.correction, status.has(Reason::state_stale));

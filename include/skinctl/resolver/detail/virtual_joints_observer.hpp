@@ -74,15 +74,25 @@ class VirtualJointsObserver {
   }
 
  protected:
+  /// Takes the measurement, and compares it with where the joints are due.
+  ///
+  /// @param pushed  joint torque of the contacts felt [N m].
   template <class Check>
-  SKINCTL_INLINE Status measure(Memory& m, const State<N, T>& measured, Nanoseconds now,
-                                const Check& check) const noexcept {
+  SKINCTL_INLINE Status measure(Memory& m, const State<N, T>& measured, Nanoseconds now, const Check& check,
+                                const Torque& pushed) const noexcept {
     const State<N, T> taken{measured.time, Position(Row(measured.q) - m.gap), measured.dq};
     Status status = take_measurement(m.measured, taken, now, check);
     [[maybe_unused]] const Row before = m.under_way.reached;
-    const Position& expected = servo_.due(m.under_way, m.measured.time);
+    [[maybe_unused]] const bool taken_now = !status.any();
+    const Position& expected = servo_.due(m.under_way, m.measured.time, pushed);
     if constexpr (takes_position(I)) (Row(m.told) * p_.forgets + magnitude(expected - before)).store(m.told);
     Row residual = Row(m.measured.q) - expected;
+    if constexpr (Servo::gives_way) {
+      // Laws, leads and modes compare with a robot that nothing pushes.
+      const Row deflection = m.under_way.deflection;
+      if (taken_now) (Row(m.measured.q) - deflection).store(m.measured.q);
+      residual = Row(m.measured.q) - (Row(expected) - deflection);
+    }
     if constexpr (takes_velocity(I)) residual = residual - m.offset.value;
     residual.store(m.residual);
     if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
@@ -128,8 +138,11 @@ class VirtualJointsObserver {
   /// gap. A dead band that held it would be missing for lag later.
   SKINCTL_COLD void settle(Memory& m, const T& dt) const noexcept {
     const T still = T(1e-3);  // [rad/s]
-    const bool rests = m.mode == ResolverMode::following && all(magnitude(Row(m.rate)) <= Row(still)) &&
-                       all(magnitude(Row(m.residual)) <= Row(p_.dead_band));
+    bool rests = m.mode == ResolverMode::following && all(magnitude(Row(m.rate)) <= Row(still)) &&
+                 all(magnitude(Row(m.residual)) <= Row(p_.dead_band));
+    // What a push deflects, and is told a little wrong, is no gap.
+    if constexpr (Servo::gives_way)
+      rests = rests && all(magnitude(Row(m.under_way.deflection)) <= T(0.1) * Row(p_.dead_band));
     m.settles_for = rests ? T(m.settles_for - dt) : T(0);
     if (!rests) return;
     const Row most = p_.largest_gap, before = m.gap;
