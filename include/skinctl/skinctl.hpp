@@ -92,6 +92,7 @@
 #include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/servo.hpp"
+#include "skinctl/robot/spring.hpp"
 #include "skinctl/robot/tool_shape.hpp"
 #include "skinctl/robot/virtual_dynamics.hpp"
 #include "skinctl/robot/virtual_mass.hpp"

@@ -11,6 +11,7 @@
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/servo.hpp"
+#include "skinctl/robot/spring.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/sensing/event_gate.hpp"
@@ -173,6 +174,14 @@ TEST_CASE_TEMPLATE("extremes: references and surfaces", T, float, double) {
          auto m = servo.start(0ns, P6<T>{}, V6<T>{});
          servo.send(m, 1ms, P6<T>::constant(x), V6<T>{});
          return Results<T>(servo.due(m, 100ms));
+       }},
+      {"Spring", 1, safe, safe,
+       [](T x) {
+         RobotConfiguration<6, T> c{.limits = limits_of<ur5::Description, T>(T(15)), .period = 8ms};
+         c.stiffness = JointTorque<6, T>::constant(T(500));
+         const Spring<6, T, 8> servo(c);
+         auto m = servo.start(0ns, P6<T>{}, V6<T>{});
+         return Results<T>(servo.due(m, 100ms, JointTorque<6, T>::constant(x)));
        }},
   };
   check_rows(rows);

@@ -11,24 +11,26 @@ SKINCTL_BEGIN_NAMESPACE
 enum class Interface : unsigned char {
   position,  ///< `position`, which the robot reaches and keeps
   velocity,  ///< `velocity`, which the robot holds until the next command
-  torque     ///< `torque`, held until the next command
+  torque,    ///< `torque`, held until the next command
+  impedance  ///< `position`, about which a spring of the robot holds, and `torque` beside it
 };
-inline constexpr Interface all_interfaces[] = {Interface::position, Interface::velocity, Interface::torque};
+inline constexpr Interface all_interfaces[] = {Interface::position, Interface::velocity, Interface::torque,
+                                               Interface::impedance};
 
 /// Which numbers a command of an interface holds.
 [[nodiscard]] constexpr bool takes_position(Interface i) noexcept {
-  return i == Interface::position;
+  return i == Interface::position || i == Interface::impedance;
 }
 [[nodiscard]] constexpr bool takes_velocity(Interface i) noexcept {
   return i == Interface::velocity;
 }
 [[nodiscard]] constexpr bool takes_torque(Interface i) noexcept {
-  return i == Interface::torque;
+  return i == Interface::torque || i == Interface::impedance;
 }
 
 /// What a cycle has planned for `time`, between its stages and for those who watch: the commanded motion,
-/// whatever the interface, and the fused torque, beside a motion the last finite one. A robot gets a
-/// `RobotCommand`.
+/// whatever the interface, and the fused torque, beside a motion the last finite one, or by impedance that which the
+/// motion takes. A robot gets a `RobotCommand`.
 template <std::size_t N, Real T = double>
 struct JointCommand {
   Nanoseconds time{};
@@ -129,5 +131,7 @@ template <std::size_t N, Real T = double>
 using VelocityCommand = RobotCommand<N, T, Interface::velocity>;
 template <std::size_t N, Real T = double>
 using TorqueCommand = RobotCommand<N, T, Interface::torque>;
+template <std::size_t N, Real T = double>
+using ImpedanceCommand = RobotCommand<N, T, Interface::impedance>;
 
 SKINCTL_END_NAMESPACE

@@ -34,6 +34,8 @@ struct Resolved {
 /// as configured.
 ///
 /// - Position interface: q^ is sent. Velocity interface: v is sent; `L1 rho` and a slow drift move q^ only.
+/// - Impedance interface: q^ is sent, and beside it `M ddq + C dq` of the motion that was sent before; r is taken
+///   less what contacts deflect, see `Spring`.
 /// - Gravity acts on the virtual robot: a law has to compensate it (`GravityControl`, or `Y_r Theta` with G).
 /// - Torque beyond the joints' limits accelerates as asked, but less: `JointLimits::along`.
 /// - Limits: see `JointLimits::move`; the correction obeys them too, and so does the max lead,

@@ -22,6 +22,12 @@ struct RobotConfiguration {
   Nanoseconds delay{};
   /// tau: time constant of the robot's own control loop.
   Nanoseconds lag{};
+  /// Stiffness of the springs by which the robot's own controller holds its joints [N m/rad], > 0. For robots by
+  /// impedance, which need it, and for no others.
+  std::optional<JointTorque<N, T>> stiffness = {};
+  /// Time constant with which these springs give way to a push: damping over stiffness of a joint that carries much,
+  /// 2 damping ratio sqrt(inertia/stiffness). Default: `lag`.
+  std::optional<Nanoseconds> spring_lag = {};
   /// Friction of the virtual robot in proportion to its mass, `B = virtual_damping M` [1/s]: free motion dies out as
   /// `exp(-virtual_damping t)`. Without a default: with 0 and no other friction an arm glides on after a touch. 0, or
   /// left out, for a robot by torque.
@@ -122,6 +128,14 @@ inline constexpr unsigned max_substeps = 16;
   return period / (steps < max_substeps ? steps : std::int64_t(max_substeps));
 }
 
+/// Throws `ConfigurationError` for a configuration with springs, of joints that have none.
+template <std::size_t N, Real T>
+SKINCTL_COLD void refuse_springs(const RobotConfiguration<N, T>& c) {
+  constexpr const char* none = "left out: only joints by impedance have springs";
+  require(!c.stiffness, "stiffness", static_cast<double>(c.stiffness ? (*c.stiffness)[0] : T(0)), none);
+  require(!c.spring_lag, "spring lag", milliseconds(c.spring_lag.value_or(0ns)), none);
+}
+
 /// Throws `ConfigurationError` with number and range for an invalid configuration. The observer's numbers are
 /// not read for a robot by torque, which has no virtual robot.
 template <std::size_t N, Real T>
@@ -131,6 +145,8 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   require(c.period >= 100us && c.period <= 1s, "period", ms(c.period), "0.1 to 1000 ms");
   require(c.delay >= 0ns && c.delay <= 1s, "delay", ms(c.delay), "0 to 1000 ms");
   require(c.lag >= 0ns && c.lag <= 1s, "lag", ms(c.lag), "0 to 1000 ms");
+  const Nanoseconds gives = c.spring_lag.value_or(c.lag);
+  require(gives >= 0ns && gives <= 1s, "spring lag", ms(gives), "0 to 1000 ms");
   require(c.substep >= 10us && c.substep <= 20ms, "sub-step", ms(c.substep), "0.01 to 20 ms");
   const Nanoseconds total = c.total_delay();
   const T most = T(0.3) / seconds<T>(total), w = c.observer.value_or(most);
@@ -148,6 +164,7 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   require(c.longest() >= c.period && c.longest() <= 1s + 10 * c.period, "longest interval", ms(c.longest()),
           ">= period, <= 1 s + 10 periods, in ms");
   require(c.stale() >= c.period && c.stale() <= 10s, "stale after", ms(c.stale()), ">= period, <= 10 000 ms");
+  if (!has_virtual_robot) refuse_springs(c);
   if (has_virtual_robot && !c.virtual_damping)
     refuse("skinctl: virtual damping: left out, allowed: 0 to 1e4 1/s; 4 to 10 is usual");
   const T damping = c.virtual_damping.value_or(T(0));
@@ -162,6 +179,8 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
             "<= 60 rad or m, or infinity: are these degrees?");
     require(!c.dead_band || (band[i] > T(0) && band[i] <= T(1)), "dead band", number(band[i]),
             "> 0, <= 1 rad");
+    require(!c.stiffness || ((*c.stiffness)[i] > T(0) && (*c.stiffness)[i] <= T(1e6)), "stiffness",
+            number(c.stiffness ? (*c.stiffness)[i] : T(0)), "> 0, <= 1e6 N m/rad");
     require(c.viscous_friction[i] >= T(0) && c.viscous_friction[i] <= T(1e6), "viscous friction",
             number(c.viscous_friction[i]), "0 to 1e6 N m s/rad");
     require(c.coulomb_friction[i] >= T(0) && c.coulomb_friction[i] <= T(1e6), "Coulomb friction",

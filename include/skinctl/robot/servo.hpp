@@ -40,7 +40,10 @@ class DelayLag {
   ///               position is stamped [ns], >= 0.
   /// @param lag    time constant of the robot's own control loop [s], >= 0.
   constexpr DelayLag(Nanoseconds delay, const T& lag) noexcept : delay_(delay), lag_(lag) {}
-  SKINCTL_COLD explicit DelayLag(const RobotConfiguration<N, T>& c) : DelayLag(c.delay, seconds<T>(c.lag)) {}
+  /// Throws `ConfigurationError` for a configuration with springs.
+  SKINCTL_COLD explicit DelayLag(const RobotConfiguration<N, T>& c) : DelayLag(c.delay, seconds<T>(c.lag)) {
+    refuse_springs(c);
+  }
 
   /// Begins with a robot at `q` that has moved steadily at `dq`, as if by commands.
   [[nodiscard]] SKINCTL_INLINE Memory start(Nanoseconds time, const JointPosition<N, T>& q,
@@ -87,8 +90,8 @@ class DelayLag {
     for (std::uint32_t k = 0; k < m.count; ++k) f(m.value[(m.first + k) % Capacity]);
   }
 
-  /// Position of the declared robot at `until`, which no contact moves; a time before that of the last call changes
-  /// nothing.
+  /// Position of the declared robot at `until`, which no contact moves; a time before that of the last call
+  /// changes nothing.
   SKINCTL_INLINE const JointPosition<N, T>& due(Memory& m, Nanoseconds until,
                                                 const Pushed& = {}) const noexcept {
     while (m.now < until) {
@@ -139,7 +142,13 @@ struct NoServo {};
 
 namespace detail {
 template <Interface I, std::size_t N, Real T, std::size_t Capacity>
-struct ServoBy {
+struct ServoBy;  // by impedance: see robot/spring.hpp
+template <std::size_t N, Real T, std::size_t Capacity>
+struct ServoBy<Interface::position, N, T, Capacity> {
+  using type = DelayLag<N, T, Capacity>;
+};
+template <std::size_t N, Real T, std::size_t Capacity>
+struct ServoBy<Interface::velocity, N, T, Capacity> {
   using type = DelayLag<N, T, Capacity>;
 };
 template <std::size_t N, Real T, std::size_t Capacity>

@@ -1,0 +1,109 @@
+// The plant of tests by joint impedance: links on springs with damping, about positions that are commanded
+// with a torque beside them.
+#pragma once
+
+#include <cmath>
+#include <deque>
+
+#include "skinctl/core/command.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/math/ldlt.hpp"
+
+namespace skinctl::testing {
+
+/// What a robot by joint impedance is in truth.
+template <std::size_t N>
+struct ImpedanceTruth {
+  JointTorque<N> stiffness;    ///< k of each joint [N m/rad]
+  double damping_ratio = 0.7;  ///< of the springs and the links' inertia at the start
+  JointTorque<N> rotors = {};  ///< inertia of the motors behind their gears [kg m^2]
+  double delay = 0;            ///< from sending a command until the robot takes it [s]
+  double period = 0.001;       ///< in which the robot moves its reference to a new command [s]
+};
+
+/// `(M + I) ddq + C dq = k (r - q) + d (dr - dq) + tau + pushed`: the reference r goes to each commanded
+/// position within a period, tau is held until the next one, and the robot bears its own weight.
+template <RobotModel M>
+class ImpedancePlant {
+ public:
+  static constexpr std::size_t joints = M::joints;
+  using Truth = ImpedanceTruth<joints>;
+
+  /// At rest at `q`.
+  ImpedancePlant(const M& model, const Truth& truth, const JointPosition<joints>& q)
+      : model_(model), truth_(truth), q_(q), reference_(q), target_(q) {
+    const auto mass = mass_matrix(model, q);
+    for (std::size_t i = 0; i < joints; ++i)
+      damping_[i] = 2 * truth.damping_ratio * std::sqrt(truth.stiffness[i] * (mass(i, i) + truth.rotors[i]));
+  }
+
+  /// Takes over a command after the delay.
+  void command(const ImpedanceCommand<joints>& c) {
+    under_way_.push_back({time_ + truth_.delay, c.position, c.torque});
+  }
+  /// Joint torque of the world from here on [N m].
+  void push(const JointTorque<joints>& torque) { pushed_ = torque; }
+
+  /// Runs for `dt` seconds.
+  void run(double dt) {
+    const int steps = static_cast<int>(std::ceil(dt / longest_step));
+    for (int k = 0; k < steps; ++k) step(dt / steps);
+  }
+
+  [[nodiscard]] const JointPosition<joints>& q() const { return q_; }
+  [[nodiscard]] const JointVelocity<joints>& dq() const { return dq_; }
+  /// The position about which the springs hold.
+  [[nodiscard]] const JointPosition<joints>& reference() const { return reference_; }
+  /// The motors' torque at the joints, with that for the weight [N m]: what such robots measure.
+  [[nodiscard]] JointTorque<joints> motor_torque() const {
+    return force_ + inverse_dynamics(model_, q_, JointVelocity<joints>{}, JointAcceleration<joints>{});
+  }
+
+ private:
+  static constexpr double longest_step = 0.25e-3;
+  struct Command {
+    double time;
+    JointPosition<joints> position;
+    JointTorque<joints> torque;
+  };
+
+  /// Semi-implicit in velocity, spring and damping: stable for light links too.
+  void step(double h) {
+    time_ += h;
+    for (; !under_way_.empty() && under_way_.front().time <= time_ + 1e-9; under_way_.pop_front()) {
+      target_ = under_way_.front().position;
+      torque_ = under_way_.front().torque;
+      for (std::size_t i = 0; i < joints; ++i) rate_[i] = (target_[i] - reference_[i]) / truth_.period;
+    }
+    for (std::size_t i = 0; i < joints; ++i) {
+      const double next = reference_[i] + h * rate_[i];
+      if ((target_[i] - next) * rate_[i] <= 0) rate_[i] = (target_[i] - reference_[i]) / h;
+      reference_[i] += h * rate_[i];
+    }
+    const JointAngles<M, double> angles(model_, q_);
+    auto mass = mass_matrix(model_, angles);
+    const auto coriolis = coriolis_torque(model_, angles, dq_);
+    JointTorque<joints> net;
+    for (std::size_t i = 0; i < joints; ++i) {
+      const double k = truth_.stiffness[i], d = damping_[i];
+      mass(i, i) += truth_.rotors[i] + h * d + h * h * k;
+      force_[i] = k * (reference_[i] - q_[i]) + d * (rate_[i] - dq_[i]) + torque_[i];
+      net[i] = force_[i] - h * k * dq_[i] + pushed_[i] - coriolis[i];
+    }
+    JointAcceleration<joints> ddq;
+    math::Ldlt<joints, double>(mass.data).solve(net.data, ddq.data);
+    dq_ = integrate(dq_, ddq, h);
+    q_ = integrate(q_, dq_, h);
+  }
+
+  M model_;
+  Truth truth_;
+  JointPosition<joints> q_, reference_, target_;
+  JointVelocity<joints> dq_, rate_;
+  JointTorque<joints> torque_, pushed_, force_, damping_;
+  std::deque<Command> under_way_;
+  double time_ = 0;
+};
+
+}  // namespace skinctl::testing
