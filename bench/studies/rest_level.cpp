@@ -47,6 +47,23 @@ double level(const RestCell<T>& c) {
   return double(c.whole) + double(c.fraction);
 }
 
+/// Evidence of a cell's temperature: 2.5 where r is within 30 % of what the change `dT` [K] explains, -0.5 where it
+/// is not, -0.3 where the temperature has changed by 0.5 K at most.
+float temperature_evidence(float r, float dT) {
+  const float explained = float(per_kelvin) * dT;
+  return std::abs(dT) > 0.5f ? std::abs(r - explained) <= 0.3f * std::abs(explained) ? 2.5f : -0.5f : -0.3f;
+}
+/// Share of `T - reference` by which the temperature that belongs to a cell's rest level moves in a step: as the rest
+/// level does.
+float reference_moves(const RestCell<>& c, const RestLevel::Step<float>& k) {
+  return c.frozen == 0 ? k.follow : c.below < 0 ? k.release : 0.0f;
+}
+/// Evidence of a joint's torque that was measured apart with a deviation of 1.5 N m: log of the likelihood of `measured`
+/// without the cell's push, over that with the `predicted` one; within +-4.
+float torque_evidence(float measured, float predicted) {
+  return std::clamp(predicted * (predicted - 2 * measured) / 4.5f, -4.0f, 4.0f);
+}
+
 /// Which sources a simulated patch has.
 struct Sources {
   bool proximity = false, temperature = false, median = false, torque = false;
@@ -79,7 +96,7 @@ class Patch {
       const RestCell<> c = cell(i);
       if (have.proximity) e += proximity_evidence(proximity[i]);
       if (have.temperature) {
-        e += temperature_evidence(c.above, temperature[i] - reference_[i], float(per_kelvin));
+        e += temperature_evidence(c.above, temperature[i] - reference_[i]);
         reference_[i] += reference_moves(c, step_) * (temperature[i] - reference_[i]);
       }
       if (have.median) e += median_evidence(c.above, median_[group[i]]);

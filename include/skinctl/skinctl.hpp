@@ -111,7 +111,6 @@
 #include "skinctl/sensing/sample_span.hpp"
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/sensing/sensor_kind.hpp"
-#include "skinctl/sensing/unexplained_cells.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 

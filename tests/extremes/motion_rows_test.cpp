@@ -18,7 +18,6 @@
 #include "skinctl/sensing/evidence.hpp"
 #include "skinctl/sensing/noise.hpp"
 #include "skinctl/sensing/rest_level.hpp"
-#include "skinctl/sensing/unexplained_cells.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/skills/skill.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
@@ -199,14 +198,8 @@ TEST_CASE_TEMPLATE("extremes: cells, contacts and their evidence", T, float, dou
   using W = Wrench<Link<5>, Link<5>, Link<5>, T>;
   static const Row<T> rows[] = {
       {"proximity_evidence", 0, safe, safe, [](T x) { return Results<T>(proximity_evidence(x)); }},
-      {"temperature_evidence", 0, safe, safe,
-       [](T x) { return Results<T>(temperature_evidence(x, x, T(1)), temperature_evidence(T(1), x, x)); }},
       {"median_evidence", 0, safe, safe,
        [](T x) { return Results<T>(median_evidence(x, T(5)), median_evidence(T(5), x)); }},
-      {"torque_evidence", 0, safe, safe,
-       [](T x) {
-         return Results<T>(torque_evidence(x, T(5)), torque_evidence(T(5), x), torque_evidence(x, x));
-       }},
       {"take_measurement", 0, safe, safe,
        [](T x) {
          State<6, T> good{}, other{};
@@ -216,12 +209,11 @@ TEST_CASE_TEMPLATE("extremes: cells, contacts and their evidence", T, float, dou
          return Results<T>(good.q);
        }},
       {"corrected", 0, safe, shows, [](T x) { return Results<T>(corrected(x < 0 ? -x : x, RestCell<T>{})); }},
-      {"reference_moves", 0, safe, safe,
+      {"unexplained", 0, safe, safe,
        [](T x) {
          RestCell<T> cell{};
          cell.frozen = x, cell.below = x, cell.evidence = x;
-         static_cast<void>(unexplained(cell));
-         return Results<T>(reference_moves(cell, RestLevel::Step<T>{}));
+         return Results<T>(unexplained(cell) ? T(1) : T(0));
        }},
       {"RestLevel::take", 0, safe, safe,
        [](T x) {
@@ -320,7 +312,7 @@ TEST_CASE("extremes: what is set up once, of cells and their noise") {
   for (float& above : row.above) above = std::nanf("");
   const std::vector<RestRow> silent(8, row);
   CHECK_FALSE(std::isinf(patch_median(silent.data(), 0, 100)));
-  each_unexplained(silent, 0, 100, [](const UnexplainedCell&) { FAIL("a cell of NaN"); });
+  CHECK_FALSE(unexplained(RestLevel::cell(silent[0], 0)));
 
   for (const Nanoseconds substep : {Nanoseconds::min(), -1ns, 0ns, 1ns, Nanoseconds::max()})
     for (const Nanoseconds period : {0ns, 1ns, Nanoseconds(8ms), Nanoseconds::max()}) {
@@ -365,14 +357,14 @@ TEST_CASE("extremes: what is set up once, of cells and their noise") {
   CHECK((areas.size() >= 1 && areas.size() <= 4));
 
   const Patch<5, 2> two({PlacedCell<5>{}, PlacedCell<5>{1, {}}}, {1, 0});
-  CHECK(PlacedCells<5>(two.any()).size() == 2);
+  CHECK(two.placed().size() == 2);
   CHECK(std::isnan(PatchWeights<2>::filled(std::nanf(""))[1]));  // an input's, which the skin refuses
 
   for (const double wrong : {std::nan(""), HUGE_VAL, 0.0, -1.0}) {
     CHECK(refused([&] { static_cast<void>(full_cover(CylinderSurface{wrong, 0.3})); }));
     CHECK(refused([&] { static_cast<void>(full_cover(CapsuleSurface{wrong, 0.3})); }));
     CHECK(refused([&] { static_cast<void>(full_cover(CapsuleSurface{0.05, 0.3}, {wrong})); }));
-    CHECK(refused([&] { static_cast<void>(largest_cell(BoxSurface{0.1, wrong, 0.1}, 6)); }));
+    CHECK(refused([&] { static_cast<void>(largest_cell(CapsuleSurface{0.1, wrong}, 6)); }));
     CHECK(refused([&] { static_cast<void>(lone_forces(ur5::Model{}, JointTorque<6>{}, {}, wrong)); }));
     CHECK(refused([&] { NoiseCalibration({}, {.step = wrong}); }));
   }

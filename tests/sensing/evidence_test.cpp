@@ -18,39 +18,17 @@ TEST_CASE("Evidence: each source by its table, and within its bounds whatever it
   CHECK(proximity_evidence(0.5) == 0);
   CHECK(proximity_evidence(0.51) == -3.9);
 
-  CHECK(temperature_evidence(10.0, 2.0, 4.0) == 2.5);   // explains 8, off by 2 < 2.4
-  CHECK(temperature_evidence(11.0, 2.0, 4.0) == -0.5);  // off by 3
-  CHECK(temperature_evidence(-8.0, -2.0, 4.0) == 2.5);
-  CHECK(temperature_evidence(8.0, -2.0, 4.0) == -0.5);
-  CHECK(temperature_evidence(8.0, 0.5, 4.0) == -0.3);
-  CHECK(temperature_evidence(8.0, 2.0, 0.0) == 0);
-
   CHECK(median_evidence(10.0, 8.0) == 3);
   CHECK(median_evidence(10.6, 8.0) == -1);
   CHECK(median_evidence(3.0, 3.0) == -0.4);
   CHECK(median_evidence(-8.0, -8.0) == -1);  // fallen together: no touch, but nothing to release either
 
-  CHECK(torque_evidence(0.0, 3.0) == 2);  // 9 / 4.5
-  CHECK(torque_evidence(3.0, 3.0) == -2);
-  CHECK(torque_evidence(0.0, 100.0) == 4);
-  CHECK(torque_evidence(100.0, 100.0) == -4);
-  CHECK(torque_evidence(0.7, 0.0) == 0);
-
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   CHECK(proximity_evidence(nan) == 0);
   for (const double x : {nan, inf, -inf, 1e300, 0.0, 5.0})
     for (const double y : {nan, inf, -inf, 1e300, 0.0, 5.0}) {
-      for (const double z : {nan, inf, 0.0, 4.0}) {
-        const double e = temperature_evidence(x, y, z);
-        CHECK((e == 0 || e == 2.5 || e == -0.5 || e == -0.3));
-      }
       CHECK(std::abs(median_evidence(x, y)) <= 3);
-      CHECK(std::abs(torque_evidence(x, y)) <= 4);
-      if (x != x || y != y) {
-        CHECK(median_evidence(x, y) == 0);
-        CHECK(torque_evidence(x, y) == 0);
-        CHECK(temperature_evidence(x, y, 4.0) == 0);
-      }
+      if (x != x || y != y) CHECK(median_evidence(x, y) == 0);
     }
 }
 
@@ -58,18 +36,15 @@ TEST_CASE("Evidence: lanes say what numbers say") {
   using L = Lane<float>;
   auto rng = seeded(3);
   for (int k = 0; k < 500; ++k) {
-    float a[L::lanes], b[L::lanes], c[L::lanes];
+    float a[L::lanes], b[L::lanes];
     for (std::size_t i = 0; i < L::lanes; ++i) {
-      a[i] = random_or_extreme(rng, 20.f), b[i] = random_or_extreme(rng, 20.f),
-      c[i] = random_or_extreme(rng, 5.f);
+      a[i] = random_or_extreme(rng, 20.f), b[i] = random_or_extreme(rng, 20.f);
       if (k % 7 == 0) b[i] = std::numeric_limits<float>::quiet_NaN();
     }
-    const L x = L::load(a), y = L::load(b), z = L::load(c);
+    const L x = L::load(a), y = L::load(b);
     for (std::size_t i = 0; i < L::lanes; ++i) {
       CHECK(proximity_evidence(x)[i] == proximity_evidence(a[i]));
-      CHECK(temperature_evidence(x, y, z)[i] == temperature_evidence(a[i], b[i], c[i]));
       CHECK(median_evidence(x, y)[i] == median_evidence(a[i], b[i]));
-      CHECK(torque_evidence(x, y)[i] == doctest::Approx(torque_evidence(a[i], b[i])).epsilon(1e-5));
     }
   }
 }
@@ -96,15 +71,4 @@ TEST_CASE("Evidence: the median of a large patch, and of none too small") {
   }
   const std::vector<RestRow> rows(4);
   CHECK(patch_median(rows.data(), 0, 59) != patch_median(rows.data(), 0, 59));
-}
-
-TEST_CASE("Evidence: the temperature of a rest level moves as the rest level does") {
-  const RestLevel rest;
-  const auto step = rest.step<double>(4ms);
-  RestCell<double> cell;
-  CHECK(reference_moves(cell, step) == step.follow);
-  cell.frozen = 5;
-  CHECK(reference_moves(cell, step) == 0);
-  cell.below = -1;
-  CHECK(reference_moves(cell, step) == step.release);
 }

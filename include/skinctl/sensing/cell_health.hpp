@@ -111,8 +111,6 @@ class CellHealth {
   [[nodiscard]] const CellHealthSettings& settings() const noexcept { return s_; }
   /// Standard deviation of the sum of cell `i`'s forces, with rounding [steps].
   [[nodiscard]] float sigma(std::size_t i) const noexcept { return cell_[i].sigma; }
-  /// Equal readings in a row from which on a force sensor of cell `i` is stuck; 65535: never.
-  [[nodiscard]] std::size_t equal_readings(std::size_t i) const noexcept { return cell_[i].equal; }
 
   /// Whether cell `i` has spoken since the last frame: then the frame is to be scanned before its next sample.
   [[nodiscard]] static bool spoke(const Memory& m, std::size_t i) noexcept {

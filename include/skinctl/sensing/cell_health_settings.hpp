@@ -19,12 +19,6 @@ struct SensorNoise {
   /// readings are filtered before they arrive. Then equal readings show no fault; whole messages that are
   /// equal still do.
   bool repeats = false;
-
-  /// The deviation before rounding of readings with the deviation `sigma` [steps].
-  [[nodiscard]] static float before_rounding(float sigma) noexcept {
-    const float rest = sigma * sigma - 1.0f / 12;
-    return rest > 0.01f ? std::sqrt(rest) : 0.1f;
-  }
 };
 
 struct CellHealthSettings {

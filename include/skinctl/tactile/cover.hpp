@@ -1,7 +1,10 @@
 // Covers of hexagonal cells for a link's surface, to simulate a skin.
 #pragma once
 
-#include "skinctl/tactile/detail/cover_grid.hpp"
+#include <cmath>
+#include <numbers>
+#include <vector>
+
 #include "skinctl/tactile/patch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -32,40 +35,83 @@ struct CapsuleSurface {
   double radius;
   double length;
 };
-/// All six faces of a box centred on the origin, edges along x, y, z [m].
-struct BoxSurface {
-  double x, y, z;
-};
 
 namespace detail {
-inline const HexagonalCell& checked(const HexagonalCell& cell) {
+
+SKINCTL_COLD inline void require_cover(double radius, double length, const HexagonalCell& cell) {
   require(cell.scale >= 1e-4 && cell.scale <= 1e3, "cover: scale of a cell", cell.scale, "1e-4 to 1000");
-  return cell;
+  require(radius > 0 && radius <= 100, "cover: radius", radius, "> 0, <= 100 m");
+  require(length > 0 && length <= 100, "cover: length", length, "> 0, <= 100 m");
 }
+
+/// Adds rings on the half sphere around the z axis on the side of `sign`, from the latitude `first` on. Cells of
+/// two rings have no joints, so the wider of the two distances is kept.
+SKINCTL_COLD inline void cover_half_sphere(double radius, double centre, double sign, double first,
+                                           double apart, std::vector<Transform<Surface, Cell>>& cells) {
+  if (apart > radius) return;
+  const double step = 2 * std::asin(0.5 * apart / radius);
+  const double pole = 0.5 * std::numbers::pi;
+  for (double latitude = first; latitude <= pole + 1e-9; latitude += step) {
+    const double ring = radius * std::cos(latitude);
+    const std::size_t around =
+        ring < 0.5 * apart
+            ? 1
+            : static_cast<std::size_t>(std::floor(std::numbers::pi / std::asin(0.5 * apart / ring) + 1e-9));
+    const double tilt = around == 1 ? pole : latitude;
+    if (around == 1 && latitude < pole - step) continue;
+    for (std::size_t k = 0; k < around; ++k) {
+      const double angle = 2 * std::numbers::pi * double(k) / double(around);
+      const double c = std::cos(tilt), s = std::sin(tilt);
+      const Xyz<double> z{c * std::cos(angle), c * std::sin(angle), sign * s};
+      const Xyz<double> up{-s * std::cos(angle), -s * std::sin(angle), sign * c};
+      const Xyz<double> p{radius * z.x, radius * z.y, centre + radius * z.z};
+      cells.push_back({{up, cross(z, up), z}, p});
+    }
+    if (around == 1) break;
+  }
+}
+
 }  // namespace detail
 
 /// Poses of the maximum number of whole cells on a surface, in a fixed order; normals (z) point outwards,
-/// origins lie on the surface. Cells do not overlap, protrude beyond an end, or cross a box's edge. On a
-/// cylinder rows along z alternate by half a cell and are joined by their ports; a row that does not close
-/// leaves a seam. On a half sphere cells lie in rings, at least 28 mm (times the scale) apart, and are not
-/// joined. Throws `ConfigurationError` for a size outside of (0, 100] m and a scale outside of 1e-4 to 1000.
-[[nodiscard]] inline std::vector<Transform<Surface, Cell>> full_cover(const CylinderSurface& surface,
-                                                                      const HexagonalCell& cell = {}) {
-  return detail::cover_cylinder<Surface>(surface.radius, surface.length,
-                                         detail::checked(cell).scale * HexagonalCell::port_x,
-                                         cell.scale * HexagonalCell::port_y);
+/// origins lie on the surface. Cells do not overlap or protrude beyond an end. On a cylinder rows along z
+/// alternate by half a cell and are joined by their ports; a row that does not close leaves a seam. On a half
+/// sphere cells lie in rings, at least 28 mm (times the scale) apart, and are not joined. Throws
+/// `ConfigurationError` for a size outside of (0, 100] m and a scale outside of 1e-4 to 1000.
+[[nodiscard]] SKINCTL_COLD inline std::vector<Transform<Surface, Cell>> full_cover(
+    const CylinderSurface& surface, const HexagonalCell& cell = {}) {
+  const auto [radius, length] = surface;
+  detail::require_cover(radius, length, cell);
+  const double x = cell.scale * HexagonalCell::port_x, y = cell.scale * HexagonalCell::port_y;
+  std::vector<Transform<Surface, Cell>> cells;
+  const double step = 2 * std::atan(y / radius);  // the ports of neighbours meet on the bisector
+  const auto columns = static_cast<std::size_t>(std::floor(std::numbers::pi / step + 1e-9));
+  const double room = length - 4 * y;  // a corner is two port heights from the centre
+  if (columns < 3 || room < -1e-12) return cells;
+  // A row that fits exactly is not lost to rounding.
+  const std::size_t rows = static_cast<std::size_t>(std::floor(room / (2 * x) + 1e-9)) + 1;
+  for (std::size_t row = 0; row < rows; ++row)
+    for (std::size_t column = 0; column < columns; ++column) {
+      const double angle = step * (2 * double(column) + double(row % 2));
+      const double along = 2 * x * (double(row) - 0.5 * double(rows - 1));
+      const Xyz<double> up{0.0, 0.0, 1.0}, z{std::cos(angle), std::sin(angle), 0.0};
+      cells.push_back({{up, cross(z, up), z}, {radius * z.x, radius * z.y, along}});
+    }
+  return cells;
 }
-[[nodiscard]] inline std::vector<Transform<Surface, Cell>> full_cover(const CapsuleSurface& surface,
-                                                                      const HexagonalCell& cell = {}) {
-  return detail::cover_capsule<Surface>(surface.radius, surface.length,
-                                        detail::checked(cell).scale * HexagonalCell::port_x,
-                                        cell.scale * HexagonalCell::port_y);
-}
-[[nodiscard]] inline std::vector<Transform<Surface, Cell>> full_cover(const BoxSurface& surface,
-                                                                      const HexagonalCell& cell = {}) {
-  return detail::cover_box<Surface>(surface.x, surface.y, surface.z,
-                                    detail::checked(cell).scale * HexagonalCell::port_x,
-                                    cell.scale * HexagonalCell::port_y);
+[[nodiscard]] SKINCTL_COLD inline std::vector<Transform<Surface, Cell>> full_cover(
+    const CapsuleSurface& surface, const HexagonalCell& cell = {}) {
+  const auto [radius, length] = surface;
+  detail::require_cover(radius, length, cell);  // of an infinite radius the rings would never end
+  const double y = cell.scale * HexagonalCell::port_y;
+  // The rings begin at the edge of the cylinder's last row, which ends within its length.
+  const double first = std::asin(std::min(1.0, 2 * y / radius));
+  std::vector<Transform<Surface, Cell>> below;
+  detail::cover_half_sphere(radius, -0.5 * length, -1.0, first, 4 * y, below);
+  std::vector<Transform<Surface, Cell>> cells(below.rbegin(), below.rend());
+  for (const auto& X : full_cover(CylinderSurface{radius, length}, cell)) cells.push_back(X);
+  detail::cover_half_sphere(radius, 0.5 * length, 1.0, first, 4 * y, cells);
+  return cells;
 }
 
 /// The largest cell, at most TUM's, of which `count` fit on the surface. Throws `ConfigurationError` if even

@@ -48,9 +48,6 @@ template <class S>
 concept TouchSource = detail::HasTouchTypes<S> && requires(const S& s, const typename S::Memory& m) {
   { s.wrenches(m) } -> std::convertible_to<typename S::Wrenches>;
 };
-/// A touch that names in `Sensed` what it adds to a cycle's input.
-template <class S>
-concept TouchSensor = TouchSource<S> && detail::HasSensed<S>;
 
 /// What a touch receives in a cycle.
 template <class Sensed, class State>
