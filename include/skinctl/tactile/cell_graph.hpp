@@ -2,11 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "skinctl/tactile/cell_place.hpp"
@@ -21,63 +20,16 @@ inline bool same_face(const CellPlace& a, const CellPlace& b) noexcept {
   return dot(a.normal, b.normal) > -0.5;
 }
 
-/// Looks at the pairs of cells of one link along the link's longest extent, in which they are sorted.
-class CellSweep {
- public:
-  SKINCTL_COLD explicit CellSweep(std::span<const CellPlace> cells) : cells_(cells), order_(cells.size()) {
-    std::iota(order_.begin(), order_.end(), 0u);
-    std::size_t links = 0;
-    for (const CellPlace& c : cells) links = std::max(links, c.link + 1);
-    axis_.resize(links);
-    for (std::size_t l = 0; l < links; ++l) axis_[l] = longest(l);
-    std::sort(order_.begin(), order_.end(), [&](std::uint32_t i, std::uint32_t j) {
-      return std::tuple(cells[i].link, along(i), i) < std::tuple(cells[j].link, along(j), j);
-    });
-  }
-  /// Calls `f(i, j, distance)` for each ordered pair of one link and face until `i` lies `reach(i)` from the
-  /// next along the axis; `f` may shorten what `reach` says.
-  template <class Reach, class F>
-  void each_pair(Reach&& reach, F&& f) const {
-    for (std::size_t a = 0; a < order_.size(); ++a) {
-      const std::uint32_t i = order_[a];
-      const auto look = [&](std::size_t b) {
-        const std::uint32_t j = order_[b];
-        if (cells_[j].link != cells_[i].link || !(std::abs(along(j) - along(i)) <= reach(i))) return false;
-        const Xyz<double> way = cells_[j].place - cells_[i].place;
-        if (same_face(cells_[i], cells_[j])) f(i, j, std::sqrt(dot(way, way)));
-        return true;
-      };
-      for (std::size_t b = a; b-- > 0 && look(b);) {
-      }
-      for (std::size_t b = a + 1; b < order_.size() && look(b); ++b) {
-      }
+/// Calls `f(i, j, distance)` for each ordered pair of cells of one link and face; distance [m].
+template <class F>
+SKINCTL_COLD void each_pair(std::span<const CellPlace> cells, const F& f) {
+  for (std::uint32_t i = 0; i < cells.size(); ++i)
+    for (std::uint32_t j = 0; j < cells.size(); ++j) {
+      if (i == j || cells[i].link != cells[j].link || !same_face(cells[i], cells[j])) continue;
+      const Xyz<double> way = cells[j].place - cells[i].place;
+      f(i, j, std::sqrt(dot(way, way)));
     }
-  }
-
- private:
-  [[nodiscard]] double along(std::uint32_t i) const noexcept {
-    const Xyz<double>& p = cells_[i].place;
-    const int axis = axis_[cells_[i].link];
-    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
-  }
-  [[nodiscard]] int longest(std::size_t link) const noexcept {
-    constexpr double far = std::numeric_limits<double>::infinity();
-    double low[3] = {far, far, far}, high[3] = {-far, -far, -far};
-    for (const CellPlace& c : cells_) {
-      if (c.link != link) continue;
-      const double p[3] = {c.place.x, c.place.y, c.place.z};
-      for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
-    }
-    int best = 0;
-    for (int k = 1; k < 3; ++k)
-      if (high[k] - low[k] > high[best] - low[best]) best = k;
-    return best;
-  }
-
-  std::span<const CellPlace> cells_;
-  std::vector<std::uint32_t> order_;
-  std::vector<int> axis_;
-};
+}
 
 }  // namespace detail
 
@@ -86,11 +38,9 @@ class CellSweep {
 [[nodiscard]] SKINCTL_COLD inline std::vector<double> patch_pitches(std::span<const CellPlace> cells) {
   constexpr double far = std::numeric_limits<double>::infinity();
   std::vector<double> nearest(cells.size(), far);
-  detail::CellSweep(cells).each_pair([&](std::uint32_t i) { return nearest[i]; },
-                                     [&](std::uint32_t i, std::uint32_t j, double distance) {
-                                       if (cells[i].patch == cells[j].patch)
-                                         nearest[i] = std::min(nearest[i], distance);
-                                     });
+  detail::each_pair(cells, [&](std::uint32_t i, std::uint32_t j, double distance) {
+    if (cells[i].patch == cells[j].patch) nearest[i] = std::min(nearest[i], distance);
+  });
   std::size_t patches = 0;
   for (const CellPlace& c : cells) patches = std::max(patches, c.patch + 1);
   std::vector<std::vector<double>> of_patch(patches);
@@ -126,19 +76,15 @@ class CellGraph {
       require(sum - sum == 0, "CellGraph: place of a cell", sum, "finite m");
     }
     const std::vector<double> pitch = patch_pitches(cells);
-    double largest = 0;
-    for (const double p : pitch)
-      if (p < std::numeric_limits<double>::infinity()) largest = std::max(largest, p);
     const auto reach = [&](std::uint32_t i, std::uint32_t j) {
       const double a = pitch[cells[i].patch], b = pitch[cells[j].patch], mean = 0.5 * (a + b);
       return pitches * (mean < std::numeric_limits<double>::infinity() ? mean : std::min(a, b));
     };
     std::vector<std::vector<Index>> lists(cells.size());
-    detail::CellSweep(cells).each_pair([&](std::uint32_t) { return pitches * largest; },
-                                       [&](std::uint32_t i, std::uint32_t j, double distance) {
-                                         const double r = reach(i, j);
-                                         if (distance <= r && r - r == 0) lists[i].push_back(j);
-                                       });
+    detail::each_pair(cells, [&](std::uint32_t i, std::uint32_t j, double distance) {
+      const double r = reach(i, j);
+      if (distance <= r && r - r == 0) lists[i].push_back(j);
+    });
     store(lists);
   }
 
@@ -197,11 +143,9 @@ class CellGraph {
 [[nodiscard]] SKINCTL_COLD inline CellGraph cells_within(std::span<const CellPlace> cells, double reach) {
   require(reach > 0 && reach <= 1, "cells_within: reach", reach, "> 0, <= 1 m");
   std::vector<std::vector<CellGraph::Index>> lists(cells.size());
-  detail::CellSweep(cells).each_pair([&](std::uint32_t) { return reach; },
-                                     [&](std::uint32_t i, std::uint32_t j, double distance) {
-                                       if (cells[i].patch == cells[j].patch && distance <= reach)
-                                         lists[i].push_back(j);
-                                     });
+  detail::each_pair(cells, [&](std::uint32_t i, std::uint32_t j, double distance) {
+    if (cells[i].patch == cells[j].patch && distance <= reach) lists[i].push_back(j);
+  });
   return CellGraph(std::move(lists));
 }
 

@@ -76,27 +76,6 @@ SKINCTL_COLD inline void require_cells(const std::vector<AnyCell>& placed, std::
 }
 }  // namespace detail
 
-/// The cells of a patch, for inspection: a range of `PlacedCell<I>`.
-template <std::size_t I>
-class PlacedCells {
- public:
-  explicit PlacedCells(const std::vector<detail::AnyCell>& cells) noexcept : cells_(cells) {}
-
-  struct Iterator {
-    const detail::AnyCell* at;
-    PlacedCell<I> operator*() const noexcept { return {at->id, at->X_LC.template renamed<Link<I>, Cell>()}; }
-    Iterator& operator++() noexcept { return ++at, *this; }
-    friend bool operator==(const Iterator&, const Iterator&) noexcept = default;
-  };
-  [[nodiscard]] Iterator begin() const noexcept { return {cells_.data()}; }
-  [[nodiscard]] Iterator end() const noexcept { return {cells_.data() + cells_.size()}; }
-  [[nodiscard]] std::size_t size() const noexcept { return cells_.size(); }
-  [[nodiscard]] PlacedCell<I> operator[](std::size_t i) const noexcept { return *Iterator{&cells_[i]}; }
-
- private:
-  const std::vector<detail::AnyCell>& cells_;
-};
-
 /// `Cells` cells of a kind on link `I`, each with an id, and their common gains. Immutable.
 template <std::size_t I, std::size_t Cells, SensorKind Kind = Hexagon>
 class Patch {
@@ -123,12 +102,11 @@ class Patch {
     detail::require_gains<Kind>(gains);
   }
 
-  [[nodiscard]] PlacedCells<I> placed() const& noexcept { return PlacedCells<I>(placed_); }
-  /// For a temporary patch: the cells themselves.
-  [[nodiscard]] std::vector<PlacedCell<I>> placed() const&& {
-    std::vector<PlacedCell<I>> copies;
-    for (const auto& cell : PlacedCells<I>(placed_)) copies.push_back(cell);
-    return copies;
+  /// The cells with their link, for inspection.
+  [[nodiscard]] SKINCTL_COLD std::vector<PlacedCell<I>> placed() const {
+    std::vector<PlacedCell<I>> out;
+    for (const auto& cell : placed_) out.push_back({cell.id, cell.X_LC.template renamed<Link<I>, Cell>()});
+    return out;
   }
   [[nodiscard]] const std::vector<detail::AnyCell>& any() const noexcept { return placed_; }
   [[nodiscard]] const Gains& gains() const noexcept { return gains_; }
