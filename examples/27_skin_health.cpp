@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   TrustSettings trust;
   trust.lone_force = lone_forces(arm_with_friction(), places);
   trust.noise = {{.force = 0.7f, .proximity = 0.7f, .rest = 20.5f}};
-  const TrustedSkin skin(believed, trust, patches);
+  const TrustedSkin skin(believed, trust);
   const Cycle scene(arm_with_friction(), skin, SkinJointControl{} + GravityControl{});
 
   // A hand on the forearm, from 6 s on.

@@ -74,7 +74,7 @@ const bool registered = [] {
                                  TrustSettings trust;
                                  trust.lone_force = {5.0};
                                  trust.noise = {{.rest = 20.5f}};
-                                 const TrustedSkin skin(ur5_skin<260>(), trust, ur5::skin_patches<260>());
+                                 const TrustedSkin skin(ur5_skin<260>(), trust);
                                  receive(state, skin, skin.start(0ns));
                                });
   return true;

@@ -153,7 +153,7 @@ auto main_job_scene(Nanoseconds period) {
   trust.noise = {{.force = 0.4f, .rest = static_cast<float>(0.004 / trust.health.step)}};
   trust.health.delta = 2;
   trust.answer = 0.05;
-  const TrustedSkin trusted(skin, trust, FillIn(CellGraph(skin.places()), skin.places()), patches);
+  const TrustedSkin trusted(skin, trust);
   const auto arm = by_position(ur5::Model{},
                                {.limits = limits_of<ur5::Description>(30.0),
                                 .period = period,

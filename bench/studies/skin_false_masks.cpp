@@ -136,10 +136,9 @@ int main(int argc, char** argv) {
   const double length = argc > 1 ? std::atof(argv[1]) : 400;
   const auto seed = static_cast<std::uint64_t>(argc > 2 ? std::atoi(argv[2]) : 1);
   const bool each = argc > 3 && std::strcmp(argv[3], "-v") == 0;
-  const auto patches = ur5::skin_patches<cells>(fault_gains);
   const auto plain = ur5_skin<cells>(fault_gains);
   Disturbed skin(seed);
-  const TrustedSkin trusted(plain, fault_trust(skin.signals.settings(), skin.places), patches);
+  const TrustedSkin trusted(plain, fault_trust(skin.signals.settings(), skin.places));
   auto m = std::make_unique<typename decltype(trusted)::Memory>(trusted.start(0ns));
   std::array<bool, cells> masked{};
   std::size_t masks = 0, of[cell_faults] = {};

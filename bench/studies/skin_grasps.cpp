@@ -57,7 +57,7 @@ void play(const RecordedGrasp& grasp, double held, std::uint64_t seed, FalseMask
   trust.noise.clear();
   for (std::size_t i = 0; i < taxels; ++i)
     trust.noise.push_back({.force = float(sigma), .proximity = float(sigma), .rest = float(grasp.rest[i])});
-  const TrustedSkin trusted(skin, trust, FillIn(of_fingers()), fingers);
+  const TrustedSkin trusted(skin, trust, FillIn(of_fingers()));
   auto m = std::make_unique<typename decltype(trusted)::Memory>(trusted.start(0ns));
   Normal normal(seed);
   std::array<bool, taxels> blind{}, masked{};

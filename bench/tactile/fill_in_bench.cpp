@@ -14,13 +14,12 @@ namespace {
 /// `percent` of the cells never speak, the others in every second cycle.
 template <std::size_t Cells>
 void cycle(benchmark::State& state, int percent, bool two_rings) {
-  const auto patches = ur5::skin_patches<Cells>({10, 3});
   const auto skin = ur5_skin<Cells>({10, 3});
   TrustSettings trust;
   trust.lone_force = {0.0};
   trust.find_faults = false;
   const CellGraph graph(skin.places());
-  const TrustedSkin trusted(skin, trust, two_rings ? FillIn(graph, skin.places()) : FillIn(graph), patches);
+  const TrustedSkin trusted(skin, trust, two_rings ? FillIn(graph, skin.places()) : FillIn(graph));
   const auto memory = std::make_unique<typename decltype(trusted)::Memory>(trusted.start(0ns));
   auto random = testing::seeded(1);
   std::vector<CellSample> samples;

@@ -71,7 +71,7 @@ inline auto trusted_skin(const Settings& s) {
     trust.noise = noise;
   }
   const UrSkin skin(patches, settings);
-  return TrustedSkin(skin, trust, FillIn(skin_graph(s, patches), skin.places()), patches);
+  return TrustedSkin(skin, trust, FillIn(skin_graph(s, patches), skin.places()));
 }
 
 /// The robot's numbers, from the settings.

@@ -240,8 +240,7 @@ TEST_CASE("Skin on a robot: a masked cell is no part of what feels, and is fille
   CHECK(skin.coverage(m).usable == 59);
   CHECK(skin.coverage(m).cells == 60);
   CHECK(skin.coverage(m).least == doctest::Approx(1 - 1.0 / double(cells.size())));
-  const TrustedSkin trusted(skin, trust, FillIn(cell_graph(file, placed), skin.places()),
-                            skin_patches(file, placed));
+  const TrustedSkin trusted(skin, trust, FillIn(cell_graph(file, placed), skin.places()));
   const auto t = heard(trusted, trusted.start(0ns), filled);
   CHECK(trusted.usable(t) == 59);
   CHECK(trusted.coverage(t).usable == 59);
@@ -308,7 +307,7 @@ TEST_CASE("Skin on a robot: a region that is pressed harder than its force_limit
   TrustSettings trust;
   trust.lone_force = {std::numeric_limits<double>::infinity()};
   trust.follow_rest = false;
-  const TrustedSkin trusted(skin, trust, FillIn(cell_graph(file, placed)), skin_patches(file, placed));
+  const TrustedSkin trusted(skin, trust, FillIn(cell_graph(file, placed)));
   const auto stops = [&](const auto& felt, std::size_t cell, double newtons) {
     auto m = std::make_unique<typename std::remove_cvref_t<decltype(felt)>::Memory>(felt.start(0ns));
     const auto f = static_cast<float>((newtons / 50 + 0.08) / 3);

@@ -42,7 +42,7 @@ TEST_CASE("SkinReport: names each faulty cell in words, as JSON, and in the pict
   TrustSettings trust;
   trust.lone_force = {1.0};
   trust.noise = {{.rest = 20.5f}};
-  const TrustedSkin trusted(skin, trust, patches);
+  const TrustedSkin trusted(skin, trust);
   SkinFaults spoil({{.cell = 7, .fault = CellFault::stuck, .from = 500ms},
                     {.cell = 33, .fault = CellFault::noisy, .from = 500ms, .level = 0.01},
                     {.cell = 50, .fault = CellFault::unheard, .from = 500ms}});

@@ -37,9 +37,7 @@ template <class Kind>
 struct Run {
   using S = TrustedSkin<Square<Kind>>;
   explicit Run(const TrustSettings& settings)
-      : patch(square<Kind>()),
-        skin(Square<Kind>(patch), settings, std::tuple(patch)),
-        memory(new auto(skin.start(0ns))) {}
+      : patch(square<Kind>()), skin(Square<Kind>(patch), settings), memory(new auto(skin.start(0ns))) {}
 
   template <class F>
   typename S::Wrenches until(Nanoseconds end, const F& reading) {

@@ -47,7 +47,7 @@ TEST_CASE(
   constexpr std::uint32_t cell = 150;
   SkinSignals signals(places, {}, 2);
   SkinFaults spoil({{.cell = cell, .fault = CellFault::stuck, .from = 1s}});
-  const Trusted trusted(base, fault_trust(signals.settings(), places), patches);
+  const Trusted trusted(base, fault_trust(signals.settings(), places));
   const double lone = trusted.trust().lone_force[cell - 1];
   CHECK(lone > 2);
   CHECK(lone < 20);
@@ -92,8 +92,8 @@ TEST_CASE(
                                         }(),
                                         {.fault = CellFault::stuck, .from = 500ms}));
   const auto settings = fault_trust(signals.settings(), places);
-  const Trusted known(base, settings, patches);
-  const TrustedSkin read(Filed(filed), settings, filed);
+  const Trusted known(base, settings);
+  const TrustedSkin read(Filed(filed), settings);
   CHECK(read.size() == 260);
   auto a = known.start(0ns);
   auto b = read.start(0ns);
@@ -189,7 +189,7 @@ TEST_CASE(
                                .seen = seen});
     TrustSettings settings = fault_trust(signals.settings(), places);
     settings.health.doubt = doubt;
-    const Trusted trusted(base, settings, patches);
+    const Trusted trusted(base, settings);
     const auto m = std::make_unique<Trusted::Memory>(trusted.start(0ns));
     std::vector<CellSample> samples;
     double sum = 0;
@@ -241,7 +241,7 @@ TEST_CASE(
 }
 
 TEST_CASE("TrustedSkin: without a fault, a drift and a lone cell, it is the skin itself, bit for bit") {
-  const Trusted trusted(base, trusting(), patches);
+  const Trusted trusted(base, trusting());
   SkinSignals signals(places, {.rest = 0}, 5);
   signals.touches.push_back({.link = 2,
                              .place = places[150].place,
@@ -271,7 +271,7 @@ TEST_CASE("TrustedSkin: without a fault, a drift and a lone cell, it is the skin
 }
 
 TEST_CASE("TrustedSkin: replayed from any memory it is the same, and it allocates nothing") {
-  const Trusted trusted(base, fault_trust({}, places), patches);
+  const Trusted trusted(base, fault_trust({}, places));
   SkinSignals signals(places, {}, 6);
   signals.touches.push_back(
       {.link = 2, .place = places[150].place, .radius = 0.05, .from = 300ms, .until = 2s});
@@ -306,7 +306,7 @@ TEST_CASE("TrustedSkin: replayed from any memory it is the same, and it allocate
 }
 
 TEST_CASE("TrustedSkin: any bits and any intervals leave finite wrenches") {
-  const Trusted trusted(base, fault_trust({}, places), patches);
+  const Trusted trusted(base, fault_trust({}, places));
   auto m = std::make_unique<Trusted::Memory>(trusted.start(0ns));
   Random rng = seeded(9);
   Nanoseconds from{};
@@ -342,7 +342,7 @@ TEST_CASE("TrustedSkin: wrong settings are refused with number and range") {
   const auto refused = [](const auto& change) {
     TrustSettings t = trusting();
     change(t);
-    CHECK_THROWS_AS(Trusted(base, t, patches), ConfigurationError);
+    CHECK_THROWS_AS(Trusted(base, t), ConfigurationError);
   };
   refused([](auto& t) { t.lone_force = {}; });
   refused([](auto& t) { t.lone_force = {-1.0}; });
@@ -351,11 +351,11 @@ TEST_CASE("TrustedSkin: wrong settings are refused with number and range") {
   refused([](auto& t) { t.period = 0ns; });
   refused([](auto& t) { t.answer = 1.5; });
   refused([](auto& t) { t.health.step = 0; });
-  CHECK_THROWS_AS(Trusted(base, trusting(), FillIn(CellGraph(3)), patches), ConfigurationError);
+  CHECK_THROWS_AS(Trusted(base, trusting(), FillIn(CellGraph(3))), ConfigurationError);
 }
 
 TEST_CASE("TrustedSkin: the skin of a cycle with contact limits, and one summand of touch") {
-  const Trusted trusted(base, fault_trust({}, places), patches);
+  const Trusted trusted(base, fault_trust({}, places));
   const LinkContact<2> contact{
       .region = {.force = 140, .blow = 280, .first = 500ms, .stiffness = 75e3, .mass = 40},
       .reach = 0.45,
@@ -399,7 +399,7 @@ TEST_CASE("TrustedSkin: a cable of cells that fall silent leaves a hole, a cell 
   constexpr double reach = 0.04;
   TrustSettings settings = trusting();
   settings.reach = reach;
-  const Trusted trusted(base, settings, patches);
+  const Trusted trusted(base, settings);
   const CellGraph near(places);
   const auto hole = [&](const std::vector<std::size_t>& silent) {
     SkinSignals signals(places, {}, 3);
@@ -433,5 +433,5 @@ TEST_CASE("TrustedSkin: a cable of cells that fall silent leaves a hole, a cell 
   CHECK(nearest > reach);
   CHECK(std::find(cable.begin(), cable.end(), found) != cable.end());
   settings.reach = 0;
-  CHECK_THROWS_AS(Trusted(base, settings, patches), ConfigurationError);
+  CHECK_THROWS_AS(Trusted(base, settings), ConfigurationError);
 }

@@ -91,7 +91,7 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
   const auto places = cell_places(patches);
   const auto plain = ur5_skin<260>(fault_gains);
   SkinSignals signals(places, {}, r.seed);
-  const TrustedSkin trusted(plain, fault_trust(signals.settings(), places, r.changes), patches);
+  const TrustedSkin trusted(plain, fault_trust(signals.settings(), places, r.changes));
   std::vector<std::uint32_t> ids;
   for (std::uint32_t i = 1; i <= 260; ++i) ids.push_back(i);
   FaultyCell like = r.fault;

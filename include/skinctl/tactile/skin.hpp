@@ -56,7 +56,7 @@ class Skin : public detail::SkinCore<M, T, (link_bit<Patches::link> | ...), (Pat
     this->tables_.reserve(cells);
     const auto add = [&](const auto& one, std::size_t link) {
       const auto gain = detail::gain_list(one.gains());
-      std::vector<detail::NewCell<typename Core::kind>> all;
+      std::vector<detail::GivenCell<typename Core::kind>> all;
       all.reserve(one.any().size());
       for (const detail::AnyCell& cell : one.any()) all.push_back({cell, settings.gates(), gain});
       this->tables_.add(all, gain, link, Wrenches::slot(link));

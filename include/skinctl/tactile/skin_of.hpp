@@ -69,15 +69,14 @@ SKINCTL_COLD void add_patches(SkinTables<Kind, T>& tables, const SettingsOf<Kind
     require_gains<Kind>(patch.gains);
     auto most = gain_list(patch.gains);
     std::vector<AnyCell> placed;
-    std::vector<NewCell<Kind>> all;
+    std::vector<GivenCell<Kind>> all;
     for (const auto& cell : patch.cells) {
       const auto own = cell.gains.value_or(patch.gains);
       require_gains<Kind>(own);
-      auto gain = gain_list(own);
+      const auto gain = gain_list(own);
       for (std::size_t c = 0; c < most.size(); ++c) most[c] = gain[c] > most[c] ? gain[c] : most[c];
-      if (cell.masked) gain = {};
       placed.push_back({cell.id, cell.X_LC});
-      all.push_back({placed.back(), cell.gates(settings), gain});
+      all.push_back({placed.back(), cell.gates(settings), gain, cell.masked});
     }
     require_cells(placed, placed.size());
     tables.add(all, most, patch.link, Wrenches::slot(patch.link));

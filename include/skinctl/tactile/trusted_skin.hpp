@@ -41,36 +41,14 @@ class TrustedSkin : public detail::TrustCore<S> {
   static constexpr LinkMask links = Wrenches::links;
   static constexpr std::size_t patches = Core::patches, cells = Core::cells;
 
-  /// @param skin   made of these patches.
-  /// @param fill   from `FillIn(graph, places)` or learnt; its graph says which cells are neighbours.
+  /// Of a `Skin`, a `SkinOf`, or a skin that wraps one.
+  /// @param fill  from `FillIn(graph, places)` or learnt; its graph says which cells are neighbours.
   /// Throws `ConfigurationError` for settings out of their range, and a graph of another number of cells.
-  template <std::size_t... I, std::size_t... N>
-  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
-                           const Patch<I, N, Kind>&... patch)
-      : Core(skin, settings, fill,
-             detail::trust_cells<Kind>(settings, skin.settings(), skin.size(), patch...)) {}
-  /// The same for patches in a tuple, with neighbours within 1.3 pitches, which fill in with theirs.
-  template <std::size_t... I, std::size_t... N>
-  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings,
-                           const std::tuple<Patch<I, N, Kind>...>& all)
-      : TrustedSkin(skin, settings, FillIn(CellGraph(cell_places(all)), cell_places(all)), all) {}
-  template <std::size_t... I, std::size_t... N>
-  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
-                           const std::tuple<Patch<I, N, Kind>...>& all)
-      : Core(skin, settings, fill,
-             std::apply(
-                 [&](const auto&... p) {
-                   return detail::trust_cells<Kind>(settings, skin.settings(), skin.size(), p...);
-                 },
-                 all)) {}
-
-  /// The same for a `SkinOf`.
-  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings,
-                           const std::vector<SkinPatchOf<Kind>>& all)
-      : TrustedSkin(skin, settings, FillIn(CellGraph(skin.places()), skin.places()), all) {}
-  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill,
-                           const std::vector<SkinPatchOf<Kind>>& all)
-      : Core(skin, settings, fill, detail::trust_cells<Kind>(settings, skin.settings(), skin.size(), all)) {}
+  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill)
+      : Core(skin, settings, fill) {}
+  /// With neighbours within 1.3 pitches, which fill in with theirs.
+  SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings)
+      : Core(skin, settings, FillIn(CellGraph(skin.places()), skin.places())) {}
 
   /// Number of cells.
   using Core::size;

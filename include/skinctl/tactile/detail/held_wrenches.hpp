@@ -79,7 +79,7 @@ void add_area(const SkinTables<Kind, T>& tables, std::size_t i, const PerChannel
     if (size > T(0))
       for (T& x : unit) x = x / size;
   }
-  const Xyz<float>& p = tables.places[i].first;
+  const Xyz<float>& p = tables.origins[i];
   if (size > T(0)) areas.add(patch.link, {T(p.x), T(p.y), T(p.z)}, unit, size);
 }
 

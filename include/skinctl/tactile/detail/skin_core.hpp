@@ -152,11 +152,8 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   [[nodiscard]] SKINCTL_COLD std::vector<CellPlace> places() const {
     std::vector<CellPlace> all;
     for (std::size_t i = 0; i < size(); ++i) {
-      const auto& [p, z] = tables_.places[i];
-      all.push_back({tables_.patch_of(i).link,
-                     tables_.cells[i].patch,
-                     {double(p.x), double(p.y), double(p.z)},
-                     {double(z.x), double(z.y), double(z.z)}});
+      const auto& X_LC = tables_.given[i].placed.X_LC;
+      all.push_back({tables_.patch_of(i).link, tables_.cells[i].patch, X_LC.origin(), X_LC.axis_z()});
     }
     return all;
   }

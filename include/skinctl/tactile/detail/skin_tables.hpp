@@ -13,12 +13,13 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// A cell that is to be added to a skin.
+/// A cell as a skin was given it.
 template <class Kind>
-struct NewCell {
+struct GivenCell {
   AnyCell placed;
   PerChannel<Kind, EventGate<>> gates;
-  PerChannel<Kind, double> gain;  ///< [N] per unit of each channel; 0 where it does not feel
+  PerChannel<Kind, double> gain;  ///< [N] per unit of each channel
+  bool masked = false;            ///< whether it is no part of what feels
 };
 
 /// All cells of a skin, in the order of their patches.
@@ -30,18 +31,19 @@ struct SkinTables {
   SampledTimes times;
   std::vector<PatchRow<Kind, T>> patches;
   std::vector<CellRow<Kind>> cells;
-  std::vector<std::pair<Xyz<float>, Xyz<float>>> places;  ///< origin [m] and outward normal of each cell
+  std::vector<Xyz<float>> origins;            ///< of each cell on its link [m]
   std::vector<std::uint32_t> numb;            ///< cells without gains: they are heard, and do not feel
   std::vector<std::uint32_t> by_id = {none};  ///< index of each id; the last one is of no cell
   static constexpr std::uint32_t none = ~std::uint32_t(0);
   std::vector<ChannelCalibration<Kind>> calibration;  ///< of each cell, one for all, or none
+  std::vector<GivenCell<Kind>> given;                 ///< for what is built on this skin; not for the loop
 
   /// Room for so many cells.
   SKINCTL_COLD void reserve(std::size_t count) {
-    cells.reserve(count), places.reserve(count), by_id.reserve(count + 2);
+    cells.reserve(count), origins.reserve(count), given.reserve(count), by_id.reserve(count + 2);
   }
   /// Adds a patch on link `link`, whose gains are the greatest of its cells', or `gain`.
-  SKINCTL_COLD void add(const std::vector<NewCell<Kind>>& patch, const PerChannel<Kind, double>& gain,
+  SKINCTL_COLD void add(const std::vector<GivenCell<Kind>>& patch, const PerChannel<Kind, double>& gain,
                         std::size_t link, std::size_t slot) {
     require(patches.size() < 0xFFFF, "Skin: patches", double(patches.size() + 1), "at most 65535");
     const int reach = reach_of(patch);
@@ -52,13 +54,14 @@ struct SkinTables {
     row.link = static_cast<std::uint32_t>(link), row.slot = static_cast<std::uint32_t>(slot);
     for (std::size_t c = 0; c < Table::pushing; ++c)
       row.newton[c] = gain[c] * Table::step(c), row.gain[c] = static_cast<T>(row.newton[c]);
-    for (const NewCell<Kind>& cell : patch) {
+    for (const GivenCell<Kind>& cell : patch) {
       const std::uint32_t id = cell.placed.id;
       require(id <= highest_id, "Skin: cell id", double(id), "< 2^20");
       if (id + 1 >= by_id.size()) by_id.resize(id + 2, none);
       require(by_id[id] == none, "Skin: cell id", double(id), "ids that occur once");
       by_id[id] = static_cast<std::uint32_t>(cells.size());
       add_cell(cell, gain, reach, row);
+      given.push_back(cell);
     }
     patches.push_back(row);
   }
@@ -98,9 +101,9 @@ struct SkinTables {
              double(patch_of(i).moment_step) == double(other.patch_of(i).moment_step);
     return same;
   }
-  /// Bytes that the tables take [B].
+  /// Bytes of what the loop reads [B].
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return cells.size() * (sizeof(cells[0]) + sizeof(places[0])) + by_id.size() * sizeof(by_id[0]) +
+    return cells.size() * (sizeof(cells[0]) + sizeof(origins[0])) + by_id.size() * sizeof(by_id[0]) +
            patches.size() * sizeof(patches[0]);
   }
 
@@ -117,9 +120,9 @@ struct SkinTables {
     return {force, cross(p, force)};
   }
   /// The moments of a patch's unit wrenches are at most 2^reach.
-  [[nodiscard]] SKINCTL_COLD static int reach_of(const std::vector<NewCell<Kind>>& patch) {
+  [[nodiscard]] SKINCTL_COLD static int reach_of(const std::vector<GivenCell<Kind>>& patch) {
     int reach = -20;
-    for (const NewCell<Kind>& cell : patch)
+    for (const GivenCell<Kind>& cell : patch)
       for (std::size_t line = 0; line < Table::lines; ++line) {
         const Xyz<double> m = push_along(cell.placed, line).second;
         for (const double x : {m.x, m.y, m.z})
@@ -127,7 +130,7 @@ struct SkinTables {
       }
     return reach;
   }
-  SKINCTL_COLD void add_cell(const NewCell<Kind>& cell, const PerChannel<Kind, double>& gain, int reach,
+  SKINCTL_COLD void add_cell(const GivenCell<Kind>& cell, const PerChannel<Kind, double>& gain, int reach,
                              PatchRow<Kind, T>& patch) {
     CellRow<Kind> row;
     row.patch = static_cast<std::uint16_t>(patches.size()), row.slot = static_cast<std::uint16_t>(patch.slot);
@@ -142,7 +145,7 @@ struct SkinTables {
     bool feels = false;
     for (std::size_t c = 0; c < Table::pushing; ++c) {
       const auto gate = cell.gates[c].counted(Table::step(c));
-      const double share = gain[c] > 0 ? cell.gain[c] / gain[c] : 1;
+      const double own = cell.masked ? 0 : cell.gain[c], share = gain[c] > 0 ? own / gain[c] : 1;
       row.tuning[c].set(gate);
       row.tuning[c].share = static_cast<std::uint16_t>(std::round(share * double(ChannelTuning::whole)));
       feels = feels || row.tuning[c].share != 0;
@@ -150,10 +153,8 @@ struct SkinTables {
     }
     if (!feels) numb.push_back(static_cast<std::uint32_t>(cells.size()));
     cells.push_back(row);
-    const auto rounded = [&](double x) { return static_cast<float>(std::ldexp(whole(x, 0), -24)); };
-    const Xyz<double>&p = cell.placed.X_LC.origin(), z = cell.placed.X_LC.axis_z();
-    places.push_back({{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
-                      {rounded(z.x), rounded(z.y), rounded(z.z)}});
+    const Xyz<double>& p = cell.placed.X_LC.origin();
+    origins.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
   }
 };
 

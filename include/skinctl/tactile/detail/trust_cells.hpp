@@ -4,8 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "skinctl/tactile/patch.hpp"
-#include "skinctl/tactile/skin_of.hpp"
+#include "skinctl/tactile/detail/skin_tables.hpp"
 #include "skinctl/tactile/trust_settings.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -30,71 +29,27 @@ template <class Kind>
   for (std::size_t k = 0; k < 3; ++k) square += (a.place[k] - b.place[k]) * (a.place[k] - b.place[k]);
   return a.link != b.link || square > 0.04f;
 }
-/// Collects the cells of a trusted skin, patch by patch.
-template <class Kind>
-class TrustCells {
- public:
-  SKINCTL_COLD TrustCells(const TrustSettings& trust, std::size_t cells) : trust_(trust), cells_(cells) {
-    trust.check(cells);
-    out_.reserve(cells);
-  }
-  template <class Pose>
-  SKINCTL_COLD void add(std::uint32_t id, std::size_t link, const Pose& X_LC,
-                        const PerChannel<Kind, double>& gain, const PerChannel<Kind, EventGate<>>& gates,
-                        bool masked = false) {
-    const auto one = [&](const auto& list) { return list[list.size() == 1 ? 0 : out_.size()]; };
-    require(out_.size() < cells_, "TrustedSkin: cells of the patches", double(out_.size() + 1),
-            "those of the skin");
-    const auto numbers = [](const Xyz<double>& x) {
-      return std::array{static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)};
-    };
-    TrustCell<Kind> cell{.id = id, .patch = patch_, .link = link};
-    cell.place = numbers(X_LC.origin()), cell.normal = numbers(X_LC.axis_z());
-    cell.gain = gain;
-    for (std::size_t c = 0; c < gain.size(); ++c) cell.gate[c] = gates[c].counted(KindTable<Kind>::step(c));
-    cell.lone = one(trust_.lone_force), cell.rest = one(trust_.noise).rest, cell.masked = masked;
-    out_.push_back(cell);
-  }
-  void end_patch() noexcept { ++patch_; }
-  [[nodiscard]] SKINCTL_COLD std::vector<TrustCell<Kind>> take() {
-    require(out_.size() == cells_, "TrustedSkin: cells of the patches", double(out_.size()),
-            "those of the skin");
-    return std::move(out_);
-  }
-
- private:
-  const TrustSettings& trust_;
-  std::size_t cells_;
-  std::uint32_t patch_ = 0;
-  std::vector<TrustCell<Kind>> out_;
-};
-
-template <class Kind, std::size_t... I, std::size_t... N>
+/// Those of a skin with these tables.
+template <class Kind, class T>
 [[nodiscard]] SKINCTL_COLD std::vector<TrustCell<Kind>> trust_cells(const TrustSettings& trust,
-                                                                    const SettingsOf<Kind>& skin,
-                                                                    std::size_t cells,
-                                                                    const Patch<I, N, Kind>&... patch) {
-  TrustCells<Kind> all(trust, cells);
-  const auto add = [&](std::size_t link, const auto& one) {
-    for (const AnyCell& cell : one.any())
-      all.add(cell.id, link, cell.X_LC, gain_list(one.gains()), skin.gates());
-    all.end_patch();
+                                                                    const SkinTables<Kind, T>& skin) {
+  trust.check(skin.cells.size());
+  const auto numbers = [](const Xyz<double>& x) {
+    return std::array{static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z)};
   };
-  (add(I, patch), ...);
-  return all.take();
-}
-template <class Kind>
-[[nodiscard]] SKINCTL_COLD std::vector<TrustCell<Kind>> trust_cells(
-    const TrustSettings& trust, const SettingsOf<Kind>& skin, std::size_t cells,
-    const std::vector<SkinPatchOf<Kind>>& patches) {
-  TrustCells<Kind> all(trust, cells);
-  for (const auto& patch : patches) {
-    for (const auto& cell : patch.cells)
-      all.add(cell.id, patch.link, cell.X_LC, gain_list(cell.gains.value_or(patch.gains)), cell.gates(skin),
-              cell.masked);
-    all.end_patch();
+  std::vector<TrustCell<Kind>> out;
+  for (std::size_t i = 0; i < skin.cells.size(); ++i) {
+    const auto one = [i](const auto& list) { return list[list.size() == 1 ? 0 : i]; };
+    const GivenCell<Kind>& given = skin.given[i];
+    TrustCell<Kind> cell{.id = given.placed.id, .patch = skin.cells[i].patch, .link = skin.patch_of(i).link};
+    cell.place = numbers(given.placed.X_LC.origin()), cell.normal = numbers(given.placed.X_LC.axis_z());
+    cell.gain = given.gain, cell.masked = given.masked;
+    for (std::size_t c = 0; c < cell.gate.size(); ++c)
+      cell.gate[c] = given.gates[c].counted(KindTable<Kind>::step(c));
+    cell.lone = one(trust.lone_force), cell.rest = one(trust.noise).rest;
+    out.push_back(cell);
   }
-  return all.take();
+  return out;
 }
 
 }  // namespace detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/detail/unwritten.hpp"
+#include "skinctl/tactile/detail/held_wrenches.hpp"
 #include "skinctl/tactile/detail/trust_frames.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

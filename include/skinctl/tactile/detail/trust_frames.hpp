@@ -34,14 +34,13 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
   static_assert(Table::pushing <= pressures + cones + 1,
                 "cells of a trusted skin see in one channel at most");
 
-  SKINCTL_COLD TrustFrames(const S& skin, const TrustSettings& settings, const FillIn& fill,
-                           std::vector<TrustCell<Kind>> cell)
+  SKINCTL_COLD TrustFrames(const S& skin, const TrustSettings& settings, const FillIn& fill)
       : WrappedTouch<TrustedSkin<S>, S>(skin),
         s_(settings),
+        cell_(trust_cells(settings, this->tables_)),
         fill_(fill),
         health_(settings.health, settings.noise.size() == 1 ? settings.noise : with_room(settings.noise)),
         rest_(settings.rest),
-        cell_(std::move(cell)),
         masked_(rows),
         lone_(rows),
         talk_unit_(std::min(1.0f, static_cast<float>(Cross::most * settings.health.step / sensors))) {
@@ -254,11 +253,11 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
     return ((lone_[i / 16] >> (i % 16)) & 1u) != 0;
   }
   TrustSettings s_;
+  std::vector<TrustCell<Kind>> cell_;
   FillIn fill_;
   CellGraph within_;  ///< cells within reach of each other; of no cell: holes are not looked for
   Health health_;
   RestLevel rest_;
-  std::vector<TrustCell<Kind>> cell_;
   std::array<std::vector<RestLevelsRow>, pressures> levels_;
   std::vector<std::size_t> row_patch_;             ///< the patch of all cells of a row; `patches`: of several
   std::vector<bool> masked_;                       ///< a cell of a row is, for good
