@@ -89,7 +89,7 @@ int main(int argc, char** argv) {
     if (measured.time < 6s) moved_before = std::max(moved_before, moved);
     plain.add(t, skin_torque(ur5::Model{}, measured.q, w)[1]);
     trusted.add(t, skin_torque(ur5::Model{}, measured.q, skin.wrenches(memory->skin))[1]);
-    left_out.add(t, 260 - double(skin.usable(memory->skin)));
+    left_out.add(t, 260 - double(skin.coverage(memory->skin).usable));
     way.add(t, moved);
     hand.add(t, t > 6 && t < 8 ? 1 : 0);
     if (measured.time == 6800ms) {

@@ -104,7 +104,7 @@ TEST_CASE_TEMPLATE("SkinOf: each cell has its threshold and its gain", T, float,
     SkinCell& cell = patches[0].cells[i];
     cell.gains =
         CellGains{force_gain[i] = double(rng() % 1000) / 50, proximity_gain[i] = double(rng() % 1000) / 500};
-    if (i % 2 == 0) cell.force = EventGate<>::dead_band(threshold[i] = double(rng() % 1000) / 1000);
+    if (i % 2 == 0) cell.gate[0] = EventGate<>::dead_band(threshold[i] = double(rng() % 1000) / 1000);
   }
   SkinSettings settings;
   settings.proximity = EventGate<>();
@@ -158,7 +158,7 @@ TEST_CASE_TEMPLATE("SkinOf: each cell has its threshold and its gain", T, float,
   CHECK(mean == typename decltype(numb)::Wrenches{});
   CHECK(numb.pressed(m).size() == 0);
   // What each cell passes bounds what is near it.
-  patches[0].cells[5].proximity = EventGate<>::dead_band(0.75);
+  patches[0].cells[5].gate[1] = EventGate<>::dead_band(0.75);
   const SkinOf<ur5::Model, T, 64, 2, link_bit<3>> dim(patches, settings);
   auto d = dim.start(0ns);
   CHECK(dim.template nearest<3>(d) == 1);

@@ -79,7 +79,6 @@ struct Full : sensor_sums::Summand {
   std::span<const Found> contacts(const Memory& m) const noexcept { return m.felt; }
   std::size_t size() const noexcept { return 2; }
   std::size_t index(std::uint32_t id) const noexcept { return id - 10 * Number < 2 ? id - 10 * Number : 2; }
-  std::size_t usable(const Memory&) const noexcept { return 1; }
   Coverage coverage(const Memory&) const noexcept {
     Coverage out{1, 2, 1.0 / Number};
     out.hole = 1;
@@ -216,7 +215,7 @@ TEST_CASE("Touch: each row of a wrapper gives what it gives without, each of a s
   CHECK(all.least == 0.5);
   CHECK(all.hole == 1);
   CHECK(P::coverage(other, p).hole == 1);
-  CHECK(both.usable(b) == 2);
+  CHECK(both.coverage(b).usable == 2);
   CHECK(W::nearest<2>(wrapped, w) == F::nearest<2>(full, m));
   CHECK(B::nearest<2>(both, b) == doctest::Approx(0.2));
   CHECK(O::nearest<2>(one, o) == doctest::Approx(0.2));  // of those that tell

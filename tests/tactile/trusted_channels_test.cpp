@@ -146,7 +146,7 @@ TEST_CASE("TrustedSkin of taxels: one that is stuck is masked, and filled in alo
   }
   CHECK(run.skin.faults(*run.memory, 5).has(CellFault::stuck));
   CHECK(run.skin.mask(*run.memory, 5) == 1);
-  CHECK(run.skin.usable(*run.memory) == cells - 1);
+  CHECK(run.skin.coverage(*run.memory).usable == cells - 1);
   CHECK(mean.data[0][2] == doctest::Approx(-16 * (2 - 0.2)).epsilon(0.05));
   CHECK(mean.data[0][0] == doctest::Approx(16 * 1.0).epsilon(0.05));
 }

@@ -70,7 +70,7 @@ TEST_CASE(
   CHECK(most >= lone * 0.99);
   CHECK(after == 0);
   CHECK(trusted.faults(b, cell - 1) == CellFaults(CellFault::stuck));
-  CHECK(trusted.usable(b) == 259);
+  CHECK(trusted.coverage(b).usable == 259);
 }
 
 TEST_CASE(
@@ -266,7 +266,7 @@ TEST_CASE("TrustedSkin: without a fault, a drift and a lone cell, it is the skin
   }
   CHECK(same);
   CHECK(most > 10);
-  CHECK(trusted.usable(b) == 260);
+  CHECK(trusted.coverage(b).usable == 260);
   CHECK(trusted.nearest<2>(b) <= base.nearest<2>(a) + 0.01);
 }
 
@@ -302,7 +302,7 @@ TEST_CASE("TrustedSkin: replayed from any memory it is the same, and it allocate
   CHECK(w == again);
   CHECK(*m == *middle);
   CHECK(allocations == 0);
-  CHECK(trusted.usable(*m) < 260);
+  CHECK(trusted.coverage(*m).usable < 260);
 }
 
 TEST_CASE("TrustedSkin: any bits and any intervals leave finite wrenches") {

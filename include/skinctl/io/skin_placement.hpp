@@ -99,7 +99,7 @@ template <NamesLinks D>
       const double factor = cell.gain * (region == weights.end() ? 1 : region->second);
       made.masked = !cell.masked.empty();
       if (factor != 1) made.gains = {patch.gains.force * factor, patch.gains.proximity * factor};
-      if (cell.threshold) made.force = EventGate<>::dead_band(*cell.threshold);
+      if (cell.threshold) made.gate[0] = EventGate<>::dead_band(*cell.threshold);
       to.cells.push_back(made);
     }
   }

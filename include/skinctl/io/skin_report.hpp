@@ -47,7 +47,7 @@ template <class S>
     out.cells.push_back({c.id, c.link, c.place, c.normal, skin.faults(memory, i),
                          double(skin.mask(memory, i)), skin.rest(memory, i), skin.is_unexplained(memory, i)});
   }
-  out.usable = skin.usable(memory);
+  out.usable = skin.coverage(memory).usable;
   return out;
 }
 

@@ -133,34 +133,23 @@ constexpr bool is_sound() {
 template <SensorKind Kind>
 struct KindTable {
   static constexpr std::size_t readings = Kind::readings.size(), channels = Kind::channels.size();
-  /// Channels that push: the first ones.
-  static constexpr std::size_t pushing = [] {
-    std::size_t n = 0;
-    for (const Channel& c : Kind::channels) n += c.use != ChannelUse::told ? 1u : 0u;
-    return n;
-  }();
+  static constexpr bool pushes(std::size_t c) { return Kind::channels[c].use != ChannelUse::told; }
   static constexpr bool is_seen(std::size_t c) { return Kind::channels[c].use == ChannelUse::seen; }
-  static constexpr bool has_cone(std::size_t c) { return Kind::channels[c].cone.friction > 0; }
+  /// Whether a channel counts only beside the pressure of its cell.
+  static constexpr bool has_cone(std::size_t c) { return pushes(c) && Kind::channels[c].cone.friction > 0; }
   static constexpr bool is_pressure(std::size_t c) {
     return Kind::channels[c].use == ChannelUse::contact && !has_cone(c);
   }
-  /// Whether a channel counts only beside another one.
-  static constexpr bool has_cones = [] {
-    bool any = false;
-    for (std::size_t c = 0; c < pushing; ++c) any = any || has_cone(c);
-    return any;
-  }();
-  static constexpr bool sees = [] {
-    bool any = false;
-    for (std::size_t c = 0; c < pushing; ++c) any = any || is_seen(c);
-    return any;
-  }();
-  /// Number of pressures.
-  static constexpr std::size_t pressures = [] {
+  /// Number of channels of which `is` holds.
+  static constexpr std::size_t count(bool (*is)(std::size_t)) {
     std::size_t n = 0;
-    for (std::size_t c = 0; c < pushing; ++c) n += is_pressure(c) ? 1u : 0u;
+    for (std::size_t c = 0; c < channels; ++c) n += is(c) ? 1u : 0u;
     return n;
-  }();
+  }
+  /// Number of channels that push, the first ones; of pressures; of channels with a cone.
+  static constexpr std::size_t pushing = count(pushes), pressures = count(is_pressure),
+                               cones = count(has_cone);
+  static constexpr bool sees = count(is_seen) > 0;
   /// The readings of all pressures, a bit each.
   static constexpr std::uint32_t pressed_readings = [] {
     std::uint32_t bits = 0;

@@ -79,10 +79,7 @@ class ContactSkin : public WrappedTouch<ContactSkin<S, Most>, S> {
   /// Number of contacts that found no room.
   [[nodiscard]] std::size_t left_out(const Memory& memory) const noexcept { return memory.contacts.left_out; }
   /// The contacts apart by sides: within 60 degrees of each other, at most four of a contact.
-  [[nodiscard]] const typename S::Pressed& pressed(const Memory& memory, const auto&) const noexcept {
-    return memory.areas;
-  }
-  [[nodiscard]] const typename S::Pressed& pressed(const Memory& memory) const noexcept {
+  [[nodiscard]] const typename S::Pressed& pressed(const Memory& memory, const auto&...) const noexcept {
     return memory.areas;
   }
 
@@ -90,13 +87,7 @@ class ContactSkin : public WrappedTouch<ContactSkin<S, Most>, S> {
   ContactFinder<scalar> finder_;
   Regions regions_;
 };
-template <class S>
-ContactSkin(const S&) -> ContactSkin<S>;
-template <class S>
-ContactSkin(const S&, const Regions&) -> ContactSkin<S>;
-template <class S>
-ContactSkin(const S&, const CellGraph&) -> ContactSkin<S>;
-template <class S>
-ContactSkin(const S&, const CellGraph&, const Regions&) -> ContactSkin<S>;
+template <class S, class... Rest>
+ContactSkin(const S&, const Rest&...) -> ContactSkin<S>;
 
 SKINCTL_END_NAMESPACE

@@ -12,21 +12,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Pressed cells of one link that hang together over the cell graph. Along the link's axes, about the link's
-/// origin.
+/// Pressed cells of one link that hang together over the cell graph, as one area. Along the link's axes, about
+/// the link's origin.
 template <Real T = double>
-struct SkinContact {
-  std::uint32_t id = 0;  ///< identity in time, from 1; that of no other contact of the skin
-  std::size_t link = 0;
-  std::size_t cells = 0;               ///< number of cells
-  std::size_t strongest = 0;           ///< index of the cell with the largest push
-  RegionMask regions = 0;              ///< with a cell in this contact
-  T pushed = T(0);                     ///< sum of the cells' pushes [N]; at least |force|
-  T peak = T(0);                       ///< of the strongest cell [N]
-  T area = T(0);                       ///< of the pressed cells [m^2]
-  Xyz<T> force = {T(0), T(0), T(0)};   ///< [N]
-  Xyz<T> moment = {T(0), T(0), T(0)};  ///< [N m]
-  Xyz<T> place = {T(0), T(0), T(0)};   ///< centre of pressure [m]
+struct SkinContact : PressedArea<T> {
+  std::uint32_t id = 0;       ///< identity in time, from 1; that of no other contact of the skin
+  std::size_t cells = 0;      ///< number of cells
+  std::size_t strongest = 0;  ///< index of the cell with the largest push
+  RegionMask regions = 0;     ///< regions with a cell in this contact
+  T peak = T(0);              ///< push on the strongest cell [N]
+  T area = T(0);              ///< surface of the pressed cells [m^2]
   Xyz<T> normal = {T(0), T(0),
                    T(0)};  ///< outwards: against the force; of the strongest cell if grasped around
   Nanoseconds began{};     ///< end of the interval in which it was first felt
@@ -185,7 +180,6 @@ class ContactFinder {
     std::size_t count = 0, k = 0;
     SkinContact<T>& c = out.contact = {};
     std::uint32_t& heir = out.heir;
-    c.link = cells_[seed].link;
     float inherits = 0, peak = 0;
     T area(0);
     std::size_t cells = 0;
@@ -237,15 +231,15 @@ class ContactFinder {
       }
     }
     sides[k] = last, forces[k] = pushes;
-    PressedArea<T> all{.link = c.link};
+    PressedArea<T> all{.link = cells_[seed].link};
     for (k = 0; k < count; ++k) {
-      PressedArea<T> side{.link = c.link};
+      PressedArea<T> side{.link = all.link};
       side.pushed = sides[k].pushed, side.force = forces[k], side.moment = sides[k].moment;
       side.place = (T(1) / side.pushed) * sides[k].place;
       all.add(side);
       areas.add(side);
     }
-    c.pushed = all.pushed, c.force = all.force, c.moment = all.moment, c.place = all.place;
+    static_cast<PressedArea<T>&>(c) = all;
     c.area = area, c.cells = cells, c.regions = regions;
     c.peak = static_cast<T>(peak), c.strongest = strongest;
     using std::sqrt;

@@ -11,56 +11,40 @@ SKINCTL_BEGIN_NAMESPACE
 /// The link of a cell where it is known at run time only.
 using SomeLink = detail::AnyLink;
 
-/// A cell of a `SkinPatch`: its id in the samples, its pose on the link, and what it has of its own.
-struct SkinCell {
-  std::uint32_t id = 0;
-  Transform<SomeLink, Cell> X_LC;          ///< z is the outward normal
-  std::optional<CellGains> gains{};        ///< none: those of its patch
-  std::optional<EventGate<>> force{};      ///< on the sum of its forces; none: that of `SkinSettings`
-  std::optional<EventGate<>> proximity{};  ///< none: that of `SkinSettings`
-  bool masked = false;                     ///< cells that are no part of what feels, whatever they send
-
-  /// The gates in the order of the channels.
-  [[nodiscard]] std::array<EventGate<>, 2> gates(const SkinSettings& s) const {
-    return {force.value_or(s.force), proximity.value_or(s.proximity)};
-  }
-};
-
-/// Cells on link `link` with common gains. See `Patch`, which has its link and size in its type.
-struct SkinPatch {
-  std::size_t link = 0;
-  CellGains gains{};
-  std::vector<SkinCell> cells;
-};
-
-/// A cell of a `ChannelPatch`: the same of any kind of sensor.
-template <SensorKind Kind>
+/// A cell of a `ChannelPatch`: its id in the samples, its pose on the link, and what it has of its own.
+template <SensorKind Kind = Hexagon>
 struct ChannelCell {
   std::uint32_t id = 0;
-  Transform<SomeLink, Cell> X_LC;             ///< z is the outward normal
-  std::optional<ChannelGains<Kind>> gains{};  ///< none: those of its patch
-  std::optional<std::array<EventGate<>, KindTable<Kind>::pushing>>
-      gate{};           ///< none: those of `ChannelSettings`
+  Transform<SomeLink, Cell> X_LC;        ///< z is the outward normal
+  std::optional<GainsOf<Kind>> gains{};  ///< none: those of its patch
+  /// Of each channel that pushes, in its order: of a hexagon the sum of its forces, and its proximity. None: that
+  /// of the skin's settings.
+  std::array<std::optional<EventGate<>>, KindTable<Kind>::pushing> gate{};
   bool masked = false;  ///< cells that are no part of what feels, whatever they send
 
-  [[nodiscard]] auto gates(const ChannelSettings<Kind>& s) const { return gate.value_or(s.gate); }
+  /// The gates in the order of the channels.
+  [[nodiscard]] auto gates(const SettingsOf<Kind>& s) const {
+    auto out = s.gates();
+    for (std::size_t c = 0; c < out.size(); ++c) out[c] = gate[c].value_or(out[c]);
+    return out;
+  }
 };
-/// Cells of a kind on link `link` with common gains.
-template <SensorKind Kind>
+/// Cells of a kind on link `link` with common gains. See `Patch`, which has its link and size in its type.
+template <SensorKind Kind = Hexagon>
 struct ChannelPatch {
   std::size_t link = 0;
-  ChannelGains<Kind> gains{};
+  GainsOf<Kind> gains{};
   std::vector<ChannelCell<Kind>> cells;
 };
-template <SensorKind Kind>
-using SkinPatchOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, SkinPatch, ChannelPatch<Kind>>;
+using SkinCell = ChannelCell<>;
+using SkinPatch = ChannelPatch<>;
 
 namespace detail {
 
 /// Adds patches of a skin that is not known to the compiler to its tables.
 template <class Wrenches, class Kind, Real T>
 SKINCTL_COLD void add_patches(SkinTables<Kind, T>& tables, const SettingsOf<Kind>& settings,
-                              const std::vector<SkinPatchOf<Kind>>& patches) {
+                              const std::vector<ChannelPatch<Kind>>& patches) {
   constexpr std::size_t joints = Wrenches::model_type::joints;
   for (const auto& patch : patches) {
     require(patch.link < joints && ((Wrenches::links >> patch.link) & 1u) != 0, "SkinOf: link of a patch",
@@ -82,13 +66,6 @@ SKINCTL_COLD void add_patches(SkinTables<Kind, T>& tables, const SettingsOf<Kind
     tables.add(all, most, patch.link, Wrenches::slot(patch.link));
   }
 }
-template <class Patch>
-std::size_t count_cells(const std::vector<Patch>& patches) noexcept {
-  std::size_t n = 0;
-  for (const auto& patch : patches) n += patch.cells.size();
-  return n;
-}
-
 }  // namespace detail
 
 /// A `Skin` of up to `Capacity` cells in up to `Patches` patches on
@@ -117,9 +94,10 @@ class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, Kind> {
 
   /// Throws `ConfigurationError` for more cells or patches than there is room for, a patch without cells or on
   /// a link that is not in `Links`, and for what `Patch`, `Skin` and `EventGate::counted` refuse.
-  SKINCTL_COLD explicit SkinOf(const std::vector<SkinPatchOf<Kind>>& patches, const Settings& settings = {})
+  SKINCTL_COLD explicit SkinOf(const std::vector<ChannelPatch<Kind>>& patches, const Settings& settings = {})
       : Core(settings) {
-    const std::size_t cells = detail::count_cells(patches);
+    std::size_t cells = 0;
+    for (const auto& patch : patches) cells += patch.cells.size();
     require(cells > 0, "SkinOf: cells", 0, ">= 1");
     require(cells <= Capacity, "SkinOf: cells", double(cells),
             ("at most its capacity of " + std::to_string(Capacity)).c_str());

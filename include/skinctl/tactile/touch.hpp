@@ -36,7 +36,7 @@ struct NoSensors {};
 /// | `Touch`, `touch(memory)` | contacts, and what the controller's own push is, apart | all is contact | both |
 /// | `pressed(memory, touch)` | the areas that are pressed | the contact part of `touch` | both |
 /// | `contacts(memory)` | the contacts that skills wait for, each a `Found` | none are found | both |
-/// | `coverage(memory)`, `usable(memory)` | how much of it feels | no cells | together |
+/// | `coverage(memory)` | how much of it feels | no cells | together |
 /// | `nearest<I>(memory)` | bound of proximity on link `I` | 1: somebody may be there | greatest of those that tell |
 /// | `index(id)`, `size()` | place of a cell; `size()`: not its own | no cells | b's behind a's |
 /// | `each_cell(f, most)` | unit wrenches of cells, for checks of stability | none | both |
@@ -75,7 +75,7 @@ struct TouchTable {
   static constexpr bool has_cells = detail::HasCells<S>;
   /// It takes the samples of a cycle's input: its cells are hexagons, or do not say what they are.
   static constexpr bool takes_hexagons = detail::TakesHexagons<S>::value;
-  static constexpr bool has_coverage = detail::HasCoverage<S> || detail::HasUsable<S>;
+  static constexpr bool has_coverage = detail::HasCoverage<S>;
   static constexpr bool has_cell_list = detail::HasEachCell<S>;
   static constexpr bool has_points = detail::HasEachPoint<S>;
   static constexpr bool feels_everywhere = detail::HasGainEverywhere<S>;
@@ -117,14 +117,11 @@ struct TouchTable {
       return std::span<const detail::NothingFound>();
     }
   }
-  /// Of a touch that only counts its cells they are one patch.
   [[nodiscard]] static SKINCTL_INLINE Coverage coverage(const S& s, const Memory& m) noexcept {
     if constexpr (detail::HasCoverage<S>) {
       return s.coverage(m);
     } else {
-      Coverage out;
-      if constexpr (detail::HasUsable<S>) out.add(s.usable(m), s.size());
-      return out;
+      return {};
     }
   }
   template <std::size_t I, class W = typename S::Wrenches>

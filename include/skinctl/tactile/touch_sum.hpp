@@ -8,8 +8,6 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-namespace detail {}  // namespace detail
-
 /// The touches of two sources: each a `LinkWrenches`, a `TouchWrenches`, a `JointTouch`, or such a sum.
 template <class A, class B>
 struct TouchSum {
@@ -218,11 +216,6 @@ class TouchSources : public detail::ApartOfSum<A, B>,
   {
     const double a = First::gain_everywhere(a_), b = Second::gain_everywhere(b_);
     return a > b ? a : b;
-  }
-  [[nodiscard]] std::size_t usable(const Memory& memory) const noexcept
-    requires(First::has_coverage || Second::has_coverage)
-  {
-    return coverage(memory).usable;
   }
   [[nodiscard]] Coverage coverage(const Memory& memory) const noexcept
     requires(First::has_coverage || Second::has_coverage)

@@ -91,8 +91,7 @@ class TrustedSkin : public detail::TrustCore<S> {
     add(out, m.filled.force, m.filled.proximity);
     return out;
   }
-  [[nodiscard]] Pressed pressed(const Memory& m, const auto&) const noexcept { return pressed(m); }
-  [[nodiscard]] Pressed pressed(const Memory& m) const noexcept {
+  [[nodiscard]] Pressed pressed(const Memory& m, const auto&...) const noexcept {
     Pressed areas = this->wrapped().pressed(m);
     typename Core::Filled filled(*this, m);
     this->each_filled(m, [&](std::size_t i, double share) {
@@ -134,13 +133,7 @@ class TrustedSkin : public detail::TrustCore<S> {
     }
     return T(most < 1 ? most : 1.0f);
   }
-  /// Number of cells whose readings count: heard, and not masked.
-  [[nodiscard]] std::size_t usable(const Memory& m) const noexcept {
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < size(); ++i) n += this->counts(m, i) ? 1u : 0u;
-    return n;
-  }
-  /// How much of the skin feels, also of its worst patch, and a place where nothing is felt.
+  /// How much of the skin feels (cells that are heard and not masked), also of its worst patch, and a place where nothing is felt.
   [[nodiscard]] Coverage coverage(const Memory& m) const noexcept {
     Coverage out;
     for (std::size_t i = 0; i < size();) {

@@ -63,12 +63,7 @@ class CellChanges {
     memory_.follow(i);
     const Weighed was = row.weigh(old), is = row.weigh(passed);
     memory_.sums[row.patch].add(row, less(is, was));
-    if (parts_.from == parts_.to) return;
-    const Ramp<T> ramp = ramp_between(parts_.from, parts_.to);
-    each_push([&]<bool Seen, std::size_t Line>() {
-      const T jump = push<Seen, Line>(tables_.patch_of(i), is) - push<Seen, Line>(tables_.patch_of(i), was);
-      add_means<Seen, Line>(i, T(0), [&](const T& t) { return jump * ramp.integral(t); });
-    });
+    if (parts_.from != parts_.to) spread(row, less(is, was), parts_.from, parts_.to);
   }
 
   /// Fades the forces of cells that have fallen silent; reports whether any cell is silent.
@@ -97,68 +92,30 @@ class CellChanges {
     const CellRow<Kind>& row = tables_.cells[i];
     const Weighed was = row.weigh(old), is = row.weigh(passed);
     memory_.sums[row.patch].add(row, less(is, was_heard ? was : Weighed{}));
-    const Ramp<T> ramp = ramp_between(last, time);
-    each_push([&]<bool Seen, std::size_t Line>() {
-      const PatchRow<Kind, T>& patch = tables_.patch_of(i);
-      const T from = push<Seen, Line>(patch, was), to = push<Seen, Line>(patch, is);
-      if (fading) {
-        change_of_fading<Seen, Line>(i, ramp, from, to, loss_since(last), was_heard);
-      } else {
-        const T jump = to - from, made_up = jump * (ramp.integral(T(0)) - ramp.integral(parts_.back));
-        add_means<Seen, Line>(i, made_up, [&](const T& t) { return jump * ramp.integral(t); });
-      }
-    });
-  }
-
-  /// The means of a change of cell `i` along a ramp from `last` to `time`, in an interval that has a length.
-  SKINCTL_NOINLINE void spread(const CellRow<Kind>& cell, const Weighed& change, Nanoseconds last,
-                               Nanoseconds time) const noexcept {
-    const PatchRow<Kind, T>& patch = tables_.patches[cell.patch];
-    const Ramp<T> ramp = ramp_between(last, time);
-    // All readings share their ramp: its integrals are computed once.
-    T before = ramp.integral(T(0));
-    const T evenly = (before - ramp.integral(parts_.back)) * parts_.per_whole;
-    for (std::size_t j = 0; j < parts_.count; ++j) {
-      const T after = ramp.integral(parts_.length * static_cast<T>(j + 1));
-      const T share = evenly + (after - before) * parts_.per_length;
-      before = after;
-      each_push([&]<bool Seen, std::size_t Line>() SKINCTL_INLINE_LAMBDA {
-        patch.add_unit(cell.unit[Line], T(share * (push<Seen, Line>(patch, change))),
-                       wrenches<Seen>(means_[j]).data[cell.slot]);
-      });
+    if (fading) {
+      change_of_fading(row, was, is, last, time, was_heard);
+    } else {
+      spread(row, less(is, was), last, time);
     }
   }
 
-  /// Calls `f<Seen, Line>()` for the pushes of a cell whose wrenches are apart: of what is seen, and along
-  /// each line. Where contacts and what is seen go together, `Seen` is false.
-  template <class F>
-  static SKINCTL_INLINE void each_push(const F& f) noexcept {
-    [&]<std::size_t... L>(std::index_sequence<L...>) SKINCTL_INLINE_LAMBDA {
-      const auto one = [&]<bool Seen, std::size_t Line>() SKINCTL_INLINE_LAMBDA {
-        if constexpr (belongs<Seen, Line>()) f.template operator()<Seen, Line>();
-      };
-      (one.template operator()<false, L>(), ...);
-      if constexpr (apart) (one.template operator()<true, L>(), ...);
-    }(std::make_index_sequence<KindTable<Kind>::lines>{});
+  /// Adds a change of a cell by a ramp from `last` to `time`, and what of it is missing before the interval.
+  SKINCTL_NOINLINE void spread(const CellRow<Kind>& cell, const Weighed& change, Nanoseconds last,
+                               Nanoseconds time) const noexcept {
+    const Ramp<T> ramp = ramp_between(last, time);
+    add_means(cell, change, ramp.integral(T(0)) - ramp.integral(parts_.back),
+              [&ramp](const T& t) SKINCTL_INLINE_LAMBDA { return ramp.integral(t); });
   }
-  /// The push of a cell by weighed counts [N].
-  template <bool Seen, std::size_t Line>
-  static SKINCTL_INLINE T push(const PatchRow<Kind, T>& patch, const Weighed& counts) noexcept {
-    T sum(0);
-    each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
-      if constexpr (belongs<Seen, Line>(c)) sum = sum + patch.gain[c] * real_of<T>(counts[c]);
-    });
-    return sum;
-  }
-  /// The wrenches to which pushes of a use belong.
-  template <bool Seen, class W>
-  static SKINCTL_INLINE auto& wrenches(W& means) noexcept {
-    if constexpr (!apart) {
-      return means;
-    } else if constexpr (Seen) {
-      return means.proximity;
+
+  /// Adds `share` times the wrenches of a cell by weighed counts, to a `Means` or to what is owed.
+  template <class W>
+  static SKINCTL_INLINE void add_wrenches(const CellRow<Kind>& cell, const PatchRow<Kind, T>& patch,
+                                          const Weighed& counts, const T& share, W& to) noexcept {
+    if constexpr (apart) {
+      add_use<false>(cell, patch, counts, share, to.force.data[cell.slot]);
+      add_use<true>(cell, patch, counts, share, to.proximity.data[cell.slot]);
     } else {
-      return means.force;
+      add_use<false>(cell, patch, counts, share, to.data[cell.slot]);
     }
   }
   [[nodiscard]] static SKINCTL_INLINE Weighed less(Weighed a, const Weighed& b) noexcept {
@@ -173,52 +130,66 @@ class CellChanges {
   std::uint64_t max_age_, hold_, ramp_;
 
  private:
-  template <bool Seen, std::size_t Line>
-  static constexpr bool belongs(std::size_t c) noexcept {
-    return KindTable<Kind>::line[c] == Line && (!apart || KindTable<Kind>::is_seen(c) == Seen);
+  /// Whether channel `c` acts along a line and belongs to a use; where the two uses are not apart, to both.
+  static constexpr bool belongs(std::size_t c, bool seen, std::size_t line) noexcept {
+    return c < KindTable<Kind>::pushing && KindTable<Kind>::line[c] == line &&
+           (!apart || KindTable<Kind>::is_seen(c) == seen);
   }
-  template <bool Seen, std::size_t Line>
-  static constexpr bool belongs() noexcept {
-    for (std::size_t c = 0; c < KindTable<Kind>::pushing; ++c)
-      if (belongs<Seen, Line>(c)) return true;
-    return false;
+  template <bool Seen>
+  static SKINCTL_INLINE void add_use(const CellRow<Kind>& cell, const PatchRow<Kind, T>& patch,
+                                     const Weighed& counts, const T& share, T* wrench) noexcept {
+    const auto along = [&]<std::size_t Line>() SKINCTL_INLINE_LAMBDA {
+      constexpr auto mine = [](std::size_t c) { return belongs(c, Seen, Line); };
+      if constexpr (KindTable<Kind>::count(mine) > 0) {
+        T push(0);
+        each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
+          if constexpr (mine(c)) push = push + patch.gain[c] * real_of<T>(counts[c]);
+        });
+        patch.add_unit(cell.unit[Line], T(share * push), wrench);
+      }
+    };
+    [&]<std::size_t... L>(std::index_sequence<L...>) SKINCTL_INLINE_LAMBDA {
+      (along.template operator()<L>(), ...);
+    }(std::make_index_sequence<KindTable<Kind>::lines>{});
   }
-  /// Adds the cell's unit wrench times the mean of a force over each part, given its integral over time, and
-  /// the impulse `made_up`, spread evenly over the whole interval; for an interval without length the impulse
-  /// goes to the next one.
-  template <bool Seen, std::size_t Line, class Integral>
-  void add_means(std::size_t i, const T& made_up, const Integral& integral) const noexcept {
-    const CellRow<Kind>& cell = tables_.cells[i];
+  /// Adds pushes by `counts` times a share that changes in time, as its mean over each part of the interval.
+  ///
+  /// @param missing   integral of the share before the interval [s]: spread evenly over the whole interval; without
+  ///                  a length it goes to the next one.
+  /// @param integral  integral of the share up to a time [s].
+  template <class Integral>
+  SKINCTL_INLINE void add_means(const CellRow<Kind>& cell, const Weighed& counts, const T& missing,
+                                const Integral& integral) const noexcept {
     const PatchRow<Kind, T>& patch = tables_.patches[cell.patch];
     if (parts_.from == parts_.to) [[unlikely]] {
-      auto& owed = apart && Seen ? memory_.owed.proximity : memory_.owed.force;
-      patch.add_unit(cell.unit[Line], made_up, owed.data[cell.slot]);
+      if constexpr (apart) {
+        add_wrenches(cell, patch, counts, missing, memory_.owed);
+      } else {
+        add_wrenches(cell, patch, counts, missing, memory_.owed.force);
+      }
       memory_.owes = true;
       return;
     }
-    const T evenly = made_up * parts_.per_whole;
+    const T evenly = missing * parts_.per_whole;
     T before = integral(T(0));
     for (std::size_t j = 0; j < parts_.count; ++j) {
       const T after = integral(parts_.length * static_cast<T>(j + 1));
-      patch.add_unit(cell.unit[Line], evenly + (after - before) * parts_.per_length,
-                     wrenches<Seen>(means_[j]).data[cell.slot]);
+      add_wrenches(cell, patch, counts, T(evenly + (after - before) * parts_.per_length), means_[j]);
       before = after;
     }
   }
-  /// The push changes on a cell that was fading or silent: `ramp` starts from the remaining force.
-  template <bool Seen, std::size_t Line>
-  void change_of_fading(std::size_t i, const Ramp<T>& ramp, const T& from, const T& to, const Ramp<T>& loss,
-                        bool was_heard) const noexcept {
-    const T stop = ramp.start();
-    const T left = T(1) - loss.value(stop);
-    const T jump = to - from * left;
+  /// A cell that was fading or silent changes: a ramp from what had remained of it, and the loss ends.
+  void change_of_fading(const CellRow<Kind>& cell, const Weighed& was, const Weighed& is, Nanoseconds last,
+                        Nanoseconds time, bool was_heard) const noexcept {
+    const Ramp<T> ramp = ramp_between(last, time), loss = loss_since(last);
+    const T stop = ramp.start(), left = T(1) - loss.value(stop);
     const auto revised = [&](const T& t) {
-      return from * (loss.integral(t) - loss.integral_until(stop, t)) + jump * ramp.integral(t);
+      return loss.integral(t) - loss.integral_until(stop, t) - left * ramp.integral(t);
     };
-    add_means<Seen, Line>(i, revised(T(0)) - revised(parts_.back), [&](const T& t) {
-      const T rest = was_heard ? T(-loss.integral_until(stop, t)) : T(left * t);
-      return from * rest + jump * ramp.integral(t);
+    add_means(cell, was, revised(T(0)) - revised(parts_.back), [&](const T& t) {
+      return (was_heard ? T(-loss.integral_until(stop, t)) : T(left * t)) - left * ramp.integral(t);
     });
+    spread(cell, is, last, time);
   }
 
   /// The ramp of a cell's force from its reading at `last` to the later one at `time`.
@@ -252,10 +223,7 @@ class CellChanges {
     const bool ends = span(cell.stamp, parts_.to) >= max_age_;
     if (held != Weighed{}) {
       const Ramp<T> loss = loss_since(cell.stamp);
-      each_push([&]<bool Seen, std::size_t Line>() {
-        const T force = push<Seen, Line>(tables_.patches[row.patch], held);
-        add_means<Seen, Line>(i, T(0), [&](const T& t) { return -force * loss.integral(t); });
-      });
+      add_means(row, held, T(0), [&](const T& t) { return -loss.integral(t); });
       if (ends) memory_.sums[row.patch].add(row, less({}, held));
     }
     if (ends) memory_.enter(i, false);

@@ -147,7 +147,7 @@ struct PatchRow {
       const CellRow<Kind>& cell, const PerChannel<Kind, std::uint16_t>& raw,
       const PerChannel<Kind, std::uint16_t>& old) const noexcept {
     const PerChannel<Kind, std::uint16_t> out = cell.gated(raw, old);
-    if constexpr (KindTable<Kind>::has_cones) {
+    if constexpr (KindTable<Kind>::cones > 0) {
       return cell.within_cones(out, newton);
     } else {
       return out;

@@ -105,10 +105,7 @@ class Reception : public CellChanges<Kind, T, Memory, Means> {
       return true;
     }
     const T share = static_cast<T>(static_cast<std::int64_t>(2 * late + (gap < ramp_ ? gap : ramp_)));
-    Changes::each_push([&]<bool Seen, std::size_t Line>() SKINCTL_INLINE_LAMBDA {
-      patch.add_unit(row.unit[Line], T(share * (Changes::template push<Seen, Line>(patch, change))),
-                     Changes::template wrenches<Seen>(pushes).data[row.slot]);
-    });
+    Changes::add_wrenches(row, patch, change, share, pushes);
     return true;
   }
 

@@ -126,9 +126,8 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   }
 
   /// The areas where force readings are held: the contacts. Time is bounded: per pressed cell a constant.
-  /// What else is touched (the second argument) is nothing to a skin.
-  [[nodiscard]] Pressed pressed(const Memory& memory, const auto&) const noexcept { return pressed(memory); }
-  [[nodiscard]] Pressed pressed(const Memory& memory) const noexcept {
+  /// What else is touched (a second argument) is nothing to a skin.
+  [[nodiscard]] Pressed pressed(const Memory& memory, const auto&...) const noexcept {
     Pressed areas;
     memory.each_cell(&BlockStates::pressed, 0, size(), [&](std::size_t i) {
       const auto held = tables_.cells[i].weigh(memory.records[i].held);
@@ -182,11 +181,7 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
 
   /// Number of silent cells: never received, or not within `max_age`.
   [[nodiscard]] std::size_t silent(const Memory& memory) const noexcept { return size() - memory.heard; }
-  /// Number of cells that feel: received within `max_age`, and with a gain.
-  [[nodiscard]] std::size_t usable(const Memory& memory) const noexcept {
-    return memory.heard - numb(memory, 0, size());
-  }
-  /// How much of the skin feels, also of its worst patch.
+  /// How much of the skin feels, also of its worst patch: cells that were received within `max_age`, and have a gain.
   [[nodiscard]] Coverage coverage(const Memory& memory) const noexcept {
     Coverage out;
     for (const PatchRow<Kind, T>& patch : tables_.patches)

@@ -54,11 +54,6 @@ concept HasCoverage = requires(const S& s, const typename S::Memory& m) {
   { s.coverage(m) } -> std::same_as<Coverage>;
 };
 template <class S>
-concept HasUsable = requires(const S& s, const typename S::Memory& m) {
-  { s.usable(m) } -> std::same_as<std::size_t>;
-  { s.size() } -> std::same_as<std::size_t>;
-};
-template <class S>
 concept HasLinks = requires {
   { S::Wrenches::links } -> std::convertible_to<LinkMask>;
 };

@@ -21,12 +21,7 @@ struct TrustMemory : S::Memory {
   using Health = CellHealth<cells, typename S::kind>;
   using Cross = CrossTalk<cells>;
   using Row = HealthRow::Row;
-  static constexpr std::size_t rows = Health::rows, pressures = Table::pressures;
-  static constexpr std::size_t cones = [] {
-    std::size_t n = 0;
-    for (std::size_t c = 0; c < Table::pushing; ++c) n += Table::has_cone(c) ? 1u : 0u;
-    return n;
-  }();
+  static constexpr std::size_t rows = Health::rows, pressures = Table::pressures, cones = Table::cones;
 
   typename Health::Memory health;
   std::array<std::array<RestRow, rows>, pressures> rest{};  ///< of each pressure
