@@ -157,6 +157,18 @@ TEST_CASE_TEMPLATE("SkinOf: each cell has its threshold and its gain", T, float,
   numb.receive(m, {&s, 1}, 0ns, 10ms, 1, &mean);
   CHECK(mean == typename decltype(numb)::Wrenches{});
   CHECK(numb.pressed(m).size() == 0);
+  // Neither of them feels, nor one that is masked, also in a patch that does not see.
+  SkinPatch blind{3, {10, 0}, patches[0].cells};
+  for (SkinCell& cell : blind.cells) cell.gains.reset();
+  blind.cells[0].gains = CellGains{0, 0}, blind.cells[1].masked = true;
+  const SkinOf<ur5::Model, T, 64, 2, link_bit<3>> deaf({blind}, settings);
+  auto heard = deaf.start(0ns);
+  for (const SkinCell& cell : blind.cells) {
+    s.cell = cell.id;
+    deaf.receive(heard, {&s, 1}, 0ns, 10ms, 1, &mean);
+  }
+  CHECK(deaf.silent(heard) == 0);
+  CHECK(deaf.coverage(heard).usable == blind.cells.size() - 2);
   // What each cell passes bounds what is near it.
   patches[0].cells[5].gate[1] = EventGate<>::dead_band(0.75);
   const SkinOf<ur5::Model, T, 64, 2, link_bit<3>> dim(patches, settings);

@@ -148,7 +148,7 @@ struct SkinTables {
       const double own = cell.masked ? 0 : cell.gain[c], share = gain[c] > 0 ? own / gain[c] : 1;
       row.tuning[c].set(gate);
       row.tuning[c].share = static_cast<std::uint16_t>(std::round(share * double(ChannelTuning::whole)));
-      feels = feels || row.tuning[c].share != 0;
+      feels = feels || own > 0;
       patch.hidden[c] = gate.opens_at() > patch.hidden[c] ? gate.opens_at() : patch.hidden[c];
     }
     if (!feels) numb.push_back(static_cast<std::uint32_t>(cells.size()));
