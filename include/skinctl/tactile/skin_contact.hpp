@@ -137,10 +137,22 @@ class ContactFinder {
   static SKINCTL_INLINE Xyz<T> vector(const Number (&x)[N]) noexcept {
     return {T(x[0]), T(x[1]), T(x[2])};
   }
-  /// Sums over the cells of one side of a contact, beside that of forces.
-  struct Side {
-    T pushed = T(0);
-    Xyz<T> moment{T(0), T(0), T(0)}, place{T(0), T(0), T(0)};  ///< place times push
+  using Side = PressedArea<T>;
+  /// The sides of a contact: sums over cells that are pushed from about the same side, `place` times push.
+  struct Sides {
+    static constexpr std::size_t most = 4;
+    Side list[most] = {};
+    std::size_t count = 0, last = 0;
+
+    /// The side of a push along `force`: that of the last one, another one, or a new one while there is room.
+    SKINCTL_INLINE Side& of(const Xyz<T>& force) noexcept {
+      if (count > 0 && list[last].same_side(force)) return list[last];
+      std::size_t k = 0;
+      while (k < count && (k == last || !list[k].same_side(force))) ++k;
+      if (k == count) k = count < most ? count++ : most - 1;
+      last = k;
+      return list[k];
+    }
   };
   /// The strongest `Most` contacts of a frame, and one to be compared with them.
   template <std::size_t Most>
@@ -170,21 +182,11 @@ class ContactFinder {
 
   template <class Memory, class One, class Areas>
   void flood(Memory& m, std::uint32_t seed, std::uint32_t label, One& out, Areas& areas) const noexcept {
-    constexpr std::size_t max_sides = 4;
-    detail::Unwritten<Side, max_sides> room;
-    Side* const sides = room.data;
-    Xyz<T> forces[max_sides] = {};
-    Side last{};  // that of the last cell, and its force: in registers
-    Xyz<T> pushes{T(0), T(0), T(0)};
-    std::uint32_t strongest = seed;
-    std::size_t count = 0, k = 0;
+    Sides sides;
     SkinContact<T>& c = out.contact = {};
-    std::uint32_t& heir = out.heir;
-    float inherits = 0, peak = 0;
-    T area(0);
-    std::size_t cells = 0;
-    RegionMask regions = 0;
-    heir = ContactRow::none;
+    c.link = cells_[seed].link, c.strongest = seed;
+    out.heir = ContactRow::none;
+    float inherits = 0;
     m.rows[seed].next = bottom, m.rows[seed].frame = m.frame + 1;
     const std::uint32_t frame = m.frame;
     for (std::uint32_t top = seed; top != bottom;) {
@@ -198,57 +200,38 @@ class ContactFinder {
         other.frame = frame + 1, other.next = top;
         top = j;
       }
-      if (row.label != ContactRow::none && row.push > inherits) inherits = row.push, heir = row.label;
-      if (row.push > peak) peak = row.push, strongest = i;
+      if (row.label != ContactRow::none && row.push > inherits) inherits = row.push, out.heir = row.label;
       row.label = label;
-      const Xyz<T> force = vector(cell.force);
-      if (count == 0 || !PressedArea<T>::same_side(pushes, force)) {
-        unsigned same = 0;  // a bit a side: without a branch, cells at an edge go to and fro
-        for (std::size_t s = 0; s < max_sides; ++s)
-          same |= unsigned(PressedArea<T>::same_side(forces[s], force)) << s;
-        same &= ~(1u << k);  // as it was when it was left
-        sides[k] = last, forces[k] = pushes;
-        if (same == 0 && count < max_sides) {
-          k = count++;
-          last = Side{};
-        } else {
-          k = same != 0 ? static_cast<std::size_t>(std::countr_zero(same)) : max_sides - 1;
-          last = sides[k];
-        }
-        pushes = forces[k];
-      }
       const T push = static_cast<T>(row.push);
-      pushes = pushes + push * force;
-      last.pushed = last.pushed + push;
-      last.moment = last.moment + push * vector(cell.moment);
-      last.place = last.place + push * vector(cell.place);
-      area = area + T(cell.area);
-      ++cells;
-      regions |= cell.regions;
+      if (push > c.peak) c.peak = push, c.strongest = i;
+      const Xyz<T> force = vector(cell.force);
+      Side& side = sides.of(force);
+      side.force = side.force + push * force;
+      side.pushed = side.pushed + push;
+      side.moment = side.moment + push * vector(cell.moment);
+      side.place = side.place + push * vector(cell.place);
+      c.area = c.area + T(cell.area);
+      ++c.cells;
+      c.regions |= cell.regions;
       for (RegionMask rest = cell.regions; rest != 0; rest &= rest - 1) {
         T& sum = m.region_push[static_cast<std::size_t>(std::countr_zero(rest))];
         sum = sum + push;
       }
     }
-    sides[k] = last, forces[k] = pushes;
-    PressedArea<T> all{.link = cells_[seed].link};
-    for (k = 0; k < count; ++k) {
-      PressedArea<T> side{.link = all.link};
-      side.pushed = sides[k].pushed, side.force = forces[k], side.moment = sides[k].moment;
-      side.place = (T(1) / side.pushed) * sides[k].place;
-      all.add(side);
+    for (std::size_t k = 0; k < sides.count; ++k) {
+      Side side = sides.list[k];
+      side.link = c.link;
+      side.place = (T(1) / side.pushed) * side.place;
+      c.add(side);
       areas.add(side);
     }
-    static_cast<PressedArea<T>&>(c) = all;
-    c.area = area, c.cells = cells, c.regions = regions;
-    c.peak = static_cast<T>(peak), c.strongest = strongest;
     using std::sqrt;
     const T size = sqrt(dot(c.force, c.force));
     c.normal = size > T(0.5) * c.pushed ? T(T(-1) / size) * c.force : -vector(cells_[c.strongest].force);
-    if (heir == ContactRow::none)  // it moved on by a whole cell
+    if (out.heir == ContactRow::none)  // it moved on by a whole cell
       for (const std::uint32_t j : graph_.neighbours(c.strongest))
         if (m.rows[j].frame + 1 == m.frame && m.rows[j].push > inherits)
-          inherits = m.rows[j].push, heir = m.rows[j].label;
+          inherits = m.rows[j].push, out.heir = m.rows[j].label;
   }
 
   template <class Memory, class F>

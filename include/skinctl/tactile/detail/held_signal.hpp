@@ -45,10 +45,7 @@ template <Real T>
 class Ramp {
  public:
   SKINCTL_INLINE constexpr Ramp(const T& start, const T& length) noexcept
-      : Ramp(start, length, T(1) / length) {}
-  /// `slope` is 1 over `length`.
-  SKINCTL_INLINE constexpr Ramp(const T& start, const T& length, const T& slope) noexcept
-      : start_(start), length_(length), slope_(slope) {}
+      : start_(start), length_(length), slope_(T(1) / length) {}
 
   [[nodiscard]] SKINCTL_INLINE constexpr const T& start() const noexcept { return start_; }
   [[nodiscard]] SKINCTL_INLINE constexpr T value(const T& t) const noexcept { return up(t) * slope_; }
