@@ -183,3 +183,16 @@ TEST_CASE("TrustedSkin of hexagons with their forces apart: each force has its o
   w = run.until(63s, pressed);
   CHECK(w.data[0][2] == doctest::Approx(-16 * 0.49).epsilon(0.02));
 }
+
+TEST_CASE("TrustedSkin of several pressures: cells that were never heard keep their rest levels") {
+  auto t = settings();
+  t.noise = {{.force = 1.0f, .rest = 20}};
+  const Run<HexagonApart> run(t);
+  typename Run<HexagonApart>::S::Wrenches mean;
+  const double before = run.skin.rest(*run.memory, 3);
+  for (Nanoseconds now = 0ns; now < 60s; now += 4ms)
+    run.skin.receive(*run.memory, std::span<const CellSample>(), KindInput<HexagonApart>{}, State<6>{}, now,
+                     now + 4ms, 1, &mean);
+  CHECK(before > 0);
+  CHECK(run.skin.rest(*run.memory, 3) == before);
+}

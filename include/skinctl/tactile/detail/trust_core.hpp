@@ -220,8 +220,7 @@ class TrustCore : public TrustFrames<S> {
       for (std::size_t k = 0; k < 16; k += L::lanes) {
         auto on = L::load(row.proximity.data() + k) > L(low_proximity_);
         for (std::size_t p = 0; p < pressures; ++p)
-          on = on | (L::load(Frames::now(m, p, b).data() + k) - L::load(m.rest[p][b].whole + k) >
-                     L(low_force_[p]));
+          on = on | (L::load(m.now[p][b].data() + k) - L::load(m.rest[p][b].whole + k) > L(low_force_[p]));
         if (!any(on)) continue;
         for (std::size_t lane = 0; lane < L::lanes; ++lane) active |= on[lane] ? 1u << (k + lane) : 0u;
       }

@@ -103,24 +103,9 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
   [[nodiscard]] float counts_seen() const noexcept {
     return static_cast<float>(Kind::channels[seen_].greatest / Table::step(seen_));
   }
-  /// What 16 cells read in their `p`-th pressure, now and a frame ago [steps].
-  [[nodiscard]] static const Row& now(const Memory& m, std::size_t p, std::size_t b) noexcept {
-    if constexpr (pressures == 1) {
-      return static_cast<void>(p), m.health.row[b].force;
-    } else {
-      return m.now[p][b];
-    }
-  }
-  [[nodiscard]] static const Row& last(const Memory& m, std::size_t p, std::size_t b) noexcept {
-    if constexpr (pressures == 1) {
-      return static_cast<void>(p), m.health.row[b].last;
-    } else {
-      return m.last[p][b];
-    }
-  }
   /// What cell `i` reads above its rest level [steps]: in its `p`-th pressure, in all.
   [[nodiscard]] static SKINCTL_INLINE float above(const Memory& m, std::size_t p, std::size_t i) noexcept {
-    const float x = now(m, p, i / 16)[i % 16] - m.rest[p][i / 16].whole[i % 16];
+    const float x = m.now[p][i / 16][i % 16] - m.rest[p][i / 16].whole[i % 16];
     return x > 0 ? x : 0;
   }
   [[nodiscard]] static SKINCTL_INLINE float above(const Memory& m, std::size_t i) noexcept {
@@ -135,15 +120,13 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
     for (std::size_t p = 0; p < pressures; ++p) {
       const float steps = amount[pressure_[p]] * steps_per_[p];
       force = p == 0 ? steps : force + steps;
-      if constexpr (pressures > 1) m.now[p][i / 16][i % 16] = steps;
+      m.now[p][i / 16][i % 16] = steps;
     }
     if constexpr (Table::sees)
       proximity = amount[seen_] * static_cast<float>(1 / Kind::channels[seen_].greatest);
     // Of a cell that speaks for the first time, or again, nothing is known of what it read before.
     const bool anew = !m.health.record[i].known || m.health.row[i / 16].gap[i % 16] > 0.5f;
-    if constexpr (pressures > 1)
-      for (std::size_t p = 0; anew && p < pressures; ++p)
-        m.last[p][i / 16][i % 16] = m.now[p][i / 16][i % 16];
+    for (std::size_t p = 0; anew && p < pressures; ++p) m.last[p][i / 16][i % 16] = m.now[p][i / 16][i % 16];
     for (std::size_t k = 0; k < cones; ++k)
       m.shear[k][i / 16][i % 16] = amount[cone_[k]] * static_cast<float>(1 / Table::step(cone_[k]));
     health_.take(m.health, i, s, force, proximity);
@@ -214,8 +197,8 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
       if (s_.proximity) sum += proximity_evidence(L::load(row.proximity.data() + k));
       sum.store(evidence.data() + k);
     }
-    RestLevel::scan(m.rest[p][b], last(m, p, b).data(), TrustFrames::now(m, p, b).data(), evidence.data(),
-                    levels_[p][b], step);
+    RestLevel::scan(m.rest[p][b], m.last[p][b].data(), m.now[p][b].data(), evidence.data(), levels_[p][b],
+                    step);
   }
 
   /// What others say of cell `i`.

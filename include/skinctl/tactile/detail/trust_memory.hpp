@@ -25,8 +25,8 @@ struct TrustMemory : S::Memory {
 
   typename Health::Memory health;
   std::array<std::array<RestRow, rows>, pressures> rest{};  ///< of each pressure
-  /// What each pressure reads, now and a frame ago [steps]; of a single one `health` has it.
-  std::array<std::array<Row, rows>, pressures == 1 ? 0 : pressures> now{}, last{};
+  /// What each pressure reads, now and a frame ago [steps]; NaN of cells that were not heard.
+  std::array<std::array<Row, rows>, pressures> now = unheard(), last = unheard();
   std::array<std::array<Row, rows>, cones> shear{}, shear_rest{};  ///< of each cone: what it reads [counts]
   typename Cross::Memory cross;
   std::array<std::uint16_t, rows> pushing{};  ///< cells that count for something
@@ -37,6 +37,12 @@ struct TrustMemory : S::Memory {
   Nanoseconds newest = Nanoseconds::min();  ///< stamp of a sample
   float lone_share = 1;                     ///< of its lone force that each cell without witness has
   Touch filled{};                           ///< wrenches of the cells that are filled in
+
+  [[nodiscard]] static constexpr auto unheard() noexcept {
+    std::array<std::array<Row, rows>, pressures> all{};
+    for (auto& of_pressure : all) of_pressure.fill(HealthRow::nothing);
+    return all;
+  }
   friend bool operator==(const TrustMemory& a, const TrustMemory& b) noexcept {
     const auto same = [](const auto& x, const auto& y) {
       using Bytes = std::array<unsigned char, sizeof(x)>;
@@ -44,7 +50,7 @@ struct TrustMemory : S::Memory {
              std::bit_cast<Bytes>(x) == std::bit_cast<Bytes>(y);
     };
     return static_cast<const typename S::Memory&>(a) == static_cast<const typename S::Memory&>(b) &&
-           a.health == b.health && same(a.rest, b.rest) && a.now == b.now && a.last == b.last &&
+           a.health == b.health && same(a.rest, b.rest) && same(a.now, b.now) && same(a.last, b.last) &&
            same(a.shear, b.shear) && same(a.shear_rest, b.shear_rest) && a.cross == b.cross &&
            a.pushing == b.pushing && same(a.median, b.median) && a.median_at == b.median_at &&
            a.median_of == b.median_of && a.newest == b.newest && a.lone_share == b.lone_share &&
