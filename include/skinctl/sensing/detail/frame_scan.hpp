@@ -71,19 +71,81 @@ template <std::size_t W = native_lanes<float>>
   }
 }
 
-/// Moves 16 cells on by one frame.
-///
-/// @param spoke, at_top  a bit for each cell: a sample has come since the last frame; a force sensor is at its top.
+/// What a frame finds of the forces of a lane of cells.
+template <class L>
+struct ForceChange {
+  using Mask = LaneMask<float, L::lanes>;
+  L d{0.0f};       ///< change since the last sample [steps]; 0 without a new one
+  Mask jumped{};   ///< within one sample, and not as a part of a fast movement
+  Mask step{};     ///< up by a jump, with nothing before it
+  Mask settled{};  ///< it moved on with the sample behind a jump: it was no step
+  Mask noisy{};    ///< more noise than a cell has
+};
+/// The statistics of the forces in lanes from `i` on, and what they show.
 ///
 /// Differences `d` of samples that follow each other and their differences `dd` are averaged over 0.2 s:
 /// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>`, where the force turns, in units of sigma^2. White
-/// noise gives 2, 6, 5.3; a jump does not turn, and what trembles turns seldom. A force moves by 6 sigma, a proximity by
-/// 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in 6 ms has not seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may differ the more.
+/// noise gives 2, 6, 5.3; a jump does not turn, and what trembles turns seldom.
+template <class L>
+[[nodiscard]] SKINCTL_INLINE ForceChange<L> force_change(HealthRow& r, const HealthLimitsRow& c,
+                                                         std::size_t i,
+                                                         const LaneMask<float, L::lanes>& fresh, const L& gap,
+                                                         const L& slow) noexcept {
+  const auto get = [i](const HealthRow::Row& row) SKINCTL_INLINE_LAMBDA { return L::load(row.data() + i); };
+  const L zero(0.0f), share = min(gap * L(5.0f), L(1.0f));
+  const L force = get(r.force), before = get(r.change), per = get(c.per_sigma), jump = get(c.jump);
+  ForceChange<L> out;
+  out.d = select(fresh, force - get(r.last), zero);
+  const L d = out.d, a = d * per, b = (d - before) * per, aa = a * a, bb = b * b;
+  const L first = get(r.first), second = get(r.second), capped = get(r.capped);
+  const L turns = select(a * before < zero, min(bb, L(256.0f)), zero);
+  const L now_first = select(fresh, first + share * (aa - first), first);
+  const L now_second = select(fresh, second + share * (bb - second), second);
+  const L now_capped = select(fresh, capped + share * (turns - capped), capped);
+  out.noisy = (now_capped > L(40.0f)) & (now_second > L(1.5f) * now_first);
+  out.jumped = abs(d) > jump * slow;
+  if (any(out.jumped | (before > jump))) [[unlikely]] {
+    out.step = out.jumped & (d > zero) & (before < L(0.1f) * d);
+    out.settled = fresh & (before > jump) &
+                  ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));
+    // What goes on as fast as before is a fast movement, and no jump; an edge that takes two samples is one.
+    const auto goes_on = (before * d > zero) & (abs(before) > jump);
+    out.jumped = out.jumped & (before * d < L(0.25f) * d * d) & !goes_on;
+  }
+  now_first.store(r.first.data() + i), now_second.store(r.second.data() + i);
+  now_capped.store(r.capped.data() + i), select(fresh, d, before).store(r.change.data() + i);
+  force.store(r.last.data() + i);
+  return out;
+}
+
+/// Whether the forces in lanes from `i` on may be touches.
 ///
 /// A force that rises by a jump in a single sample, and neither before nor after it by a tenth as much, does so as no
 /// body does that is pressed on: it is in doubt for a while, and from then on until it moves within a window and not
 /// by a jump: a hand trembles. One that moves on with the next sample, up by a tenth or down by a tenth to seven, is
 /// not in doubt.
+template <class L>
+SKINCTL_INLINE void doubt_forces(HealthRow& r, const HealthLimitsRow& c, const HealthStep& k, std::size_t i,
+                                 const ForceChange<L>& now) noexcept {
+  const auto get = [i](const HealthRow::Row& row) SKINCTL_INLINE_LAMBDA { return L::load(row.data() + i); };
+  const L dt(k.dt), zero(0.0f), overdue(HealthRow::overdue), force = get(r.force), held = get(r.doubt);
+  // A jump alone proves no life: its end is what further movements are compared with.
+  const L anchor = get(r.anchor), left = max(get(r.life) - dt, zero);
+  const auto moves = abs(force - anchor) > get(c.moves);
+  const L life = select(now.step, zero, select(moves & !now.jumped, L(k.doubt), left));
+  const L over = select(life > zero, zero, min(held, overdue));
+  const L waits = select(held - dt > overdue, held - dt, over);
+  select(now.step, L(k.doubt), select(now.settled, zero, waits)).store(r.doubt.data() + i);
+  life.store(r.life.data() + i);
+  (k.anchors ? force : select(moves | now.jumped, force, anchor)).store(r.anchor.data() + i);
+}
+
+/// Moves 16 cells on by one frame.
+///
+/// A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in 6 ms has not
+/// seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may differ the more.
+///
+/// @param spoke, at_top  a bit for each cell: a sample has come since the last frame; a force sensor is at its top.
 SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, const HealthStep& k,
                                      std::uint32_t spoke, std::uint32_t at_top) noexcept {
   using L = Lane<float>;
@@ -92,68 +154,37 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     const auto get = [i](const HealthRow::Row& row) SKINCTL_INLINE_LAMBDA { return L::load(row.data() + i); };
     const L dt(k.dt), zero(0.0f), one(1.0f);
     const auto fresh = lanes_of(spoke >> i);
-    const L gap = get(r.gap) + dt, slow = max(gap * L(k.per_gap), one), share = min(gap * L(5.0f), one);
+    const L gap = get(r.gap) + dt, slow = max(gap * L(k.per_gap), one);
+    const ForceChange<L> now = force_change(r, c, i, fresh, gap, slow);
+    doubt_forces(r, c, k, i, now);
 
-    const L force = get(r.force), d = select(fresh, force - get(r.last), zero), size = abs(d);
-    const L before = get(r.change), per = get(c.per_sigma), a = d * per, b = (d - before) * per;
-    const L aa = a * a, bb = b * b, first = get(r.first), second = get(r.second), capped = get(r.capped);
-    const L now_first = select(fresh, first + share * (aa - first), first);
-    const L now_second = select(fresh, second + share * (bb - second), second);
-    const L now_capped = select(
-        fresh, capped + share * (select(a * before < zero, min(bb, L(256.0f)), zero) - capped), capped);
-    const L limit = get(c.jump) * slow, held = get(r.doubt);
-    auto jumped = size > limit;
-    LaneMask<float, L::lanes> step{}, settled{};
-    if (any(jumped | (before > get(c.jump)))) [[unlikely]] {
-      step = jumped & (d > zero) & (before < L(0.1f) * d);
-      settled = fresh & (before > get(c.jump)) &
-                ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));
-      // What goes on as fast as before is a fast movement, and no jump; an edge that takes two samples is one.
-      const auto goes_on = (before * d > zero) & (abs(before) > get(c.jump));
-      jumped = jumped & (before * d < L(0.25f) * d * d) & !goes_on;
-    }
-    // A jump alone proves no life: its end is what further movements are compared with.
-    const L anchor = get(r.anchor), left = max(get(r.life) - dt, zero);
-    const auto moves = abs(force - anchor) > get(c.moves);
-    const L life = select(step, zero, select(moves & !jumped, L(k.doubt), left));
-    const L over = select(life > zero, zero, min(held, L(HealthRow::overdue)));
-    const L waits = select(held - dt > L(HealthRow::overdue), held - dt, over);
-    const L doubt = select(step, L(k.doubt), select(settled, zero, waits));
     const L p = get(r.proximity), dp = select(fresh, abs(p - get(r.last_proximity)), zero);
     const auto p_moved = (dp > get(c.proximity)) & (dp <= L(0.3f) * slow);
-    const L still = select(abs(a) > L(6.0f), zero, get(r.still) + dt);
-    const L p_still = select(p_moved, zero, get(r.still_proximity) + dt);
     const L seen =
         select(fresh & (p < L(0.1f)), zero, select(dp > L(0.1f) * slow, L(-10.0f), get(r.seen) + dt));
-
     const L top = select(lanes_of(at_top >> i), get(r.top) + dt, zero);
     const L was = get(r.pending), pending = max(was - dt, zero);
     const L hold = max(get(r.hold) - dt, zero);
     const L mask = get(r.mask) + select(hold > zero, L(k.rise), L(-k.fall));
-    const auto noisy = (now_capped > L(40.0f)) & (now_second > L(1.5f) * now_first);
+    const auto moved = abs(now.d * get(c.per_sigma)) > L(6.0f);
     const auto expired = (was > zero) & !(pending > zero);
-    const auto look = jumped | expired | noisy | (top >= L(k.saturated)) | (hold > zero);
+    const auto look = now.jumped | expired | now.noisy | (top >= L(k.saturated)) | (hold > zero);
 
-    now_first.store(r.first.data() + i), now_second.store(r.second.data() + i),
-        now_capped.store(r.capped.data() + i);
-    select(fresh, d, before).store(r.change.data() + i), force.store(r.last.data() + i),
-        p.store(r.last_proximity.data() + i);
+    p.store(r.last_proximity.data() + i), seen.store(r.seen.data() + i);
     select(fresh, zero, gap).store(r.gap.data() + i);
-    still.store(r.still.data() + i), p_still.store(r.still_proximity.data() + i),
-        seen.store(r.seen.data() + i);
-    top.store(r.top.data() + i), pending.store(r.pending.data() + i),
-        (get(r.jumps) * L(k.leak)).store(r.jumps.data() + i);
+    select(moved, zero, get(r.still) + dt).store(r.still.data() + i);
+    select(p_moved, zero, get(r.still_proximity) + dt).store(r.still_proximity.data() + i);
+    top.store(r.top.data() + i), pending.store(r.pending.data() + i);
+    (get(r.jumps) * L(k.leak)).store(r.jumps.data() + i);
     hold.store(r.hold.data() + i), max(min(mask, one), zero).store(r.mask.data() + i);
-    max(get(r.trust) - dt * L(10.0f), zero).store(r.trust.data() + i), doubt.store(r.doubt.data() + i);
-    life.store(r.life.data() + i),
-        (k.anchors ? force : select(moves | jumped, force, anchor)).store(r.anchor.data() + i);
+    max(get(r.trust) - dt * L(10.0f), zero).store(r.trust.data() + i);
 
-    if (any(look | step))
-      for (std::size_t lane = 0; lane < L::lanes; ++lane)
-        bits.stepped |= step[lane] ? 1u << (i + lane) : 0u,
-            bits.jumped |= jumped[lane] ? 1u << (i + lane) : 0u,
-            bits.expired |= expired[lane] ? 1u << (i + lane) : 0u,
-            bits.look |= look[lane] ? 1u << (i + lane) : 0u;
+    if (any(look | now.step))
+      for (std::size_t lane = 0; lane < L::lanes; ++lane) {
+        const std::uint32_t bit = 1u << (i + lane);
+        bits.stepped |= now.step[lane] ? bit : 0u, bits.jumped |= now.jumped[lane] ? bit : 0u;
+        bits.expired |= expired[lane] ? bit : 0u, bits.look |= look[lane] ? bit : 0u;
+      }
   }
   return bits;
 }
