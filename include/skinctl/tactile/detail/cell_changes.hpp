@@ -6,31 +6,6 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// An interval in equal parts; times within it are in seconds from its start.
-template <Real T>
-struct Parts {
-  Nanoseconds from, to;
-  std::size_t count;
-  T length, per_length, per_whole;  ///< [s], [1/s]; 0 for an interval without length
-  T back;                           ///< <= 0: start of the time for which missing impulse is added [s]
-  std::uint64_t reach;              ///< from there to the end [ns]
-
-  static Parts of(Nanoseconds from, Nanoseconds to, std::size_t count, Nanoseconds back) noexcept {
-    const T whole = seconds<T>(elapsed(from, to));
-    const T parts = static_cast<T>(count);
-    if (!(whole > T(0))) return {from, from, count, T(0), T(0), T(0), -seconds<T>(back), 0};
-    const std::uint64_t length = span(from, to), reach = length + span(0ns, back);
-    return {from,
-            to,
-            count,
-            whole / parts,
-            parts / whole,
-            T(1) / whole,
-            -seconds<T>(back),
-            reach < length ? ~std::uint64_t(0) : reach};
-  }
-};
-
 /// What changes of single cells add to sums and means, by any rule and in any interval. `Means` is a
 /// `LinkWrenches`, or a `TouchWrenches` for contacts and what is seen apart.
 template <class Kind, Real T, class Memory, class Means>

@@ -1,4 +1,4 @@
-// The force of one cell over time from its stamped samples: a sum of ramps, and their exact integrals.
+// A signal over time from its stamped samples: a sum of ramps, their exact integrals, and the parts of an interval.
 #pragma once
 
 #include <cstdint>
@@ -69,6 +69,30 @@ class Ramp {
   T start_;
   T length_;
   T slope_;
+};
+
+/// An interval in equal parts; times within it are in seconds from its start.
+template <Real T>
+struct Parts {
+  Nanoseconds from, to;
+  std::size_t count;
+  T length, per_length, per_whole;  ///< [s], [1/s]; 0 for an interval without length
+  T back;                           ///< <= 0: start of the time for which missing impulse is added [s]
+  std::uint64_t reach;              ///< from there to the end [ns]
+
+  static Parts of(Nanoseconds from, Nanoseconds to, std::size_t count, Nanoseconds back) noexcept {
+    const T whole = seconds<T>(elapsed(from, to)), parts = static_cast<T>(count);
+    if (!(whole > T(0))) return {from, from, count, T(0), T(0), T(0), -seconds<T>(back), 0};
+    const std::uint64_t length = span(from, to), reach = length + span(0ns, back);
+    return {from,
+            to,
+            count,
+            whole / parts,
+            parts / whole,
+            T(1) / whole,
+            -seconds<T>(back),
+            reach < length ? ~std::uint64_t(0) : reach};
+  }
 };
 
 }  // namespace detail

@@ -1,6 +1,8 @@
 // A row of numbers over time from stamped samples, and its means over the parts of an interval.
 #pragma once
 
+#include <algorithm>
+
 #include "skinctl/core/status.hpp"
 #include "skinctl/tactile/detail/held_signal.hpp"
 
@@ -28,65 +30,55 @@ class SampledInterval {
  public:
   SKINCTL_INLINE SampledInterval(const SampledTimes& times, SampledRow<K, T>& memory, Nanoseconds from,
                                  Nanoseconds to, std::size_t parts, const Row& row) noexcept
-      : times_(times), m_(memory), from_(from), to_(to < from ? from : to), parts_(parts), row_(row) {
-    if (m_.stamp > to_) m_.stamp = to_;  // the clock was set back
-    const T whole = seconds<T>(elapsed(from_, to_));
-    length_ = whole / static_cast<T>(parts);
-    per_length_ = length_ > T(0) ? T(1) / length_ : T(0);
-    per_whole_ = whole > T(0) ? T(1) / whole : T(0);
-    const Nanoseconds known = elapsed(m_.begin, from_);
-    back_ = -seconds<T>(known < times_.catch_up ? known : times_.catch_up);
-    fading_ = is_silent() || span(m_.stamp, to_) > hold();
-    for (std::size_t j = 0; j < parts_; ++j) {
+      : times_(times),
+        m_(memory),
+        p_(Parts<T>::of(from, to, parts, std::min(elapsed(memory.begin, from), times.catch_up))),
+        row_(row) {
+    if (m_.stamp > p_.to) m_.stamp = p_.to;  // the clock was set back
+    fading_ = is_silent() || age() > hold();
+    for (std::size_t j = 0; j < p_.count; ++j) {
       const T kept = keep(j);
       T* mean = row_(j);
-      for (std::size_t r = 0; r < K; ++r) mean[r] = kept * m_.held[r] + per_whole_ * m_.owed[r];
+      for (std::size_t r = 0; r < K; ++r) mean[r] = kept * m_.held[r] + p_.per_whole * m_.owed[r];
     }
-    if (whole > T(0))
+    if (p_.from != p_.to)
       for (T& x : m_.owed) x = T(0);
   }
 
   /// Whether a sample of this stamp counts, else why not.
   [[nodiscard]] SKINCTL_INLINE Status admits(Nanoseconds time) const noexcept {
     if (!is_silent() && time <= m_.stamp) return Reason::time_backwards;
-    if (time > to_ && span(to_, time) > static_cast<std::uint64_t>(times_.max_ahead.count()))
+    if (time > p_.to && span(p_.to, time) > static_cast<std::uint64_t>(times_.max_ahead.count()))
       return Reason::sample_out_of_range;
-    if (time < to_ && span(time, to_) >= static_cast<std::uint64_t>(times_.max_age.count()))
-      return Reason::sample_stale;
-    return !is_silent() && m_.stamp == to_ ? Status{Reason::time_backwards} : Status{};
+    if (time < p_.to && span(time, p_.to) >= max_age()) return Reason::sample_stale;
+    return !is_silent() && m_.stamp == p_.to ? Status{Reason::time_backwards} : Status{};
   }
   /// The signal is `value` at `stamp`, which is admitted.
   SKINCTL_INLINE void take(Nanoseconds stamp, const T (&value)[K]) noexcept {
-    const Nanoseconds time = stamp < to_ ? stamp : to_;
-    T jump[K];
+    const Nanoseconds time = stamp < p_.to ? stamp : p_.to;
     Nanoseconds since = time - times_.ramp;
-    T back = back_;
+    T back = p_.back;
     if (fading_) {
-      const T left = left_at_start();
-      for (std::size_t j = 0; j < parts_; ++j) {
-        const T change = left - keep(j);
-        T* mean = row_(j);
-        for (std::size_t r = 0; r < K; ++r) mean[r] = mean[r] + change * m_.held[r];
-      }
-      for (std::size_t r = 0; r < K; ++r) m_.held[r] = left * m_.held[r];
-      since = since > from_ ? since : (from_ < time ? from_ : time - 1ns);
+      const T left = is_silent() ? T(0) : T(T(1) - loss().value(T(0)));
+      for (std::size_t j = 0; j < p_.count; ++j) add(left - keep(j), m_.held, row_(j));
+      for (T& x : m_.held) x = left * x;
+      since = since > p_.from ? since : (p_.from < time ? p_.from : time - 1ns);
       back = T(0);
       fading_ = false;
     } else if (m_.stamp > since) {
       since = m_.stamp;
     }
+    T jump[K];
     for (std::size_t r = 0; r < K; ++r) jump[r] = value[r] - m_.held[r];
-    const Ramp<T> ramp(seconds_after<T>(from_, since), seconds<T>(time - since));
-    const T missing = ramp.integral(T(0)) - ramp.integral(back);
+    const Ramp<T> ramp(seconds_after<T>(p_.from, since), seconds<T>(time - since));
     T before = ramp.integral(T(0));
-    if (!(length_ > T(0))) {
-      for (std::size_t r = 0; r < K; ++r) m_.owed[r] = m_.owed[r] + missing * jump[r];
+    const T missing = before - ramp.integral(back);
+    if (p_.from == p_.to) {
+      add(missing, jump, m_.owed);
     } else {
-      for (std::size_t j = 0; j < parts_; ++j) {
-        const T after = ramp.integral(length_ * static_cast<T>(j + 1));
-        const T share = missing * per_whole_ + (after - before) * per_length_;
-        T* mean = row_(j);
-        for (std::size_t r = 0; r < K; ++r) mean[r] = mean[r] + share * jump[r];
+      for (std::size_t j = 0; j < p_.count; ++j) {
+        const T after = ramp.integral(p_.length * static_cast<T>(j + 1));
+        add(missing * p_.per_whole + (after - before) * p_.per_length, jump, row_(j));
         before = after;
       }
     }
@@ -96,40 +88,43 @@ class SampledInterval {
   /// After the last sample: whether the signal is silent from now on.
   [[nodiscard]] SKINCTL_INLINE bool end() noexcept {
     if (is_silent()) return true;
-    if (span(m_.stamp, to_) < static_cast<std::uint64_t>(times_.max_age.count())) return false;
+    if (age() < max_age()) return false;
     m_.stamp = Nanoseconds::min();
     for (T& x : m_.held) x = T(0);
     return true;
   }
 
  private:
+  static SKINCTL_INLINE void add(const T& share, const T (&value)[K], T* to) noexcept {
+    for (std::size_t r = 0; r < K; ++r) to[r] = to[r] + share * value[r];
+  }
   [[nodiscard]] SKINCTL_INLINE bool is_silent() const noexcept { return m_.stamp == Nanoseconds::min(); }
+  [[nodiscard]] SKINCTL_INLINE std::uint64_t age() const noexcept { return span(m_.stamp, p_.to); }
+  [[nodiscard]] SKINCTL_INLINE std::uint64_t max_age() const noexcept {
+    return static_cast<std::uint64_t>(times_.max_age.count());
+  }
   [[nodiscard]] SKINCTL_INLINE std::uint64_t hold() const noexcept {
     return static_cast<std::uint64_t>((times_.max_age - times_.fade).count());
   }
   [[nodiscard]] SKINCTL_INLINE Ramp<T> loss() const noexcept {
-    return {seconds_after<T>(from_, m_.stamp) + seconds<T>(nanoseconds_of(hold())), seconds<T>(times_.fade)};
+    return {seconds_after<T>(p_.from, m_.stamp) + seconds<T>(nanoseconds_of(hold())),
+            seconds<T>(times_.fade)};
   }
   /// Mean share of the held value over part `j`.
   [[nodiscard]] SKINCTL_INLINE T keep(std::size_t j) const noexcept {
     if (!fading_) return T(1);
     if (is_silent()) return T(0);
     const Ramp<T> gone = loss();
-    if (!(length_ > T(0))) return T(1) - gone.value(T(0));
-    const T t = length_ * static_cast<T>(j);
-    return T(1) - (gone.integral(T(t + length_)) - gone.integral(t)) * per_length_;
-  }
-  [[nodiscard]] SKINCTL_INLINE T left_at_start() const noexcept {
-    return is_silent() ? T(0) : T(T(1) - loss().value(T(0)));
+    if (p_.from == p_.to) return T(1) - gone.value(T(0));
+    const T t = p_.length * static_cast<T>(j);
+    return T(1) - (gone.integral(T(t + p_.length)) - gone.integral(t)) * p_.per_length;
   }
 
   const SampledTimes& times_;
   SampledRow<K, T>& m_;
-  Nanoseconds from_, to_;
-  std::size_t parts_;
+  const Parts<T> p_;
   const Row& row_;
-  T length_, per_length_, per_whole_, back_;
-  bool fading_;
+  bool fading_ = false;
 };
 
 }  // namespace detail

@@ -14,20 +14,16 @@ class TrustCore : public TrustFrames<S> {
   using Frames = TrustFrames<S>;
 
  public:
-  using Frames::cells, Frames::patches, Frames::rows, Frames::pressures, Frames::cones;
-  using typename Frames::Kind, typename Frames::Table;
+  using Frames::cells, Frames::pressures, Frames::cones, Frames::size;
+  using Frames::TrustFrames;
+  using typename Frames::Cross, typename Frames::Health, typename Frames::Kind, typename Frames::Memory,
+      typename Frames::T, typename Frames::Table, typename Frames::Touch;
   using Counts = typename S::Counts;
   using Raw = PerChannel<Kind, std::uint16_t>;
-  using typename Frames::Cross, typename Frames::Health, typename Frames::Memory, typename Frames::T,
-      typename Frames::Touch;
-  using TrustFrames<S>::TrustFrames;
-  using Frames::size;
 
  protected:
   using Frames::above, Frames::cell_, Frames::cone_, Frames::counts, Frames::counts_seen, Frames::fill_,
-      Frames::has_lone, Frames::health_, Frames::low_force_, Frames::low_proximity_, Frames::masked_,
-      Frames::near, Frames::per_step_, Frames::pressure_, Frames::quantised, Frames::s_, Frames::seen_,
-      Frames::talk_unit_, Frames::witness;
+      Frames::has_lone, Frames::pressure_, Frames::quantised, Frames::s_, Frames::seen_;
 
   /// The front end of one call.
   struct Front {
@@ -96,7 +92,7 @@ class TrustCore : public TrustFrames<S> {
       using L = Lane<float>;
       for (std::size_t k = 0; k < 16; k += L::lanes)
         whole = whole && !any(L::load(m.health.row[b].mask.data() + k) > L(0.0f));
-      whole = whole && !masked_[b];
+      whole = whole && !this->masked_[b];
       if (whole) continue;
       for (std::size_t k = 0; k < 16 && 16 * b + k < size(); ++k) {
         const double share = share_filled(m, 16 * b + k);
@@ -138,7 +134,8 @@ class TrustCore : public TrustFrames<S> {
     const float left = cell_[i].masked ? 0 : 1 - quantised(row.mask[k]);
     PerChannel<Kind, std::int32_t> n{};
     const auto cut = [](float x) { return static_cast<std::int32_t>(x < 65535.0f ? x : 65535.0f); };
-    for (std::size_t p = 0; p < pressures; ++p) n[pressure_[p]] = cut(above(m, p, i) * per_step_[p] + 0.5f);
+    for (std::size_t p = 0; p < pressures; ++p)
+      n[pressure_[p]] = cut(above(m, p, i) * this->per_step_[p] + 0.5f);
     if constexpr (Table::sees)
       n[seen_] = cut(row.proximity[k] > 0 ? row.proximity[k] * counts_seen() + 0.5f : 0.5f);
     for (std::size_t s = 0; s < cones; ++s) {
@@ -204,7 +201,7 @@ class TrustCore : public TrustFrames<S> {
       return static_cast<std::int32_t>(left * std::min(double(x) + 0.5, 65535.0));
     };
     PerChannel<Kind, std::int32_t> n{};
-    for (std::size_t p = 0; p < pressures; ++p) n[pressure_[p]] = raw(above(m, p, i) * per_step_[p]);
+    for (std::size_t p = 0; p < pressures; ++p) n[pressure_[p]] = raw(above(m, p, i) * this->per_step_[p]);
     if constexpr (Table::sees) n[seen_] = raw(row.proximity[k] > 0 ? row.proximity[k] * counts_seen() : 0.0f);
     const double push = push_of(c, passed_of(c, n));
     return (1 - double(quantised(row.trust[k]))) * std::min(push / c.lone, 1.0);
@@ -218,9 +215,10 @@ class TrustCore : public TrustFrames<S> {
       std::uint32_t active = m.pushing[b];
       using L = Lane<float>;
       for (std::size_t k = 0; k < 16; k += L::lanes) {
-        auto on = L::load(row.proximity.data() + k) > L(low_proximity_);
+        auto on = L::load(row.proximity.data() + k) > L(this->low_proximity_);
         for (std::size_t p = 0; p < pressures; ++p)
-          on = on | (L::load(m.now[p][b].data() + k) - L::load(m.rest[p][b].whole + k) > L(low_force_[p]));
+          on = on |
+               (L::load(m.now[p][b].data() + k) - L::load(m.rest[p][b].whole + k) > L(this->low_force_[p]));
         if (!any(on)) continue;
         for (std::size_t lane = 0; lane < L::lanes; ++lane) active |= on[lane] ? 1u << (k + lane) : 0u;
       }
@@ -232,8 +230,8 @@ class TrustCore : public TrustFrames<S> {
         if (Health::in_doubt(m.health, i)) {
           row.trust[k] = 0;
           if (s_.find_faults && has_lone(i) && Health::stands(m.health, i))
-            health_.hold(m.health, i, CellFault::stuck);
-        } else if (witness(m, i).touched) {
+            this->health_.hold(m.health, i, CellFault::stuck);
+        } else if (this->witness(m, i).touched) {
           row.trust[k] = 1;
         }
         all += alone(m, i);
@@ -255,7 +253,7 @@ class TrustCore : public TrustFrames<S> {
         revise(i, counts_of<Kind>(c));
         const auto bit = static_cast<std::uint16_t>(1u << k);
         m.pushing[b] = static_cast<std::uint16_t>(c == Raw{} ? m.pushing[b] & ~bit : m.pushing[b] | bit);
-        if (row.still[k] < 0.02f) Cross::follow(m.cross, i, talk_unit_ * above(m, i));
+        if (row.still[k] < 0.02f) Cross::follow(m.cross, i, this->talk_unit_ * above(m, i));
       }
     }
     m.filled = {};
