@@ -3,7 +3,6 @@
 
 #include "bench/studies/floor/hand_floor.hpp"
 #include "bench/studies/floor/ur5_floor.hpp"
-#include "bench/studies/floor/ur5_planar_floor.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "tests/oracles/agreement.hpp"
@@ -14,52 +13,6 @@ namespace {
 
 /// Rounding of some hundred operations, relative to the largest entry of the result.
 constexpr double rounding = 1e-14;
-
-struct Recursion {
-  static void fk_jacobian(const double* q, double* X, double* J) {
-    bench_floor::ur5::floor_fk_jacobian(q, X, J);
-  }
-  static void fk(const double* q, double* X) { bench_floor::ur5::floor_fk(q, X); }
-  static void inverse_dynamics(const double* q, const double* dq, const double* ddq, double* tau) {
-    bench_floor::ur5::floor_inverse_dynamics(q, dq, ddq, tau);
-  }
-  static void yr_theta(const double* q, const double* dq, const double* dq_r, const double* ddq_r,
-                       double* tau) {
-    bench_floor::ur5::floor_yr_theta(q, dq, dq_r, ddq_r, tau);
-  }
-  static void gravity(const double* q, double* G) { bench_floor::ur5::floor_gravity(q, G); }
-  static void mass_matrix(const double* q, double* M) { bench_floor::ur5::floor_mass_matrix(q, M); }
-  static void forward_dynamics(const double* q, const double* dq, const double* tau, double* ddq) {
-    bench_floor::ur5::floor_forward_dynamics(q, dq, tau, ddq);
-  }
-  static void fused(const double* q, const double* dq, const double* dq_r, const double* ddq_r,
-                    const double* K_d, double* X, double* J, double* tau) {
-    bench_floor::ur5::floor_fk_jacobian_yr_theta_kd(q, dq, dq_r, ddq_r, K_d, X, J, tau);
-  }
-};
-
-struct Planar {
-  static void fk_jacobian(const double* q, double* X, double* J) {
-    bench_floor::ur5_planar::floor_fk_jacobian(q, X, J);
-  }
-  static void fk(const double* q, double* X) { bench_floor::ur5_planar::floor_fk(q, X); }
-  static void inverse_dynamics(const double* q, const double* dq, const double* ddq, double* tau) {
-    bench_floor::ur5_planar::floor_inverse_dynamics(q, dq, ddq, tau);
-  }
-  static void yr_theta(const double* q, const double* dq, const double* dq_r, const double* ddq_r,
-                       double* tau) {
-    bench_floor::ur5_planar::floor_yr_theta(q, dq, dq_r, ddq_r, tau);
-  }
-  static void gravity(const double* q, double* G) { bench_floor::ur5_planar::floor_gravity(q, G); }
-  static void mass_matrix(const double* q, double* M) { bench_floor::ur5_planar::floor_mass_matrix(q, M); }
-  static void forward_dynamics(const double* q, const double* dq, const double* tau, double* ddq) {
-    bench_floor::ur5_planar::floor_forward_dynamics(q, dq, tau, ddq);
-  }
-  static void fused(const double* q, const double* dq, const double* dq_r, const double* ddq_r,
-                    const double* K_d, double* X, double* J, double* tau) {
-    bench_floor::ur5_planar::floor_fk_jacobian_yr_theta_kd(q, dq, dq_r, ddq_r, K_d, X, J, tau);
-  }
-};
 
 /// Twelve numbers a link: axes, then origin.
 std::vector<Digits50> columns(const Definition::Pose& X) {
@@ -72,7 +25,8 @@ std::vector<Digits50> columns(const Definition::Pose& X) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("Floor: UR5 agrees with the definition in 50 digits", Floor, Recursion, Planar) {
+TEST_CASE("Floor: UR5 agrees with the definition in 50 digits") {
+  namespace floor = bench_floor::ur5;
   const Definition definition(ur5());
   const Definition::Vec3 flange{0, 0, Digits50(ur5_flange[2])};
   const std::vector<double> K_d{7, 6, 5, 4, 3, 2};
@@ -83,16 +37,16 @@ TEST_CASE_TEMPLATE("Floor: UR5 agrees with the definition in 50 digits", Floor, 
       const auto q = widened(s.q), dq = widened(s.dq), ddq = widened(s.ddq), dq_r = widened(s.dq_r);
       std::vector<double> tau(6), M(36), X(72), J(36), X_again(72), J_again(36), tau_again(6);
 
-      Floor::inverse_dynamics(s.q.data(), s.dq.data(), s.ddq.data(), tau.data());
+      floor::floor_inverse_dynamics(s.q.data(), s.dq.data(), s.ddq.data(), tau.data());
       CHECK(difference(tau, definition.inverse_dynamics(q, dq, ddq)) < rounding);
-      Floor::gravity(s.q.data(), tau.data());
+      floor::floor_gravity(s.q.data(), tau.data());
       CHECK(difference(tau, definition.gravity(q)) < rounding);
-      Floor::mass_matrix(s.q.data(), M.data());
+      floor::floor_mass_matrix(s.q.data(), M.data());
       CHECK(difference(M, definition.mass_matrix(q)) < rounding);
-      Floor::yr_theta(s.q.data(), s.dq.data(), s.dq_r.data(), s.ddq.data(), tau.data());
+      floor::floor_yr_theta(s.q.data(), s.dq.data(), s.dq_r.data(), s.ddq.data(), tau.data());
       CHECK(difference(tau, definition.yr_theta(q, dq, dq_r, ddq)) < rounding);
 
-      Floor::fk_jacobian(s.q.data(), X.data(), J.data());
+      floor::floor_fk_jacobian(s.q.data(), X.data(), J.data());
       const auto poses = definition.poses(q);
       for (std::size_t i = 0; i < 6; ++i)
         CHECK(difference(std::vector<double>(&X[12 * i], &X[12 * i] + 12), columns(poses[i])) < rounding);
@@ -102,17 +56,17 @@ TEST_CASE_TEMPLATE("Floor: UR5 agrees with the definition in 50 digits", Floor, 
         for (std::size_t r = 0; r < 6; ++r) J_columns.push_back(J_exact[6 * r + c]);
       CHECK(difference(J, J_columns) < rounding);
 
-      Floor::fk(s.q.data(), X_again.data());
+      floor::floor_fk(s.q.data(), X_again.data());
       CHECK(difference(X_again, X) < rounding);
-      Floor::fused(s.q.data(), s.dq.data(), s.dq_r.data(), s.ddq.data(), K_d.data(), X_again.data(),
-                   J_again.data(), tau_again.data());
+      floor::floor_fk_jacobian_yr_theta_kd(s.q.data(), s.dq.data(), s.dq_r.data(), s.ddq.data(), K_d.data(),
+                                           X_again.data(), J_again.data(), tau_again.data());
       CHECK(difference(X_again, X) < rounding);
       CHECK(difference(J_again, J) < rounding);
       for (std::size_t i = 0; i < 6; ++i) tau[i] -= K_d[i] * (s.dq[i] - s.dq_r[i]);
       CHECK(difference(tau_again, tau) < rounding);
 
       if (s.name == "fast") continue;
-      Floor::forward_dynamics(s.q.data(), s.dq.data(), s.ddq.data(), tau.data());
+      floor::floor_forward_dynamics(s.q.data(), s.dq.data(), s.ddq.data(), tau.data());
       CHECK(difference(tau, definition.forward_dynamics(q, dq, ddq)) < 1e-12);
     }
 }
