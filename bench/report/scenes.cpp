@@ -10,15 +10,7 @@
 #include <string>
 
 #include "bench/support/cold.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/dynamics/forward_dynamics.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/limits/skin_watch.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/needs_read.hpp"
 
 using namespace skinctl;

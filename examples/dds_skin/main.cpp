@@ -10,15 +10,8 @@
 
 #include "examples/adapters/dds/skin.hpp"
 #include "examples/support/job.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/hardware/loop.hpp"
 #include "skinctl/io/ros_messages.hpp"
-#include "skinctl/kinematics/poses.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
+#include "skinctl/skinctl.hpp"
 
 namespace {
 
@@ -94,7 +87,8 @@ struct FollowingArm {
     return Heard::state;
   }
   bool send(const PositionCommand<6>& command) noexcept {
-    state.dq = (command.position - state.q) * (1 / 0.008);
+    state.dq =
+        JointVelocity<6>::generate([&](std::size_t i) { return (command.position[i] - state.q[i]) / 0.008; });
     state.q = command.position;
     return true;
   }

@@ -13,14 +13,8 @@
 #include "examples/live_page/page.hpp"
 #include "examples/live_page/tests/byte_client.hpp"
 #include "examples/support/svg_plot.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/hardware/loop.hpp"
-#include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/recording/mcap_recorder.hpp"
-#include "skinctl/robots/ur5_links.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
+#include "skinctl/skinctl.hpp"
 #ifdef SKINCTL_HAS_DDS
 #include "examples/adapters/dds/dds_view.hpp"
 #endif

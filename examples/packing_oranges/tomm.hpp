@@ -8,22 +8,8 @@
 #include "examples/packing_oranges/gripper.hpp"
 #include "examples/packing_oranges/obstacle.hpp"
 #include "examples/packing_oranges/plan.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/control/spline_operational.hpp"
-#include "skinctl/control/velocity_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/describe.hpp"
-#include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/limits/governor.hpp"
-#include "skinctl/robots/universal_robots.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/semantics/skill_map.hpp"
-#include "skinctl/skills/library.hpp"
-#include "skinctl/tactile/cover.hpp"
-#include "skinctl/tactile/skin.hpp"
+#include "skinctl/skinctl.hpp"
 
 namespace packing {
 

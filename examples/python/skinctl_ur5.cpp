@@ -10,16 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/guard/faults.hpp"
-#include "skinctl/hardware/loop.hpp"
 #include "skinctl/recording/cycle_hand_over.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
+#include "skinctl/skinctl.hpp"
 
 namespace py = pybind11;
 
@@ -67,7 +59,8 @@ struct Following {
     return Heard::state;
   }
   bool send(const PositionCommand<6>& command) noexcept {
-    state.dq = (command.position - state.q) * (1 / 0.008);
+    state.dq =
+        JointVelocity<6>::generate([&](std::size_t i) { return (command.position[i] - state.q[i]) / 0.008; });
     state.q = command.position;
     return true;
   }

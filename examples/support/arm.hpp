@@ -5,14 +5,7 @@
 #include <memory>
 
 #include "examples/support/curves.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/describe.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/tracking/settings.hpp"
+#include "skinctl/skinctl.hpp"
 
 namespace examples {
 using namespace skinctl;

@@ -1,17 +1,9 @@
-#include "skinctl/clearance/own_view.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <memory>
 
-#include "skinctl/clearance/own_view_skin.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/tactile/contact_skin.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"

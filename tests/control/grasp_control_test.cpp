@@ -1,13 +1,8 @@
-#include "skinctl/control/grasp_control.hpp"
-
 #include <doctest/doctest.h>
 
 #include <limits>
 
-#include "skinctl/dynamics/forward_dynamics.hpp"
-#include "skinctl/law/law.hpp"
-#include "skinctl/robots/allegro.hpp"
-#include "skinctl/robots/ur5_allegro.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;

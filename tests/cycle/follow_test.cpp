@@ -3,12 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/blended.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -4,11 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/limits/jerk_limits.hpp"
-#include "skinctl/limits/skin_watch.hpp"
-#include "skinctl/limits/tool_speed.hpp"
-#include "skinctl/passivity/energy_tank.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/support/grouped_scene.hpp"
 
 using namespace skinctl;

@@ -1,14 +1,8 @@
-#include "skinctl/cycle/output.hpp"
-
 #include <doctest/doctest.h>
 
 #include <memory>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -5,13 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/limits/skin_watch.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/support/grouped_scene.hpp"
 #include "tests/support/ur5_clearance.hpp"
 

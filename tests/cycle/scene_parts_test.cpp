@@ -1,19 +1,9 @@
-#include "skinctl/cycle/scene_parts.hpp"
-
 #include <doctest/doctest.h>
 
 #include <memory>
 #include <string>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/limits/jerk_limits.hpp"
-#include "skinctl/limits/tool_speed.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

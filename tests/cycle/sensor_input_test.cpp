@@ -5,16 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/configurations.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/hardware/loop.hpp"
-#include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/tactile/motor_touch.hpp"
-#include "skinctl/tactile/touch_sum.hpp"
-#include "skinctl/tactile/wrist_sensor.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

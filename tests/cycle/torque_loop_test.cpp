@@ -6,13 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/model/link.hpp"
-#include "skinctl/model/loaded.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

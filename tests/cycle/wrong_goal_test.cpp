@@ -6,11 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include "skinctl/control/impedance.hpp"
-#include "skinctl/control/joint_control.hpp"
-#include "skinctl/control/operational_control.hpp"
-#include "skinctl/control/reactive_control.hpp"
-#include "skinctl/control/spline_operational.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/support/scene.hpp"
 
 using namespace skinctl;

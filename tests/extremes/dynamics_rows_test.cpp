@@ -1,25 +1,7 @@
 // Kinematics and dynamics of an arm at the ends of what a number holds: a row each, see rows.hpp.
 #include <doctest/doctest.h>
 
-#include "skinctl/dynamics/forward_dynamics.hpp"
-#include "skinctl/dynamics/friction.hpp"
-#include "skinctl/dynamics/loop_dynamics.hpp"
-#include "skinctl/dynamics/loop_forward_dynamics.hpp"
-#include "skinctl/dynamics/operational_inertia.hpp"
-#include "skinctl/dynamics/quantities.hpp"
-#include "skinctl/dynamics/regressor.hpp"
-#include "skinctl/dynamics/rotor_inertia.hpp"
-#include "skinctl/kinematics/centre_of_mass.hpp"
-#include "skinctl/kinematics/damped_inverse.hpp"
-#include "skinctl/kinematics/jacobian_rate.hpp"
-#include "skinctl/kinematics/zyz.hpp"
-#include "skinctl/model/batch.hpp"
-#include "skinctl/model/loaded.hpp"
-#include "skinctl/robot/virtual_mass.hpp"
-#include "skinctl/robots/allegro.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/tactile/cell_mass.hpp"
-#include "skinctl/tactile/touch_motion.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/extremes/rows.hpp"
 
 using namespace skinctl;

@@ -5,19 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/frames/rotation.hpp"
-#include "skinctl/kinematics/centre_of_mass.hpp"
-#include "skinctl/kinematics/singular_directions.hpp"
-#include "skinctl/kinematics/zyz.hpp"
-#include "skinctl/limits/body_region.hpp"
-#include "skinctl/math/ldlt.hpp"
-#include "skinctl/math/lu.hpp"
-#include "skinctl/math/sum.hpp"
-#include "skinctl/passivity/energy_tank.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/trajectory/ramp.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

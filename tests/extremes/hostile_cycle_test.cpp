@@ -6,14 +6,9 @@
 #include <memory>
 #include <random>
 
-#include "skinctl/cycle/no_skin.hpp"
-#include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/limits/governor.hpp"
-#include "skinctl/limits/jerk_limits.hpp"
-#include "skinctl/limits/skin_watch.hpp"
-#include "skinctl/limits/tool_speed.hpp"
 #include "skinctl/recording/cycle_bytes.hpp"
 #include "skinctl/recording/each_number.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/support/scene.hpp"
 
 using namespace skinctl;

@@ -4,26 +4,7 @@
 
 #include <cmath>
 
-#include "skinctl/control/force_control.hpp"
-#include "skinctl/control/friction_control.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/impedance.hpp"
-#include "skinctl/control/joint_limits.hpp"
-#include "skinctl/control/on_joints.hpp"
-#include "skinctl/control/posture.hpp"
-#include "skinctl/control/reactive_control.hpp"
-#include "skinctl/control/skin_cartesian_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/control/spline_operational.hpp"
-#include "skinctl/control/velocity_control.hpp"
-#include "skinctl/fusion/blended.hpp"
-#include "skinctl/fusion/describe.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/fusion/null_space.hpp"
-#include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/tracking/friction_learning.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/extremes/rows.hpp"
 
 using namespace skinctl;

@@ -5,13 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "skinctl/dynamics/energy.hpp"
-#include "skinctl/dynamics/forward_dynamics.hpp"
-#include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/frames/rotation.hpp"
-#include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 namespace {

@@ -5,13 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "skinctl/frames/rotation.hpp"
-#include "skinctl/guard/guard.hpp"
-#include "skinctl/kinematics/zyz.hpp"
-#include "skinctl/robot/joint_limits.hpp"
-#include "skinctl/robot/robot_description.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/trajectory/pursuit.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -9,19 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "skinctl/clearance/capsule.hpp"
-#include "skinctl/dynamics/energy.hpp"
-#include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/dynamics/momentum_rate.hpp"
-#include "skinctl/dynamics/operational_inertia.hpp"
-#include "skinctl/dynamics/regressor.hpp"
-#include "skinctl/frames/symmetric.hpp"
-#include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/kinematics/jacobian_rate.hpp"
-#include "skinctl/limits/body_region.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/trajectory/quintic.hpp"
-#include "skinctl/trajectory/spline.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -1,17 +1,9 @@
-#include "skinctl/fusion/blended.hpp"
-
 #include <doctest/doctest.h>
 
 #include <limits>
 #include <type_traits>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/joint_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/core/real_time.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/plant.hpp"
 

@@ -1,15 +1,10 @@
-#include "skinctl/fusion/expression.hpp"
-
 #include <doctest/doctest.h>
 
 #include <Eigen/Core>
 #include <limits>
 #include <type_traits>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/joint_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -1,18 +1,9 @@
-#include "skinctl/fusion/fused.hpp"
-
 #include <doctest/doctest.h>
 
 #include <type_traits>
 
 #include "bench/studies/worlds/touches.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/joint_control.hpp"
-#include "skinctl/control/joint_limits.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/core/real_time.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 
 using namespace skinctl;

@@ -1,12 +1,8 @@
 // Links of real robots stand where their files put them, and a skin placed in them is where it was placed.
 #include <doctest/doctest.h>
 
-#include "skinctl/dynamics/forward_dynamics.hpp"
-#include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/io/urdf.hpp"
-#include "skinctl/kinematics/poses.hpp"
-#include "skinctl/tactile/skin.hpp"
-#include "skinctl/tactile/skin_torque.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
 #include "tests/support/urdf_robots.hpp"

@@ -4,13 +4,8 @@
 
 #include <random>
 
-#include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/io/urdf.hpp"
-#include "skinctl/kinematics/poses.hpp"
-#include "skinctl/robots/allegro.hpp"
-#include "skinctl/robots/universal_robots.hpp"
-#include "skinctl/robots/ur5_allegro.hpp"
-#include "skinctl/robots/ur5_links.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/support/comma_locale.hpp"
 
 using namespace skinctl;

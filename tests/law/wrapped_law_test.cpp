@@ -1,13 +1,6 @@
-#include "skinctl/law/wrapped_law.hpp"
-
 #include <doctest/doctest.h>
 
-#include "skinctl/core/contract.hpp"
-#include "skinctl/fusion/blended.hpp"
-#include "skinctl/fusion/describe.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/fusion/null_space.hpp"
-#include "skinctl/skills/library.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/trajectory/detail/carrying_law.hpp"
 
 using namespace skinctl;

@@ -3,13 +3,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/limits/governor.hpp"
 #include "skinctl/recording/cycle_bytes.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"

@@ -1,19 +1,9 @@
-#include "skinctl/limits/clearance_limits.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <memory>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/limits/governor.hpp"
-#include "skinctl/limits/jerk_limits.hpp"
-#include "skinctl/limits/tool_speed.hpp"
-#include "skinctl/passivity/energy_tank.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"

@@ -5,13 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/kinematics/poses.hpp"
-#include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/passivity/energy_tank.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

@@ -6,12 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/robots/allegro.hpp"
-#include "skinctl/robots/universal_robots.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

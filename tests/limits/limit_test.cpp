@@ -4,13 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/cycle/configurations.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/limits/clearance_limits.hpp"
-#include "skinctl/limits/jerk_limits.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/support/ur5_clearance.hpp"
 
 using namespace skinctl;

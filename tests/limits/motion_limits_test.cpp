@@ -1,15 +1,10 @@
-#include "skinctl/limits/motion_limits.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/random.hpp"
 

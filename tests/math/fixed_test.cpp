@@ -7,11 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/dynamics/mass_matrix.hpp"
-#include "skinctl/kinematics/poses.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

@@ -1,12 +1,6 @@
-#include "skinctl/model/attached.hpp"
-
 #include <doctest/doctest.h>
 
-#include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/loaded.hpp"
-#include "skinctl/model/mounted.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
 #include "tests/support/robots.hpp"

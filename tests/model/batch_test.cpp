@@ -1,11 +1,6 @@
-#include "skinctl/model/batch.hpp"
-
 #include <doctest/doctest.h>
 
-#include "skinctl/dynamics/forward_dynamics.hpp"
-#include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/kinematics/poses.hpp"
-#include "skinctl/model/attached.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/robots.hpp"

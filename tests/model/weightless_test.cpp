@@ -1,13 +1,8 @@
-#include "skinctl/model/weightless.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/dynamics/mass_matrix.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;

@@ -6,14 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/passivity/stiffest_contact.hpp"
-#include "skinctl/tactile/motor_touch.hpp"
-#include "skinctl/tactile/touch_sum.hpp"
-#include "skinctl/tactile/wrist_sensor.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/support/simulated_joints.hpp"
 #include "tests/support/touched_arm.hpp"
 

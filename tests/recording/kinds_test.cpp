@@ -4,19 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/recording/recording.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/tactile/contact_skin.hpp"
-#include "skinctl/tactile/told_skin.hpp"
-#include "skinctl/tactile/touch_sum.hpp"
-#include "skinctl/tactile/weighted_skin.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/random.hpp"
 #include "tests/support/sensor_kinds.hpp"
 

@@ -1,18 +1,8 @@
-#include "skinctl/robot/robot_description.hpp"
-
 #include <doctest/doctest.h>
 
 #include <string>
 
-#include "skinctl/control/force_control.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/control/spline_operational.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/passivity/energy_tank.hpp"
-#include "skinctl/robot/joint_groups.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 

@@ -1,14 +1,8 @@
-#include "skinctl/skills/library.hpp"
-
 #include <doctest/doctest.h>
 
 #include <type_traits>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/joint_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/fusion/describe.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 using namespace skinctl::behaviour;

@@ -1,5 +1,4 @@
 // A gripper as a part of a set of skills: goals in requests, states in the cycle's input.
-#include "skinctl/skills/one_gripper.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,11 +7,8 @@
 #include <memory>
 #include <string>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/cycle/configurations.hpp"
 #include "skinctl/recording/recording.hpp"
-#include "skinctl/skills/library.hpp"
+#include "skinctl/skinctl.hpp"
 #include "tests/support/skilled_arm.hpp"
 
 using namespace skinctl;

@@ -4,12 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/configurations.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/skills/library.hpp"
-#include "skinctl/tactile/contact_skin.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/pressing.hpp"
 #include "tests/support/skilled_arm.hpp"
 

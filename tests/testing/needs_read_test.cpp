@@ -3,19 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "skinctl/control/force_control.hpp"
-#include "skinctl/control/friction_control.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/impedance.hpp"
-#include "skinctl/control/joint_control.hpp"
-#include "skinctl/control/joint_limits.hpp"
-#include "skinctl/control/operational_control.hpp"
-#include "skinctl/control/posture.hpp"
-#include "skinctl/control/skin_cartesian_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/control/spline_operational.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

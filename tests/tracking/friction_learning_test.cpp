@@ -1,14 +1,9 @@
-#include "skinctl/tracking/friction_learning.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <type_traits>
 
-#include "skinctl/control/reactive_control.hpp"
-#include "skinctl/math/ldlt.hpp"
-#include "skinctl/robot/virtual_mass.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
 

@@ -1,14 +1,9 @@
-#include "skinctl/tracking/operational_space.hpp"
-
 #include <doctest/doctest.h>
 
 #include <Eigen/Core>
 #include <type_traits>
 
-#include "skinctl/control/operational_control.hpp"
-#include "skinctl/control/spline_operational.hpp"
-#include "skinctl/core/real_time.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"

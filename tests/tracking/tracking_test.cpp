@@ -1,15 +1,10 @@
-#include "skinctl/tracking/tracking.hpp"
-
 #include <doctest/doctest.h>
 
 #include <Eigen/Eigenvalues>
 #include <array>
 #include <type_traits>
 
-#include "skinctl/control/joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/core/real_time.hpp"
-#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"

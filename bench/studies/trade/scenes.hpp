@@ -2,15 +2,7 @@
 #pragma once
 
 #include "bench/studies/trade/scene_runner.hpp"
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/control/spline_joint.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/robot/preset.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/robots/ur5_allegro.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/tactile/skin.hpp"
+#include "skinctl/skinctl.hpp"
 
 namespace trade {
 

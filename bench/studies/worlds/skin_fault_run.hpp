@@ -6,15 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "skinctl/control/gravity_control.hpp"
-#include "skinctl/control/skin_joint_control.hpp"
-#include "skinctl/cycle/cycle.hpp"
-#include "skinctl/fusion/expression.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/sensing/send_on_delta.hpp"
-#include "skinctl/tactile/lone_cell.hpp"
-#include "skinctl/tactile/skin_torque.hpp"
-#include "skinctl/tactile/trusted_skin.hpp"
+#include "skinctl/skinctl.hpp"
 #include "skinctl/testing/skin_faults.hpp"
 #include "skinctl/testing/skin_signals.hpp"
 #include "tests/support/robots.hpp"

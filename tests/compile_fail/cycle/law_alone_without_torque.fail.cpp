@@ -1,7 +1,5 @@
 // expect: this law lacks torque
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
+#include "tests/compile_fail/sound.hpp"
 
 struct Push : Composable {
   struct Memory {};
@@ -15,8 +13,5 @@ struct Push : Composable {
 };
 
 auto build() {
-  const auto arm = by_position(
-      ur5::Model{},
-      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
-  return Cycle(arm, Push{});
+  return Cycle(sound_arm(), Push{});
 }

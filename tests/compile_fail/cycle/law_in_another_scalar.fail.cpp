@@ -1,15 +1,10 @@
 // expect: this law is for a robot in another scalar
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
+#include "tests/compile_fail/sound.hpp"
 
 auto build() {
-  const auto arm = by_position(
-      ur5::Model{},
-      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
 #ifdef SKINCTL_RIGHT
-  return Cycle(arm, SplineJoint<6>({.dt = 8ms}) + GravityControl{});
+  return Cycle(sound_arm(), SplineJoint<6>({.dt = 8ms}) + GravityControl{});
 #else
-  return Cycle(arm, SplineJoint<6, float>({.dt = 8ms}) + GravityControl{});
+  return Cycle(sound_arm(), SplineJoint<6, float>({.dt = 8ms}) + GravityControl{});
 #endif
 }

@@ -1,15 +1,10 @@
 // expect: joints
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
+#include "tests/compile_fail/sound.hpp"
 
 auto build() {
-  const auto arm = by_position(
-      ur5::Model{},
-      {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4});
 #ifdef SKINCTL_RIGHT
-  return Cycle(arm, SplineJoint(arm));
+  return Cycle(sound_arm(), SplineJoint(sound_arm()));
 #else
-  return Cycle(arm, SplineJoint<7>({}));
+  return Cycle(sound_arm(), SplineJoint<7>({}));
 #endif
 }

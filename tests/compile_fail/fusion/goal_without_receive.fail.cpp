@@ -1,15 +1,7 @@
 // expect: this law has a Goal, but lacks receive
-#include "skinctl/skinctl.hpp"
+#include "tests/compile_fail/sound.hpp"
 
-using namespace skinctl;
-
-struct Push : Composable {
-  struct Memory {};
-  static constexpr Needs needs = {};
-  static constexpr LawRole role = LawRole::reactive;
-  Memory start(const auto&) const noexcept { return {}; }
-  JointTorque<6> torque(const Memory&, const auto&) const noexcept { return {}; }
-  Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
+struct Push : SoundLaw {
   using Goal = double;
 #ifdef SKINCTL_RIGHT
   Received<Memory> receive(const Memory& memory, const auto&, double) const noexcept { return {memory, {}}; }
