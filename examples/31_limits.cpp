@@ -4,7 +4,6 @@
 //   v       largest speed of the tool [m/s];  ddq  largest change of a joint's acceleration [rad/s^3]
 //   printed a line for each part: v, ddq, how far the arm came, and what the scene said
 #include <cstdio>
-#include <vector>
 
 #include "skinctl/clearance/own_view_skin.hpp"
 #include "skinctl/control/spline_joint.hpp"

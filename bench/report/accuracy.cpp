@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <utility>
 
 #include "skinctl/dynamics/loop_forward_dynamics.hpp"
 #include "skinctl/robots/universal_robots.hpp"

@@ -10,7 +10,6 @@
 #include <fstream>
 #include <map>
 #include <string>
-#include <vector>
 
 namespace {
 

@@ -1,7 +1,6 @@
 // What the fault rules cost: the scan of all cells, and a trusted skin beside one that believes its cells. Rows are the
 // time of all cells.
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "bench/support/bench.hpp"

@@ -7,7 +7,6 @@
 // acceleration. The quantity that is farthest off its goal, which is a ratio of proven to found, has the processor.
 // A cycle is bounded at single states (`Bound`), with the configuration as the program holds it.
 #include <algorithm>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

@@ -5,7 +5,6 @@
 // `recognition [first seed]`; thresholds and labels were tried on seeds below 1000 only.
 #include "examples/worlds/recognition.hpp"
 
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>

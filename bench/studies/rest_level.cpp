@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <numeric>
 #include <string>
 
 #include "bench/studies/worlds/recorded_grasps.hpp"

@@ -16,8 +16,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <numbers>
-#include <string>
 #include <vector>
 
 #include "examples/support/svg_plot.hpp"

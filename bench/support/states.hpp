@@ -1,7 +1,6 @@
 // Random states from a pool, so that no benchmark learns its input by heart.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "skinctl/core/joint.hpp"

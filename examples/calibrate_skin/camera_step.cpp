@@ -1,5 +1,4 @@
 // The camera.
-#include <cmath>
 #include <map>
 #include <utility>
 

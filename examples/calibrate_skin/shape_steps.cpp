@@ -1,6 +1,5 @@
 // Network, rest and shape.
 #include <algorithm>
-#include <cmath>
 
 #include "examples/calibrate_skin/fits.hpp"
 #include "examples/calibrate_skin/json_values.hpp"

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
-#include <stdexcept>
 
 #include "examples/compliant_allegro/run.hpp"
 #include "skinctl/core/contract.hpp"

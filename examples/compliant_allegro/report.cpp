@@ -1,6 +1,5 @@
 // The run of a hand as a page that needs nothing else; its style is the arm's.
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "examples/compliant_allegro/run.hpp"

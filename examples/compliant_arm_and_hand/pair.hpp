@@ -6,7 +6,6 @@
 #include <exception>
 #include <string>
 #include <thread>
-#include <utility>
 
 #include "examples/support/job.hpp"
 

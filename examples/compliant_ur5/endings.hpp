@@ -3,7 +3,6 @@
 
 #include <array>
 #include <string>
-#include <vector>
 
 #include "examples/adapters/ur5/fault.hpp"
 

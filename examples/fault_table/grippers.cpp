@@ -1,6 +1,5 @@
 // Faults between a program and a gripper: the simulated ones misbehave, and a wire is cut.
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <thread>
 

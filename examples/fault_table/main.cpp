@@ -6,8 +6,6 @@
 #include <chrono>
 #include <cstdarg>
 #include <cstdio>
-#include <future>
-#include <mutex>
 #include <thread>
 
 #include "examples/fault_table/row.hpp"

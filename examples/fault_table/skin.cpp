@@ -4,7 +4,6 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <cmath>
 #include <random>
 
 #include "examples/adapters/skin/receiver.hpp"

@@ -1,7 +1,5 @@
 #include "examples/identify_robot/result.hpp"
 
-#include <cstdio>
-
 #include "examples/support/text.hpp"
 #include "skinctl/calibration/robot_response.hpp"
 #include "skinctl/robots/ur5.hpp"

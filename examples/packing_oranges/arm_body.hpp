@@ -3,7 +3,6 @@
 
 #include <array>
 #include <optional>
-#include <vector>
 
 #include "skinctl/clearance/capsule.hpp"
 #include "skinctl/kinematics/poses.hpp"

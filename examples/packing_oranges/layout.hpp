@@ -2,8 +2,6 @@
 // to its left. The second arm's places are those of the first, turned by half a circle.
 #pragma once
 
-#include <array>
-#include <chrono>
 #include <cstddef>
 
 #include "skinctl/core/triple.hpp"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "examples/support/svg_plot.hpp"
 #include "examples/support/text.hpp"

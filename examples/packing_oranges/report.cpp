@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "examples/packing_oranges/pictures.hpp"
 #include "examples/support/svg_plot.hpp"

@@ -1,7 +1,6 @@
 #include "examples/simulated_ur5/kinematics.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace simulated_ur5 {
 namespace {

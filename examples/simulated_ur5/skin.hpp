@@ -1,7 +1,6 @@
 // The robot skin: cells fixed to links, what they read, and the datagram that carries it.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <istream>

@@ -115,9 +115,10 @@ class Drawing {
     std::stable_sort(order.begin(), order.end(), [&](const Hexagon* a, const Hexagon* b) {
       return dot(a->middle, view_.viewer) < dot(b->middle, view_.viewer);
     });
+    out += "<path class=\"far\" d=\"";
     for (const Hexagon* h : order)
-      if (dot(h->normal, view_.viewer) <= 0) out += cell(*h);
-    out += bones();
+      if (dot(h->normal, view_.viewer) <= 0) out += outline(*h);
+    out += "\"/>\n" + bones();
     for (const Hexagon* h : order)
       if (dot(h->normal, view_.viewer) > 0) out += cell(*h);
     return out;
@@ -131,17 +132,18 @@ class Drawing {
     const auto [x, y] = seen(p);
     return number(x) + ' ' + number(y);
   }
-  std::string cell(const Hexagon& h) const {
-    const bool front = dot(h.normal, view_.viewer) > 0;
+  std::string outline(const Hexagon& h) const {
     std::string d = "M";
     for (std::size_t k = 0; k < 6; ++k) d += (k > 0 ? "L" : "") + at(h.corners[k]);
-    std::string out = std::string("<path class=\"") +
-                      (front ? "cell c" + std::to_string(h.patch % colours) : "far") + "\" d=\"" + d + "Z\">";
-    out += front ? "<title>cell " + std::to_string(h.id) + "</title></path>" : "</path>";
-    if (front && h.masked)
+    return d + 'Z';
+  }
+  std::string cell(const Hexagon& h) const {
+    std::string out = "<path class=\"cell c" + std::to_string(h.patch % colours) + "\" d=\"" + outline(h) +
+                      "\"><title>cell " + std::to_string(h.id) + "</title></path>";
+    if (h.masked)
       out += "<path class=\"cross\" d=\"M" + at(h.corners[0]) + 'L' + at(h.corners[3]) + 'M' +
              at(h.corners[1]) + 'L' + at(h.corners[4]) + "\"/>";
-    if (front && h.in_region && !h.masked) {
+    if (h.in_region && !h.masked) {
       const auto [x, y] = seen(h.middle);
       out += "<circle class=\"dot\" cx=\"" + number(x) + "\" cy=\"" + number(y) + "\" r=\"2.2\"/>";
     }

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <istream>
 #include <span>
-#include <string_view>
 
 #include "skinctl/core/contract.hpp"
 

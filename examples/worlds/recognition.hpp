@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <span>
 
 #include "examples/worlds/led_tasks.hpp"
 #include "skinctl/semantics/recogniser.hpp"

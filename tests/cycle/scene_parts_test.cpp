@@ -5,6 +5,7 @@
 
 #include "skinctl/skinctl.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -12,15 +13,6 @@ using namespace skinctl::testing;
 namespace {
 const RobotConfiguration<6> stated{
     .limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4};
-template <class F>
-std::string refusal(F&& build) {
-  try {
-    build();
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
-}
 }  // namespace
 
 TEST_CASE("Cycle: what it derives from a description is what the description says") {
@@ -42,7 +34,7 @@ TEST_CASE("Cycle: a law that disagrees with the description is refused with both
   const auto with = [&](auto change) {
     auto s = tracking_settings(arm);
     change(s);
-    return refusal([&] { Cycle(arm, SplineJoint<6>(s) + SkinJointControl{} + GravityControl{}); });
+    return complaint_of([&] { Cycle(arm, SplineJoint<6>(s) + SkinJointControl{} + GravityControl{}); });
   };
   CHECK(with([](auto&) {}).empty());
   CHECK(with([](auto& s) { s.dt = 1ms; }) ==
@@ -53,12 +45,12 @@ TEST_CASE("Cycle: a law that disagrees with the description is refused with both
   auto late = stated;
   late.longest_interval = 64ms;
   const auto slow = by_position(ur5::Model{}, late);
-  CHECK(refusal([&] {
+  CHECK(complaint_of([&] {
           Cycle(slow, SplineJoint<6>(tracking_settings(arm)) + SkinJointControl{} + GravityControl{});
         }) ==
         "skinctl: dt: 2.5 ms in the law, but in late cycles of the robot's description it is evaluated every "
         "4 ms: tracking_settings(robot) takes it from there");
-  CHECK(refusal([&] {
+  CHECK(complaint_of([&] {
           Cycle(slow, SplineJoint<6>(tracking_settings(slow)) + SkinJointControl{} + GravityControl{});
         }).empty());
   CHECK(with([](auto& s) {
@@ -80,7 +72,7 @@ TEST_CASE("Cycle::with: limits by name, the guard brakes within the same jerk, s
   const auto later = scene.with(MaxToolSpeed<5>{.speed = 0.1, .reach = 1.3});
   CHECK(later.governor().get<MaxToolSpeed<5>>().limit() == 0.1);
   CHECK(later.guard().settings().consent == Status(Reason::state_stale));
-  CHECK(refusal([&] {
+  CHECK(complaint_of([&] {
           static_cast<void>(plain.with(MaxJerk{JointJerk<6>::constant(-1)}));
         }).find("jerk limit = -1") != std::string::npos);
   const auto both = plain.with(

@@ -12,6 +12,7 @@
 #include "skinctl/robots/ur5.hpp"
 #include "tests/support/grouped_scene.hpp"
 #include "tests/support/ur5_clearance.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -129,15 +130,6 @@ Ending end_of(std::uint64_t seed, Ends ends, bool held) {
   return out;
 }
 
-template <class F>
-std::string refusal(F&& build) {
-  try {
-    build();
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
-}
 }  // namespace
 
 TEST_CASE_TEMPLATE("Cycle: with limits of jerk and tool speed every stop ends, whichever joint is held", C,
@@ -217,15 +209,15 @@ TEST_CASE("Cycle: a lead beside a limit of jerk is refused with its number, in a
                                 .lead = 12ms};
   const MaxJerk jerk{JointJerk<6>::constant(400)};
   const Cycle plain(by_position(ur5::Model{}, c), GravityControl{});
-  CHECK(refusal([&] { static_cast<void>(plain.with(jerk)); }) ==
+  CHECK(complaint_of([&] { static_cast<void>(plain.with(jerk)); }) ==
         "skinctl: lead beside MaxJerk = 12, allowed: 0 ms");
   const Cycle speeds(by_velocity(ur5::Model{}, c), GravityControl{});
-  CHECK(refusal([&] { static_cast<void>(speeds.with(jerk)); }).find("= 12") != std::string::npos);
+  CHECK(complaint_of([&] { static_cast<void>(speeds.with(jerk)); }).find("= 12") != std::string::npos);
   auto second = one(false);
   second.lead = 4ms;
   const auto arm = by_groups(Model3{}, velocity_joints<0b001>(one(false)), position_joints<0b010>(second),
                              torque_joints<0b100>(one(true)));
   const Cycle grouped(arm, Pull{});
-  CHECK(refusal([&] { static_cast<void>(grouped.with(MaxJerk{JointJerk<3>::constant(400)})); }) ==
+  CHECK(complaint_of([&] { static_cast<void>(grouped.with(MaxJerk{JointJerk<3>::constant(400)})); }) ==
         "skinctl: lead beside MaxJerk = 4, allowed: 0 ms");
 }

@@ -1,8 +1,6 @@
 // The torque beside the commanded motion, which robots may take as feed-forward, while a law gives no number.
 #include <doctest/doctest.h>
 
-#include <limits>
-
 #include "tests/support/grouped_scene.hpp"
 
 using namespace skinctl;

@@ -12,6 +12,7 @@
 #include "skinctl/tactile/trusted_skin.hpp"
 #include "tests/support/robot_table.hpp"
 #include "tests/support/urdf_robots.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -82,16 +83,6 @@ double worst_cell(const SkinFile& file, const std::vector<PlacedSkinPatch>& plac
   return worst;
 }
 
-template <class F>
-std::string complaint(const F& f) {
-  try {
-    f();
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
-}
-
 }  // namespace
 
 TEST_CASE(
@@ -158,22 +149,22 @@ TEST_CASE("Skin on a robot: it cannot land elsewhere") {
   const SkinFile file = ur5_skin_file<60>(gains);
   // Links of the same names, whose frames have other axes.
   const Urdf ros1 = parse_urdf(file_text(ur5_file()), "ros1.urdf");
-  CHECK(complaint([&] { static_cast<void>(place_skin(file, ros1)); })
+  CHECK(complaint_of([&] { static_cast<void>(place_skin(file, ros1)); })
             .find("patch \"upper arm\", link \"upper_arm_link\": the joint's axis is (0, 1, 0) in the "
                   "robot's frame of that "
                   "name and (0, 0, 1) in the file's: another description") != std::string::npos);
   SkinFile other = file;
   other.links[5].name = other.patches[5].link = "wrist_4_link";
-  CHECK(complaint([&] { static_cast<void>(place_skin<ur5::Ros2Links>(other)); })
+  CHECK(complaint_of([&] { static_cast<void>(place_skin<ur5::Ros2Links>(other)); })
             .find("patch \"wrist 3\", link \"wrist_4_link\": the robot has no such link; there are "
                   "\"shoulder_link\"") != std::string::npos);
   const Urdf urdf = parse_urdf(file_text(ros2_ur5()), "ur5.urdf");
-  CHECK(complaint([&] { static_cast<void>(place_skin(other, urdf)); }).find("ur5.urdf has no such link") !=
+  CHECK(complaint_of([&] { static_cast<void>(place_skin(other, urdf)); }).find("ur5.urdf has no such link") !=
         std::string::npos);
   other.links[5].name = other.patches[5].link = "base_link_inertia";
-  CHECK(complaint([&] { static_cast<void>(place_skin(other, urdf)); }).find("no joint moves it") !=
+  CHECK(complaint_of([&] { static_cast<void>(place_skin(other, urdf)); }).find("no joint moves it") !=
         std::string::npos);
-  CHECK(complaint([&] {
+  CHECK(complaint_of([&] {
           SkinFile f;
           add_patch<ur5::Ros2Links>(f, "x", "forearm_link", std::get<3>(ur5::skin_patches<60>()));
         }).find("\"forearm_link\" is not the name of link 3") != std::string::npos);
@@ -323,7 +314,7 @@ TEST_CASE("Skin on a robot: a region that is pressed harder than its force_limit
     }
   CHECK_FALSE(stops(plain, 2, 45));  // beside it
   file.regions[0].weight = 0;
-  CHECK(complaint([&] { static_cast<void>(regions_of(file)); }).find("region \"elbow\" of weight 0") !=
+  CHECK(complaint_of([&] { static_cast<void>(regions_of(file)); }).find("region \"elbow\" of weight 0") !=
         std::string::npos);
 }
 

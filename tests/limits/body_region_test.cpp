@@ -5,6 +5,8 @@
 #include <limits>
 #include <string>
 
+#include "tests/support/wrong_text.hpp"
+
 using namespace skinctl;
 
 namespace {
@@ -19,12 +21,7 @@ Separation separation() {
 template <class Limits, class Change>
 std::string refusal(Limits limits, Change&& change) {
   change(limits);
-  try {
-    limits.check();
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
+  return skinctl::testing::complaint_of([&] { limits.check(); });
 }
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 

@@ -2,13 +2,13 @@
 
 #include <doctest/doctest.h>
 
-#include <limits>
 #include <random>
 #include <string>
 
 #include "skinctl/dynamics/operational_inertia.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 
@@ -41,12 +41,7 @@ struct Scene {
 };
 
 std::string refusal(const LinkContact<2>& c) {
-  try {
-    static_cast<void>(ContactLimits(ur5::Model{}, c));
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
+  return skinctl::testing::complaint_of([&] { static_cast<void>(ContactLimits(ur5::Model{}, c)); });
 }
 
 }  // namespace

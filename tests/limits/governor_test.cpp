@@ -7,7 +7,6 @@
 #include <cmath>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "skinctl/limits/contact_limits.hpp"
 #include "skinctl/limits/jerk_limits.hpp"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <random>
-#include <string>
 
 #include "skinctl/testing/allocation_guard.hpp"
 

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "tests/support/scene.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -19,12 +20,7 @@ Coverage of(std::size_t usable, double least) {
   return {usable, 100, least};
 }
 std::string refusal(const SkinWatch& watch) {
-  try {
-    static_cast<void>(Limits(ur5_test_limits(), watch));
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
+  return complaint_of([&] { static_cast<void>(Limits(ur5_test_limits(), watch)); });
 }
 }  // namespace
 

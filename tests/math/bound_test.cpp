@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <vector>
 
 #include "bench/studies/proofs/traced.hpp"
 #include "bench/studies/proofs/traced_output.hpp"

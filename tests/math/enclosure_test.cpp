@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "bench/studies/proofs/lane_form.hpp"
 #include "tests/support/digits50.hpp"

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <deque>
-#include <numeric>
 #include <random>
 #include <thread>
 

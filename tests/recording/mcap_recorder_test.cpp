@@ -11,6 +11,7 @@
 #include "skinctl/testing/allocation_guard.hpp"
 #include "tests/support/robot_table.hpp"
 #include "tests/support/scene.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -98,12 +99,7 @@ std::string path_of(const char* name) {
   return (std::filesystem::temp_directory_path() / (std::string("skinctl_run_") + name + ".mcap")).string();
 }
 std::string words_of(const std::string& path, const RunIdentity& identity) {
-  try {
-    static_cast<void>(load_run<Scene>(path, identity));
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
+  return complaint_of([&] { static_cast<void>(load_run<Scene>(path, identity)); });
 }
 
 }  // namespace

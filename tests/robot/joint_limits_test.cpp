@@ -10,6 +10,7 @@
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "tests/support/digits50.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 using skinctl::testing::Digits50;
@@ -31,12 +32,7 @@ JointVelocity<1, T> speed(T u) {
 }
 
 std::string refusal(const JointLimits<2>::Values& v) {
-  try {
-    JointLimits<2>{v};
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
+  return skinctl::testing::complaint_of([&] { JointLimits<2>{v}; });
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "skinctl/skinctl.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 
@@ -13,15 +14,6 @@ auto arm() {
                                     .delay = 6ms,
                                     .lag = 2ms,
                                     .virtual_damping = 4});
-}
-template <class F>
-std::string refusal(F&& build) {
-  try {
-    build();
-  } catch (const ConfigurationError& e) {
-    return e.what();
-  }
-  return "";
 }
 }  // namespace
 
@@ -62,11 +54,11 @@ TEST_CASE("RobotDescription: knows its parts by their types") {
 TEST_CASE("RobotDescription: numbers that cannot be are refused where it is built") {
   auto c = arm().configuration();
   c.period = 2s;
-  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }) ==
+  CHECK(skinctl::testing::complaint_of([&] { static_cast<void>(by_position(ur5::Model{}, c)); }) ==
         "skinctl: period = 2000, allowed: 0.1 to 1000 ms");
   c.period = 8ms;
   c.virtual_damping = -1;
-  CHECK(refusal([&] { static_cast<void>(by_velocity(ur5::Model{}, c)); }) ==
+  CHECK(skinctl::testing::complaint_of([&] { static_cast<void>(by_velocity(ur5::Model{}, c)); }) ==
         "skinctl: virtual damping = -1, allowed: 0 to 1e4 1/s");
 }
 
@@ -78,24 +70,26 @@ TEST_CASE(
     static_cast<void>(by_groups(ur5::Model{}, position_joints<0b111111>(one)));
   };
   const std::string expected = "skinctl: virtual damping: left out, allowed: 0 to 1e4 1/s; 4 to 10 is usual";
-  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }) == expected);
-  CHECK(refusal([&] { static_cast<void>(by_velocity(ur5::Model{}, c)); }) == expected);
-  CHECK(refusal([&] { by_groups_of(c); }) == expected);
-  CHECK(refusal([&] { static_cast<void>(by_torque(ur5::Model{}, c)); }).empty());
+  CHECK(skinctl::testing::complaint_of([&] { static_cast<void>(by_position(ur5::Model{}, c)); }) == expected);
+  CHECK(skinctl::testing::complaint_of([&] { static_cast<void>(by_velocity(ur5::Model{}, c)); }) == expected);
+  CHECK(skinctl::testing::complaint_of([&] { by_groups_of(c); }) == expected);
+  CHECK(skinctl::testing::complaint_of([&] { static_cast<void>(by_torque(ur5::Model{}, c)); }).empty());
   CHECK(by_torque(ur5::Model{}, c).virtual_dynamics().damping == 0);
   c.virtual_damping = 0;  // friction of the joints or of the tool instead
-  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).empty());
-  CHECK(refusal([&] { by_groups_of(c); }).empty());
+  CHECK(skinctl::testing::complaint_of([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).empty());
+  CHECK(skinctl::testing::complaint_of([&] { by_groups_of(c); }).empty());
 }
 
 TEST_CASE("RobotDescription: a short delay suits a dead band only of a robot with a virtual one") {
   RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(), .period = 100us, .virtual_damping = 0};
-  CHECK(
-      refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).empty());  // its own suits any delay
+  CHECK(skinctl::testing::complaint_of([&] {
+          static_cast<void>(by_position(ur5::Model{}, c));
+        }).empty());  // its own suits any delay
   c.dead_band = JointPosition<6>::constant(0.01);
-  CHECK(refusal([&] { static_cast<void>(by_position(ur5::Model{}, c)); }).find("dead band") !=
-        std::string::npos);
-  CHECK(refusal([&] { static_cast<void>(by_torque(ur5::Model{}, c)); }).empty());
+  CHECK(skinctl::testing::complaint_of([&] {
+          static_cast<void>(by_position(ur5::Model{}, c));
+        }).find("dead band") != std::string::npos);
+  CHECK(skinctl::testing::complaint_of([&] { static_cast<void>(by_torque(ur5::Model{}, c)); }).empty());
 }
 
 TEST_CASE("tracking_settings: times, virtual dynamics and speeds are the robot's") {
@@ -147,7 +141,7 @@ TEST_CASE(
   CHECK_NOTHROW(Cycle(by_torque(ur5::Model{}, robot.configuration(), FrictionUncompensated{}),
                       SplineJoint<6>(fast) + GravityControl{}));
   // A law made for no robot by torque, or for another delay.
-  CHECK(refusal([&] {
+  CHECK(skinctl::testing::complaint_of([&] {
           auto c = robot.configuration();
           c.delay = 3ms;
           Cycle(by_torque(ur5::Model{}, c, FrictionUncompensated{}), SplineJoint<6>(fast) + GravityControl{});

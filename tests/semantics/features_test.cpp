@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <vector>
 
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/semantics/recogniser.hpp"

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <deque>
 #include <memory>
 
 #include "skinctl/sensing/send_on_delta.hpp"

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
 #include "skinctl/core/real_time.hpp"

@@ -4,7 +4,6 @@
 
 #include <limits>
 #include <type_traits>
-#include <vector>
 
 #include "skinctl/testing/random.hpp"
 #include "tests/support/digits50.hpp"

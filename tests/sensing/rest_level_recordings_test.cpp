@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <vector>
 
 #include "bench/studies/worlds/recorded_grasps.hpp"
 #include "bench/studies/worlds/skin_drifts.hpp"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
-#include <string>
 
 #include "skinctl/recording/recording.hpp"
 #include "skinctl/skinctl.hpp"

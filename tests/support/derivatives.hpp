@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <vector>
 
 #include "skinctl/calibration/normal_equations.hpp"
 

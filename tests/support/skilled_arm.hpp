@@ -1,7 +1,6 @@
 // A UR5 with all skills of its controllers, under random requests and touches.
 #pragma once
 
-#include <array>
 #include <cmath>
 
 #include "skinctl/skinctl.hpp"

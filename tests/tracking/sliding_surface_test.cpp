@@ -2,8 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <type_traits>
-
 #include "skinctl/testing/random.hpp"
 #include "skinctl/tracking/joint_space.hpp"
 #include "tests/support/digits50.hpp"

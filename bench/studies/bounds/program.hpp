@@ -1,7 +1,6 @@
 // A quantity of a robot as a program whose errors are searched and bounded.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdint>
-#include <type_traits>
 
 #include "bench/studies/trade/world.hpp"
 #include "bench/support/cold.hpp"

@@ -10,8 +10,6 @@
 // flushed from the caches; callgrind counts their instructions and the lines of code that they touch.
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 #include <map>
 
 #include "bench/studies/trade/callgrind.hpp"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 
 #include "skinctl/skinctl.hpp"
 #include "skinctl/testing/skin_faults.hpp"

@@ -1,7 +1,5 @@
 #include "examples/adapters/allegro/frames.hpp"
 
-#include <cmath>
-
 namespace adapters::allegro {
 namespace {
 

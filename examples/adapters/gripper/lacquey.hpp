@@ -3,7 +3,6 @@
 
 #include <array>
 #include <bit>
-#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <string>

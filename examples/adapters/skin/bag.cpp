@@ -1,7 +1,6 @@
 #include "examples/adapters/skin/bag.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #if SKINCTL_HAS_BZIP2
 #include <bzlib.h>

@@ -1,7 +1,6 @@
 // The Allegro hand's frames and datagrams, byte by byte as the makers' guides and drivers have them.
 #include <doctest/doctest.h>
 
-#include <cstring>
 #include <random>
 #include <string_view>
 #include <vector>

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <vector>
 
 #include "examples/adapters/skin/receiver.hpp"

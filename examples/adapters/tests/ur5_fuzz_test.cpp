@@ -1,7 +1,6 @@
 // What a peer that is no robot may say: RTDE, dashboard and REST answers, by chance and by mutation.
 #include <doctest/doctest.h>
 
-#include <cstring>
 #include <thread>
 
 #include "examples/adapters/ur5/panel.hpp"

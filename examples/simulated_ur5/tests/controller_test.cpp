@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "examples/simulated_ur5/random.hpp"
 #include "examples/simulated_ur5/reverse.hpp"

@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include <map>
-#include <thread>
 
 #include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "examples/simulated_ur5/tests/raw.hpp"

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <set>
 #include <sstream>
 
 #include "examples/simulated_ur5/scenario.hpp"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <map>
-#include <set>
 #include <span>
 
 #include "examples/simulated_ur5/urscript/code.hpp"
