@@ -1,6 +1,7 @@
 // Random states from a pool, so that no benchmark learns its input by heart.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "skinctl/core/joint.hpp"

@@ -1,6 +1,7 @@
 // How well a calibration did: its files against the truth, and the main job with both.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "examples/calibrate_skin/steps.hpp"

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "examples/adapters/ur5/fault.hpp"
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "skinctl/clearance/capsule.hpp"
 #include "skinctl/kinematics/poses.hpp"

@@ -2,6 +2,8 @@
 // to its left. The second arm's places are those of the first, turned by half a circle.
 #pragma once
 
+#include <array>
+#include <chrono>
 #include <cstddef>
 
 #include "skinctl/core/triple.hpp"

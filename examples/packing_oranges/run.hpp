@@ -1,6 +1,7 @@
 // A run of the whole: the world, two arms that pack, and a person who touches them.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <string>
 #include <vector>

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <random>
 
 #include "examples/packing_oranges/arm_body.hpp"
 #include "examples/packing_oranges/gripper.hpp"

@@ -1,6 +1,7 @@
 // A patch of skin laid flat, so that its cells have rows and columns.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "skinctl/io/skin_contents.hpp"

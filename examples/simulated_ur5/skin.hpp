@@ -1,6 +1,7 @@
 // The robot skin: cells fixed to links, what they read, and the datagram that carries it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <istream>

@@ -1,6 +1,7 @@
 // What the examples of laws and behaviours share: a UR5 with 260 cells in a simulated world.
 #pragma once
 
+#include <cmath>
 #include <memory>
 
 #include "examples/support/curves.hpp"

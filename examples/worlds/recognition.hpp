@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <span>
 
 #include "examples/worlds/led_tasks.hpp"
 #include "skinctl/semantics/recogniser.hpp"

@@ -1,6 +1,7 @@
 // The robots of the tests: each as a model of skinctl and as the table for the oracles.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>

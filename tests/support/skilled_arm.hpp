@@ -1,6 +1,7 @@
 // A UR5 with all skills of its controllers, under random requests and touches.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "skinctl/skinctl.hpp"

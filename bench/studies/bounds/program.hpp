@@ -1,6 +1,7 @@
 // A quantity of a robot as a program whose errors are searched and bounded.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>

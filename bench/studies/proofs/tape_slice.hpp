@@ -1,6 +1,7 @@
 // The part of a tape that one result depends on, ready to be evaluated.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>

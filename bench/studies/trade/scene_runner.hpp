@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <type_traits>
 
 #include "bench/studies/trade/world.hpp"
 #include "bench/support/cold.hpp"

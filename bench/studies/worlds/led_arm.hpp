@@ -1,6 +1,8 @@
 // A UR5 by position on its real cycle, led by the hand of a simulated person who teaches goals.
 #pragma once
 
+#include <memory>
+
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/cycle/cycle.hpp"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "skinctl/skinctl.hpp"
 #include "skinctl/testing/skin_faults.hpp"

@@ -1,6 +1,8 @@
 // Drives an Allegro hand by torque: states with estimated velocities, torques, and a servo that is off at any end.
 #pragma once
 
+#include <cstdio>
+
 #include "examples/adapters/allegro/can_hand.hpp"
 #include "examples/adapters/allegro/udp_hand.hpp"
 #include "skinctl/hardware/robot.hpp"

@@ -1,6 +1,7 @@
 // Switches a hand's servo off when the program that drives it dies without doing so.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 

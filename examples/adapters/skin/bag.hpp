@@ -1,6 +1,7 @@
 // ROS 1 bags, format 2.0: messages in the order in which they were recorded.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <fstream>
 #include <map>

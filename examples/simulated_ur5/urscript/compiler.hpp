@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <span>
 
 #include "examples/simulated_ur5/urscript/code.hpp"
