@@ -2,7 +2,11 @@
 // equations of motion say, on an arm that accelerates.
 #pragma once
 
-#include "skinctl/skinctl.hpp"
+#include "skinctl/core/command.hpp"
+#include "skinctl/core/joint_subset.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/math/ldlt.hpp"
 #include "tests/support/simulated_joints.hpp"
 
 namespace skinctl::testing {

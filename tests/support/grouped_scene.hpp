@@ -3,7 +3,11 @@
 
 #include <cmath>
 
-#include "skinctl/skinctl.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/kinematics/poses.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
+#include "skinctl/limits/tool_speed.hpp"
+#include "skinctl/tactile/skin.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "tests/support/arm_with_finger.hpp"
 #include "tests/support/grouped_plant.hpp"

@@ -5,7 +5,13 @@
 #include <cmath>
 #include <deque>
 
-#include "skinctl/skinctl.hpp"
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/sanitized.hpp"
 
 namespace skinctl::testing {

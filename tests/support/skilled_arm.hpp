@@ -4,7 +4,16 @@
 #include <array>
 #include <cmath>
 
-#include "skinctl/skinctl.hpp"
+#include "skinctl/control/force_control.hpp"
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/joint_control.hpp"
+#include "skinctl/control/operational_control.hpp"
+#include "skinctl/control/skin_cartesian_control.hpp"
+#include "skinctl/control/skin_joint_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/control/spline_operational.hpp"
+#include "skinctl/robots/ur5.hpp"
+#include "skinctl/skills/library.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/random.hpp"
 #include "tests/support/scene.hpp"
