@@ -13,8 +13,8 @@ static_assert(std::is_same_v<ServoOf<Interface::impedance, 6, double, 8>, Spring
 static_assert(std::is_same_v<ServoOf<Interface::velocity, 6, double, 8>, DelayLag<6, double, 8>>);
 static_assert(has_servo<Interface::impedance> && !has_servo<Interface::torque>);
 static_assert(std::is_trivially_copyable_v<Spring<6, double, 32>::Memory>);
-static_assert(ImpedanceCommand<6>::has_position && ImpedanceCommand<6>::has_torque &&
-              !ImpedanceCommand<6>::has_velocity);
+static_assert(ImpedanceCommand<6>::holds_position && ImpedanceCommand<6>::holds_torque &&
+              !ImpedanceCommand<6>::holds_velocity);
 
 namespace {
 

@@ -61,42 +61,36 @@ struct JointCommand {
 };
 
 namespace detail {
-// The numbers of a command, each kind for itself; of the kinds that no interface takes nothing is left.
-template <bool Takes, std::size_t N, Real T>
+template <std::size_t N, Real T>
 struct CommandedPosition {
   JointPosition<N, T> position;  ///< [rad], [m]
   SKINCTL_INLINE explicit CommandedPosition(const JointCommand<N, T>& c) noexcept
       : position(Row<N, T>(c.position)) {}
   CommandedPosition() = default;
 };
-template <bool Takes, std::size_t N, Real T>
+template <std::size_t N, Real T>
 struct CommandedVelocity {
   JointVelocity<N, T> velocity;  ///< [rad/s], [m/s]
   SKINCTL_INLINE explicit CommandedVelocity(const JointCommand<N, T>& c) noexcept
       : velocity(Row<N, T>(c.velocity)) {}
   CommandedVelocity() = default;
 };
-template <bool Takes, std::size_t N, Real T>
+template <std::size_t N, Real T>
 struct CommandedTorque {
   JointTorque<N, T> torque;  ///< [N m], [N]
   SKINCTL_INLINE explicit CommandedTorque(const JointCommand<N, T>& c) noexcept
       : torque(Row<N, T>(c.torque)) {}
   CommandedTorque() = default;
 };
-template <std::size_t N, Real T>
-struct CommandedPosition<false, N, T> {
-  SKINCTL_INLINE explicit CommandedPosition(const JointCommand<N, T>&) noexcept {}
-  CommandedPosition() = default;
+/// `Numbers` of a command, or nothing in place of numbers that no interface takes.
+template <bool Takes, class Numbers>
+struct IfTaken : Numbers {
+  using Numbers::Numbers;
 };
-template <std::size_t N, Real T>
-struct CommandedVelocity<false, N, T> {
-  SKINCTL_INLINE explicit CommandedVelocity(const JointCommand<N, T>&) noexcept {}
-  CommandedVelocity() = default;
-};
-template <std::size_t N, Real T>
-struct CommandedTorque<false, N, T> {
-  SKINCTL_INLINE explicit CommandedTorque(const JointCommand<N, T>&) noexcept {}
-  CommandedTorque() = default;
+template <class Numbers>
+struct IfTaken<false, Numbers> {
+  SKINCTL_INLINE explicit IfTaken(const auto&) noexcept {}
+  IfTaken() = default;
 };
 }  // namespace detail
 
@@ -108,20 +102,20 @@ struct CommandedTorque<false, N, T> {
 /// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet, or
 /// it shows the robot elsewhere than where it was started.
 template <std::size_t N, Real T, Interface... I>
-struct RobotCommand : detail::CommandedPosition<(takes_position(I) || ...), N, T>,
-                      detail::CommandedVelocity<(takes_velocity(I) || ...), N, T>,
-                      detail::CommandedTorque<(takes_torque(I) || ...), N, T> {
-  static constexpr bool has_position = (takes_position(I) || ...);
-  static constexpr bool has_velocity = (takes_velocity(I) || ...);
-  static constexpr bool has_torque = (takes_torque(I) || ...);
+struct RobotCommand : detail::IfTaken<(takes_position(I) || ...), detail::CommandedPosition<N, T>>,
+                      detail::IfTaken<(takes_velocity(I) || ...), detail::CommandedVelocity<N, T>>,
+                      detail::IfTaken<(takes_torque(I) || ...), detail::CommandedTorque<N, T>> {
+  static constexpr bool holds_position = (takes_position(I) || ...);
+  static constexpr bool holds_velocity = (takes_velocity(I) || ...);
+  static constexpr bool holds_torque = (takes_torque(I) || ...);
   Nanoseconds time{};
   bool valid = false;
 
   RobotCommand() = default;
   SKINCTL_INLINE explicit RobotCommand(const JointCommand<N, T>& planned) noexcept
-      : detail::CommandedPosition<has_position, N, T>(planned),
-        detail::CommandedVelocity<has_velocity, N, T>(planned),
-        detail::CommandedTorque<has_torque, N, T>(planned),
+      : detail::IfTaken<holds_position, detail::CommandedPosition<N, T>>(planned),
+        detail::IfTaken<holds_velocity, detail::CommandedVelocity<N, T>>(planned),
+        detail::IfTaken<holds_torque, detail::CommandedTorque<N, T>>(planned),
         time(planned.time),
         valid(planned.valid) {}
 };

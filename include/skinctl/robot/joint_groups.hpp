@@ -126,9 +126,9 @@ SKINCTL_INLINE void take_part(const RobotCommand<N, T, J...>& whole,
   using Out = RobotCommand<Subset::count, T, I...>;
   out.time = whole.time;
   out.valid = whole.valid;
-  if constexpr (Out::has_position) out.position = Subset::of(whole.position);
-  if constexpr (Out::has_velocity) out.velocity = Subset::of(whole.velocity);
-  if constexpr (Out::has_torque) out.torque = Subset::of(whole.torque);
+  if constexpr (Out::holds_position) out.position = Subset::of(whole.position);
+  if constexpr (Out::holds_velocity) out.velocity = Subset::of(whole.velocity);
+  if constexpr (Out::holds_torque) out.torque = Subset::of(whole.torque);
 }
 }  // namespace detail
 
