@@ -136,20 +136,20 @@ struct KindTable {
   static constexpr bool pushes(std::size_t c) { return Kind::channels[c].use != ChannelUse::told; }
   static constexpr bool is_seen(std::size_t c) { return Kind::channels[c].use == ChannelUse::seen; }
   /// Whether a channel counts only beside the pressure of its cell.
-  static constexpr bool has_cone(std::size_t c) { return pushes(c) && Kind::channels[c].cone.friction > 0; }
+  static constexpr bool has_cone(std::size_t c) { return Kind::channels[c].cone.friction > 0; }
   static constexpr bool is_pressure(std::size_t c) {
     return Kind::channels[c].use == ChannelUse::contact && !has_cone(c);
   }
-  /// Number of channels of which `is` holds.
-  static constexpr std::size_t count(bool (*is)(std::size_t)) {
+  /// Number of the first `of` channels of which `is` holds.
+  static constexpr std::size_t count(bool (*is)(std::size_t), std::size_t of) {
     std::size_t n = 0;
-    for (std::size_t c = 0; c < channels; ++c) n += is(c) ? 1u : 0u;
+    for (std::size_t c = 0; c < of; ++c) n += is(c) ? 1u : 0u;
     return n;
   }
   /// Number of channels that push, the first ones; of pressures; of channels with a cone.
-  static constexpr std::size_t pushing = count(pushes), pressures = count(is_pressure),
-                               cones = count(has_cone);
-  static constexpr bool sees = count(is_seen) > 0;
+  static constexpr std::size_t pushing = count(pushes, channels);
+  static constexpr std::size_t pressures = count(is_pressure, pushing), cones = count(has_cone, pushing);
+  static constexpr bool sees = count(is_seen, pushing) > 0;
   /// The readings of all pressures, a bit each.
   static constexpr std::uint32_t pressed_readings = [] {
     std::uint32_t bits = 0;

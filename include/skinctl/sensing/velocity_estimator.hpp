@@ -176,19 +176,4 @@ class VelocityEstimator {
   T planned_[K], weights_[K];
 };
 
-/// A state for a cycle from a position and its stamp. A refused sample gives the last good state, with its old
-/// stamp, and the reason: for `CycleInput::observed`.
-template <std::size_t N, Real T>
-struct Completed {
-  State<N, T> state;
-  Status status;
-};
-template <std::size_t N, std::size_t K, std::size_t Degree, Real T>
-[[nodiscard]] Completed<N, T> complete(const VelocityEstimator<N, K, Degree, T>& estimator,
-                                       typename VelocityEstimator<N, K, Degree, T>::Memory& memory,
-                                       const JointPosition<N, T>& q, Nanoseconds stamp) noexcept {
-  const Status status = estimator.observe(memory, q, stamp);
-  return {memory.state, status};
-}
-
 SKINCTL_END_NAMESPACE

@@ -7,7 +7,7 @@
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
 #include "skinctl/tactile/detail/sampled_row.hpp"
-#include "skinctl/tactile/detail/summand.hpp"
+#include "skinctl/tactile/detail/touch_rows.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/momentum_observer.hpp"
 

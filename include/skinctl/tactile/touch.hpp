@@ -8,7 +8,6 @@
 #include "skinctl/core/time.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/tactile/coverage.hpp"
-#include "skinctl/tactile/detail/summand.hpp"
 #include "skinctl/tactile/detail/touch_rows.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
 

@@ -13,7 +13,7 @@
 #include "skinctl/sensing/sample_span.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 #include "skinctl/tactile/detail/sampled_row.hpp"
-#include "skinctl/tactile/detail/summand.hpp"
+#include "skinctl/tactile/detail/touch_rows.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

@@ -48,7 +48,15 @@ template <SensorKind Kind, std::size_t C>
   const float cut = steps > limit ? limit : steps > least ? steps : steps <= least ? least : 0.0f;
   return static_cast<std::uint16_t>(static_cast<std::int32_t>(cut < 0 ? cut - 0.5f : cut + 0.5f));
 }
-/// The number that a count stands for.
+/// The number that a count of a channel stands for.
+template <SensorKind Kind, std::size_t C>
+[[nodiscard]] SKINCTL_INLINE constexpr std::int32_t number_of(std::uint16_t count) noexcept {
+  if constexpr (KindTable<Kind>::has_cone(C)) {
+    return static_cast<std::int16_t>(count);
+  } else {
+    return count;
+  }
+}
 template <SensorKind Kind>
 [[nodiscard]] SKINCTL_INLINE constexpr std::int32_t number_of(std::size_t c, std::uint16_t count) noexcept {
   return KindTable<Kind>::has_cone(c) ? static_cast<std::int16_t>(count) : static_cast<std::int32_t>(count);

@@ -86,12 +86,8 @@ class CellChanges {
   template <class W>
   static SKINCTL_INLINE void add_wrenches(const CellRow<Kind>& cell, const PatchRow<Kind, T>& patch,
                                           const Weighed& counts, const T& share, W& to) noexcept {
-    if constexpr (apart) {
-      add_use<false>(cell, patch, counts, share, to.force.data[cell.slot]);
-      add_use<true>(cell, patch, counts, share, to.proximity.data[cell.slot]);
-    } else {
-      add_use<false>(cell, patch, counts, share, to.data[cell.slot]);
-    }
+    add_use<false>(cell, patch, counts, share, use_of<false>(to).data[cell.slot]);
+    if constexpr (apart) add_use<true>(cell, patch, counts, share, use_of<true>(to).data[cell.slot]);
   }
   [[nodiscard]] static SKINCTL_INLINE Weighed less(Weighed a, const Weighed& b) noexcept {
     for (std::size_t c = 0; c < a.size(); ++c) a[c] -= b[c];
@@ -107,15 +103,14 @@ class CellChanges {
  private:
   /// Whether channel `c` acts along a line and belongs to a use; where the two uses are not apart, to both.
   static constexpr bool belongs(std::size_t c, bool seen, std::size_t line) noexcept {
-    return c < KindTable<Kind>::pushing && KindTable<Kind>::line[c] == line &&
-           (!apart || KindTable<Kind>::is_seen(c) == seen);
+    return KindTable<Kind>::line[c] == line && (!apart || KindTable<Kind>::is_seen(c) == seen);
   }
   template <bool Seen>
   static SKINCTL_INLINE void add_use(const CellRow<Kind>& cell, const PatchRow<Kind, T>& patch,
                                      const Weighed& counts, const T& share, T* wrench) noexcept {
     const auto along = [&]<std::size_t Line>() SKINCTL_INLINE_LAMBDA {
       constexpr auto mine = [](std::size_t c) { return belongs(c, Seen, Line); };
-      if constexpr (KindTable<Kind>::count(mine) > 0) {
+      if constexpr (KindTable<Kind>::count(mine, KindTable<Kind>::pushing) > 0) {
         T push(0);
         each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
           if constexpr (mine(c)) push = push + patch.gain[c] * real_of<T>(counts[c]);

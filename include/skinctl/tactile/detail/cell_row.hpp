@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <concepts>
 #include <utility>
 
 #include "skinctl/sensing/cell_sample.hpp"
@@ -35,17 +36,9 @@ SKINCTL_INLINE constexpr void each_channel(const F& f) noexcept {
 }
 
 /// A whole number as a scalar. `float` holds 24 bits, so that a step of a unit wrench is exact.
-template <Real T>
-[[nodiscard]] SKINCTL_INLINE T real_of(std::int32_t n) noexcept {
-  if constexpr (std::is_same_v<T, float> || std::is_same_v<T, double>) {
-    return static_cast<T>(n);
-  } else {
-    return static_cast<T>(static_cast<double>(n));
-  }
-}
-template <Real T>
-[[nodiscard]] SKINCTL_INLINE T real_of(std::int64_t n) noexcept {
-  if constexpr (std::is_same_v<T, float>) {
+template <Real T, std::signed_integral N>
+[[nodiscard]] SKINCTL_INLINE T real_of(N n) noexcept {
+  if constexpr (std::is_floating_point_v<T>) {
     return static_cast<T>(n);
   } else {
     return static_cast<T>(static_cast<double>(n));
@@ -90,7 +83,7 @@ struct CellRow {
     Counts out;
     each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
       const ChannelTuning& gate = tuning[c];
-      const std::int32_t x = number_of<Kind>(c, raw[c]), size = x < 0 ? -x : x;
+      const std::int32_t x = number_of<Kind, c>(raw[c]), size = x < 0 ? -x : x;
       const std::int32_t above = gate.opens - (old[c] != 0 ? gate.less : 0);
       const std::int32_t passed = size > above ? size - gate.subtract : 0;
       out[c] = static_cast<std::uint16_t>(x < 0 ? -passed : passed);
@@ -102,7 +95,7 @@ struct CellRow {
     Weighed out;
     each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
       constexpr std::int32_t half = ChannelTuning::whole / 2;
-      const std::int32_t n = number_of<Kind>(c, counts[c]), share = tuning[c].share;
+      const std::int32_t n = number_of<Kind, c>(counts[c]), share = tuning[c].share;
       out[c] = n < 0 ? -((-n * share + half) >> ChannelTuning::whole_bits)
                      : (n * share + half) >> ChannelTuning::whole_bits;
     });
@@ -125,7 +118,7 @@ struct CellRow {
     each_channel<Kind>([&](auto c) {
       if constexpr (Table::has_cone(c))
         counts[c] =
-            static_cast<std::uint16_t>(static_cast<std::int32_t>(share * number_of<Kind>(c, counts[c])));
+            static_cast<std::uint16_t>(static_cast<std::int32_t>(share * number_of<Kind, c>(counts[c])));
     });
     return counts;
   }

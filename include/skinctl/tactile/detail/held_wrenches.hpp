@@ -6,11 +6,21 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
+/// The wrenches to which a use belongs: where contacts and what is seen are not apart, all.
+template <bool Seen, class Means>
+[[nodiscard]] SKINCTL_INLINE auto& use_of(Means& means) noexcept {
+  if constexpr (!is_apart<Means>) {
+    return means;
+  } else if constexpr (Seen) {
+    return means.proximity;
+  } else {
+    return means.force;
+  }
+}
 /// The wrenches of the held readings to each of `count` parts.
 template <class Kind, Real T, class Memory, class Means>
 SKINCTL_INLINE void write_held(const SkinTables<Kind, T>& tables, const Memory& memory, Means* means,
                                std::size_t count) noexcept {
-  constexpr bool apart = is_apart<Means>;
   Means held{};
   for (std::size_t k = 0; k < tables.patches.size(); ++k) {
     const PatchRow<Kind, T>& patch = tables.patches[k];
@@ -19,12 +29,7 @@ SKINCTL_INLINE void write_held(const SkinTables<Kind, T>& tables, const Memory& 
       std::int64_t any = 0;
       for (const std::int64_t n : steps) any |= n;
       if (any == 0) return;
-      T* wrench = nullptr;
-      if constexpr (apart) {
-        wrench = (KindTable<Kind>::is_seen(c) ? held.proximity : held.force).data[patch.slot];
-      } else {
-        wrench = held.data[patch.slot];
-      }
+      T* const wrench = use_of<KindTable<Kind>::is_seen(c)>(held).data[patch.slot];
       const T force = patch.gain[c] * T(0x1p-24), moment = patch.gain[c] * patch.moment_step;
       for (std::size_t r = 0; r < 3; ++r) wrench[r] = wrench[r] + force * real_of<T>(steps[r]);
       for (std::size_t r = 3; r < 6; ++r) wrench[r] = wrench[r] + moment * real_of<T>(steps[r]);
@@ -53,8 +58,8 @@ void add_pushes(const SkinTables<Kind, T>& tables, std::size_t i, const PerChann
                 TouchWrenches<W>& to) noexcept {
   const CellRow<Kind>& row = tables.cells[i];
   each_channel<Kind>([&](auto c) {
-    auto& wrenches = KindTable<Kind>::is_seen(c) ? to.proximity : to.force;
-    tables.patch_of(i).add_unit(row.unit[KindTable<Kind>::line[c]], push[c], wrenches.data[row.slot]);
+    tables.patch_of(i).add_unit(row.unit[KindTable<Kind>::line[c]], push[c],
+                                use_of<KindTable<Kind>::is_seen(c)>(to).data[row.slot]);
   });
 }
 /// Adds the contact of cell `i` to the areas that are pressed, if there is one; `push` of each channel [N].

@@ -8,7 +8,6 @@
 #include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/detail/held_wrenches.hpp"
 #include "skinctl/tactile/detail/reception.hpp"
-#include "skinctl/tactile/detail/summand.hpp"
 #include "skinctl/tactile/kind_input.hpp"
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
@@ -208,7 +207,7 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
       });
       for (std::size_t c = 0; c < most.size(); ++c)
         most[c] = patch.hidden[c] > most[c] ? patch.hidden[c] : most[c];
-      if (!memory.hears_all_from(patch.first, patch.count)) return T(1);
+      if (memory.heard_from(patch.first, patch.count) < patch.count) return T(1);
       known = true;
     }
     T bound(0);

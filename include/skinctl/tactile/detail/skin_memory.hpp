@@ -83,10 +83,6 @@ struct SkinMemory {
       for (std::uint64_t rest = states[b].*state & among(b, first, count); rest != 0; rest &= rest - 1)
         f(64 * b + static_cast<std::size_t>(std::countr_zero(rest)));
   }
-  /// Whether each of `count` cells from `first` on is heard.
-  [[nodiscard]] bool hears_all_from(std::size_t first, std::size_t count) const noexcept {
-    return heard_from(first, count) == count;
-  }
   /// Number of the `count` cells from `first` on that are heard.
   [[nodiscard]] SKINCTL_INLINE std::size_t heard_from(std::size_t first, std::size_t count) const noexcept {
     int n = 0;

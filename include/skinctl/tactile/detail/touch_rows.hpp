@@ -10,6 +10,13 @@
 #include "skinctl/tactile/coverage.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+
+/// The namespace of `skin + sensor`, apart so that the errors of other sums do not list it.
+namespace sensor_sums {
+/// A base of every sensor that adds to a skin: argument-dependent look-up finds the operator by it.
+struct Summand {};
+}  // namespace sensor_sums
+
 namespace detail {
 
 template <class S>

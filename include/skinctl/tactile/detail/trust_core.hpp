@@ -88,13 +88,14 @@ class TrustCore : public TrustFrames<S> {
   template <class F>
   void each_filled(const Memory& m, const F& f) const noexcept {
     for (std::size_t b = 0; 16 * b < size(); ++b) {
-      bool whole = m.hears_all_from(16 * b, 16 * b + 16 < size() ? 16 : size() - 16 * b);
+      const std::size_t in_row = size() - 16 * b < 16 ? size() - 16 * b : 16;
+      bool whole = m.heard_from(16 * b, in_row) == in_row;
       using L = Lane<float>;
       for (std::size_t k = 0; k < 16; k += L::lanes)
         whole = whole && !any(L::load(m.health.row[b].mask.data() + k) > L(0.0f));
       whole = whole && !this->masked_[b];
       if (whole) continue;
-      for (std::size_t k = 0; k < 16 && 16 * b + k < size(); ++k) {
+      for (std::size_t k = 0; k < in_row; ++k) {
         const double share = share_filled(m, 16 * b + k);
         if (share > 0) f(16 * b + k, share);
       }
