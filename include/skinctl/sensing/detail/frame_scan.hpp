@@ -76,10 +76,10 @@ template <class L>
 struct ForceChange {
   using Mask = LaneMask<float, L::lanes>;
   L d{0.0f};       ///< change since the last sample [steps]; 0 without a new one
-  Mask jumped{};   ///< within one sample, and not as a part of a fast movement
-  Mask step{};     ///< up by a jump, with nothing before it
-  Mask settled{};  ///< it moved on with the sample behind a jump: it was no step
-  Mask noisy{};    ///< more noise than a cell has
+  Mask jumped{};   ///< jump within one sample, no part of a fast movement
+  Mask step{};     ///< jump upwards with nothing before it
+  Mask settled{};  ///< movement with the sample behind a jump, which was no step then
+  Mask noisy{};    ///< noise beyond that of a sound cell
 };
 /// The statistics of the forces in lanes from `i` on, and what they show.
 ///
