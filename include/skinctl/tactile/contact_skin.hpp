@@ -26,7 +26,7 @@ class ContactSkin : public WrappedTouch<ContactSkin<S, Most>, S> {
 
   /// That of the skin, the contacts, and the pressed areas. Trivially copyable.
   struct Memory : S::Memory {
-    SkinContactMemory<detail::max_cells_of<S>, Most, scalar> contacts;
+    SkinContactMemory<S::cells, Most, scalar> contacts;
     typename S::Pressed areas;
   };
 

@@ -47,13 +47,11 @@ class Skin : public detail::SkinCore<M, T, (link_bit<Patches::link> | ...), (Pat
   static_assert(((Patches::link < M::joints) && ...), "a patch sits on a link that the model does not have");
   using typename Core::Settings;
   using typename Core::Wrenches;
-  static constexpr std::size_t patches = sizeof...(Patches);
-  static constexpr std::size_t cells = (Patches::cells + ...);
 
   /// Throws `ConfigurationError` for an id that occurs twice or is 2^20 or more, and for settings that
   /// `SkinSettings::check` refuses.
   SKINCTL_COLD explicit Skin(const Patches&... patch, const Settings& settings = {}) : Core(settings) {
-    this->tables_.reserve(cells);
+    this->tables_.reserve(Core::cells);
     const auto add = [&](const auto& one, std::size_t link) {
       const auto gain = detail::gain_list(one.gains());
       std::vector<detail::GivenCell<typename Core::kind>> all;

@@ -90,21 +90,20 @@ class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, Kind> {
   static_assert((Links & ~all_links(M::joints)) == 0, "the mask names a link that the model does not have");
   using typename Core::Settings;
   using typename Core::Wrenches;
-  static constexpr std::size_t capacity = Capacity, max_patch_count = Patches;
 
   /// Throws `ConfigurationError` for more cells or patches than there is room for, a patch without cells or on
   /// a link that is not in `Links`, and for what `Patch`, `Skin` and `EventGate::counted` refuse.
-  SKINCTL_COLD explicit SkinOf(const std::vector<ChannelPatch<Kind>>& patches, const Settings& settings = {})
+  SKINCTL_COLD explicit SkinOf(const std::vector<ChannelPatch<Kind>>& placed, const Settings& settings = {})
       : Core(settings) {
-    std::size_t cells = 0;
-    for (const auto& patch : patches) cells += patch.cells.size();
-    require(cells > 0, "SkinOf: cells", 0, ">= 1");
-    require(cells <= Capacity, "SkinOf: cells", double(cells),
+    std::size_t count = 0;
+    for (const auto& patch : placed) count += patch.cells.size();
+    require(count > 0, "SkinOf: cells", 0, ">= 1");
+    require(count <= Capacity, "SkinOf: cells", double(count),
             ("at most its capacity of " + std::to_string(Capacity)).c_str());
-    require(patches.size() <= Patches, "SkinOf: patches", double(patches.size()),
+    require(placed.size() <= Patches, "SkinOf: patches", double(placed.size()),
             ("at most " + std::to_string(Patches)).c_str());
-    this->tables_.reserve(cells);
-    detail::add_patches<Wrenches>(this->tables_, settings, patches);
+    this->tables_.reserve(count);
+    detail::add_patches<Wrenches>(this->tables_, settings, placed);
   }
 };
 

@@ -20,8 +20,8 @@ class ToldSkin : public WrappedTouch<ToldSkin<S>, S> {
   static constexpr std::size_t channels = KindTable<Kind>::channels - first;
   static_assert(channels > 0, "this kind of sensor tells nothing");
   struct Memory : S::Memory {
-    std::array<std::array<float, channels>, detail::max_cells_of<S>> told{};
-    std::array<Nanoseconds, detail::max_cells_of<S>> told_at{};
+    std::array<std::array<float, channels>, S::cells> told{};
+    std::array<Nanoseconds, S::cells> told_at{};
   };
 
   SKINCTL_COLD explicit ToldSkin(const S& skin) : Base(skin) {}

@@ -30,6 +30,7 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   using Touch = TouchWrenches<Wrenches>;
   using Pressed = PressedAreas<M, Links, T>;
   static constexpr LinkMask links = Links;
+  static constexpr std::size_t cells = Cells, patches = Patches;  ///< room for so many; a `Skin` has as many
 
   /// The data that change from cycle to cycle. `Memory{}` has received no cell. Only the skin reads and writes
   /// its members.

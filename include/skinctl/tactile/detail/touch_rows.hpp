@@ -102,12 +102,6 @@ concept HasBeyond = requires(const S& s, const Found& found, const State& measur
 };
 template <class S>
 concept HasRecomputed = requires(const S& s, const typename S::Memory& m) { s.recomputed(m); };
-template <class S>
-concept HasCapacity = requires {
-  { S::capacity } -> std::convertible_to<std::size_t>;
-  { S::max_patch_count } -> std::convertible_to<std::size_t>;
-};
-
 template <class S, class None>
 struct SensedOf {
   using type = None;
@@ -158,24 +152,6 @@ struct WithSensed<S, None, Adds> : S {
   using Sensed = SensedTogether<typename SensedOf<S, None>::type, Adds>;
   explicit WithSensed(const S& s) : S(s) {}
 };
-
-/// Room for cells, and for patches, of a skin whose numbers are known at compile time or have an upper bound.
-template <class S>
-inline constexpr std::size_t max_cells_of = [] {
-  if constexpr (HasCapacity<S>) {
-    return S::capacity;
-  } else {
-    return S::cells;
-  }
-}();
-template <class S>
-inline constexpr std::size_t max_patches_of = [] {
-  if constexpr (HasCapacity<S>) {
-    return S::max_patch_count;
-  } else {
-    return S::patches;
-  }
-}();
 
 }  // namespace detail
 SKINCTL_END_NAMESPACE

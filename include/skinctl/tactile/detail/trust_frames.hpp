@@ -24,8 +24,7 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
   using Touch = typename S::Touch;
   using Kind = typename S::kind;
   using Table = KindTable<Kind>;
-  /// Room for so many, if their number is known at run time only.
-  static constexpr std::size_t patches = max_patches_of<S>, cells = max_cells_of<S>;
+  using S::patches, S::cells;
   using Memory = TrustMemory<S>;
   using Health = typename Memory::Health;
   using Cross = typename Memory::Cross;

@@ -17,7 +17,7 @@ template <class S>
 struct TrustMemory : S::Memory {
   using Touch = typename S::Touch;
   using Table = KindTable<typename S::kind>;
-  static constexpr std::size_t patches = max_patches_of<S>, cells = max_cells_of<S>;
+  static constexpr std::size_t patches = S::patches, cells = S::cells;
   using Health = CellHealth<cells, typename S::kind>;
   using Cross = CrossTalk<cells>;
   using Row = HealthRow::Row;
