@@ -76,7 +76,7 @@ void Controller::tell(const Notice& notice) {
   if (on_notice) on_notice(notice);
 }
 void Controller::tell_program(const char* event) {
-  tell({Notice::Kind::key, program_.name.empty() ? "unnamed" : program_.name, event});
+  tell({Notice::Kind::key, program_name_.empty() ? "unnamed" : program_name_, event});
 }
 
 double Controller::scenario_time() const {
@@ -151,7 +151,7 @@ void Controller::protective_stop(const std::string& why, std::int32_t code) {
   ++counters_.protective_stops;
   popup_ = true;
   arm_.stop(config_.arm.protective_deceleration);
-  if (phase_ == Phase::connecting || phase_ == Phase::streaming || phase_ == Phase::interpreted) {
+  if (phase_ == Phase::running) {
     state_.runtime_state = RuntimeState::paused;
     pause_requested_ = false;
   }

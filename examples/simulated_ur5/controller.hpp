@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,7 +10,6 @@
 
 #include "examples/simulated_ur5/contact.hpp"
 #include "examples/simulated_ur5/notice.hpp"
-#include "examples/simulated_ur5/script.hpp"
 #include "examples/simulated_ur5/skin.hpp"
 #include "examples/simulated_ur5/state.hpp"
 #include "examples/simulated_ur5/urscript/machine.hpp"
@@ -44,21 +42,9 @@ struct ControllerConfig {
 };
 void check(const ControllerConfig& config);
 
-/// A command of the reverse protocol.
-struct ReverseMessage {
-  std::int32_t read_timeout_ms = 0;
-  std::array<std::int32_t, 6> values{};
-  std::int32_t mode = 0;
-};
-/// Size of a reverse message on the wire: 8 big-endian int32.
-inline constexpr std::size_t reverse_message_size = 32;
-
 /// Counters that tests and reports look at.
 struct Counters {
   std::uint64_t cycles = 0;
-  std::uint64_t reverse_messages = 0;
-  std::uint64_t cycles_without_message = 0;  ///< while streaming, after the first message
-  std::uint64_t read_timeouts = 0;
   std::uint64_t protective_stops = 0;
   std::uint64_t programs = 0;
 };
@@ -112,21 +98,13 @@ class Controller {
   // Programs.
   /// Starts an uploaded program; a main program replaces the one that runs. Empty, or why it does not run.
   std::string run(const std::string& script);
-  /// Not null while a streaming program wants its sockets; `program_number` tells one program from the next.
-  const Program* wants_sockets() const;
-  std::uint64_t program_number() const { return counters_.programs; }
-  void sockets_opened();
-  void sockets_failed();
-  /// The peer closed the reverse socket, or it broke.
-  void reverse_closed();
-  void reverse_message(const ReverseMessage& message);
-  /// True while a program runs that reads commands, from its start on, and is not paused.
+  /// True while a program waits for eight integers from a socket, which are a command, and is not paused.
   bool awaits_command() const;
   /// True if a message has come that the next `step` will take.
   bool has_command() const;
-  /// The sockets of a program that is interpreted.
+  /// The sockets of the program.
   urscript::Sockets& sockets() { return sockets_; }
-  /// A global variable of such a program, as text; empty: there is none.
+  /// A global variable of the program, as text; empty: there is none.
   std::string variable(std::string_view name) const {
     return machine_ ? machine_->variable(name) : std::string();
   }
@@ -145,21 +123,18 @@ class Controller {
   const std::string& watched_input() const;
 
  private:
-  enum class Phase { none, connecting, streaming, interpreted, stopping };
+  enum class Phase { none, running, stopping };
   void say(const std::string& text);
   void tell(const Notice& notice);
   void tell_program(const char* event);
   void end_program(const std::string& why);
   void finish_program();
   void run_program();
-  void run_stream();
   void run_interpreted();
   void run_secondary(urscript::Code code);
-  void start(Program program, urscript::Code code);
+  void start(urscript::Code code);
   void tell_problem(const urscript::Problem& problem);
   urscript::Robot robot_of_program();
-  void leave_motion(std::int32_t next_mode);
-  void apply(const ReverseMessage& m);
   void check_watchdog();
   void advance_modes();
   void start_scenario();
@@ -183,18 +158,11 @@ class Controller {
 
   // Program.
   Phase phase_ = Phase::none;
-  Program program_;
+  std::string program_name_;
+  std::optional<urscript::Watchdog> watchdog_;
   std::string loaded_name_, loaded_script_;
   bool pause_requested_ = false;
   double scaling_ = 1;
-  // Stream.
-  bool connected_ = false, peer_gone_ = false, first_message_ = false, joining_ = false,
-       ends_after_stop_ = false;
-  std::int32_t mode_ = -1;
-  Nanoseconds deadline_{};  ///< of the next message; 0: none
-  std::deque<ReverseMessage> pending_;
-  ReverseMessage latest_;
-  // Interpreted.
   std::optional<urscript::Machine> machine_;
   urscript::Sockets sockets_;
   urscript::Line line_;

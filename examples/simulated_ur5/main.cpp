@@ -208,10 +208,7 @@ int main(int argc, char** argv) {
                 touch.name.c_str(), touch.link, touch.cell, touch.peak_force, touch.peak_force_time,
                 1000 * touch.peak_deflection, touch.impulse);
   }
-  std::printf(
-      "stopped after %.3f s of simulated time, %llu commands, %llu read timeouts, %llu protective stops\n",
-      last.state.timestamp, static_cast<unsigned long long>(last.counters.reverse_messages),
-      static_cast<unsigned long long>(last.counters.read_timeouts),
-      static_cast<unsigned long long>(last.counters.protective_stops));
+  std::printf("stopped after %.3f s of simulated time, %llu protective stops\n", last.state.timestamp,
+              static_cast<unsigned long long>(last.counters.protective_stops));
   return exit_ok;
 }

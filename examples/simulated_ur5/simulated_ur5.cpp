@@ -16,7 +16,7 @@
 #include "examples/simulated_ur5/primary.hpp"
 #include "examples/simulated_ur5/primary_commands.hpp"
 #include "examples/simulated_ur5/realtime.hpp"
-#include "examples/simulated_ur5/reverse.hpp"
+#include "examples/simulated_ur5/script.hpp"
 #include "examples/simulated_ur5/script_sockets.hpp"
 #include "examples/simulated_ur5/version.hpp"
 #include "examples/support/web_guard.hpp"
@@ -37,9 +37,6 @@ constexpr std::size_t rtde_kernel_queue = 32 * 1024;
 constexpr std::size_t text_queue = 256 * 1024;
 constexpr std::size_t state_queue = 8192;     // above it, states are left out
 constexpr std::size_t message_queue = 65536;  // above it, messages
-constexpr int connect_attempts = 5;
-constexpr auto connect_pause = std::chrono::milliseconds(200);
-constexpr auto connect_patience = std::chrono::seconds(2);
 constexpr int most_skipped_in_a_row = 3;
 
 asio::ip::address numeric_address(const std::string& text, const char* what) {
@@ -74,7 +71,6 @@ class SimulatedUr5::Network {
         controller_(config_.controller),
         timer_(io_),
         patience_(io_),
-        connect_timer_(io_),
         script_sockets_(
             io_, config_.reach_out, [this] { script_heard(); },
             [this](const std::string& text) { log(LogLevel::info, text); }),
@@ -386,116 +382,10 @@ class SimulatedUr5::Network {
   // ---- the program's own sockets
   // --------------------------------------------------------------------------------
 
-  /// Opens, serves and closes sockets as the program wants them.
-  void follow_program() {
-    script_sockets_.follow(controller_.sockets());
-    const Program* wanted = controller_.wants_sockets();
-    const std::uint64_t number = wanted ? controller_.program_number() : 0;
-    if (number == followed_program_) return;
-    drop_program_sockets();
-    followed_program_ = number;
-    if (wanted) {
-      attempts_left_ = connect_attempts;
-      connect_next();
-    }
-  }
-
-  /// Something came, opened or closed on a socket of an interpreted program.
+  /// Something came, opened or closed on a socket of the program.
   void script_heard() {
     impatient_ = false;
     if (!waiting_ || controller_.has_command() || !holds_time()) go_on();
-  }
-
-  void drop_program_sockets() {
-    connect_timer_.cancel();
-    if (connecting_) {
-      ErrorCode ignored;
-      connecting_->close(ignored);
-      connecting_.reset();
-    }
-    for (const auto& c : program_sockets_) {
-      c->on_closed = nullptr;
-      c->close("the program ended");
-    }
-    program_sockets_.clear();
-  }
-
-  void connect_next() {
-    const Program* program = controller_.wants_sockets();
-    if (!program) return;
-    const std::size_t index = program_sockets_.size();
-    if (index == program->sockets.size()) {
-      log(LogLevel::info, "the program's sockets are open");
-      controller_.sockets_opened();
-      return;
-    }
-    const SocketOpen& wanted = program->sockets[index];
-    ErrorCode error;
-    const auto address =
-        asio::ip::make_address(wanted.host == "localhost" ? "127.0.0.1" : wanted.host, error);
-    if (error || (!address.is_loopback() && !config_.reach_out)) {
-      log(LogLevel::warning, "the program wants to reach '" + wanted.host.substr(0, 64) + "', which is " +
-                                 (error ? "no numeric address" : "not this machine; see --reach-out"));
-      controller_.sockets_failed();
-      reconsider();
-      return;
-    }
-    connecting_ = std::make_shared<tcp::socket>(io_);
-    const auto socket = connecting_;
-    const std::uint64_t number = followed_program_;
-    connect_timer_.expires_after(connect_patience);
-    connect_timer_.async_wait([socket](const ErrorCode& stopped) {
-      ErrorCode ignored;
-      if (!stopped) socket->close(ignored);
-    });
-    socket->async_connect({address, wanted.port}, [this, socket, number, index](const ErrorCode& failed) {
-      if (closing_ || number != followed_program_ || connecting_ != socket) return;
-      connecting_.reset();
-      connect_timer_.cancel();
-      if (failed || !socket->is_open()) {
-        retry_connect(failed.message());
-        return;
-      }
-      adopt(std::move(*socket), index);
-      connect_next();
-    });
-  }
-
-  void retry_connect(const std::string& why) {
-    if (--attempts_left_ <= 0) {
-      log(LogLevel::warning, "the program's socket cannot be opened: " + why);
-      controller_.sockets_failed();
-      reconsider();
-      return;
-    }
-    const std::uint64_t number = followed_program_;
-    connect_timer_.expires_after(connect_pause);
-    connect_timer_.async_wait([this, number](const ErrorCode& stopped) {
-      if (!stopped && !closing_ && number == followed_program_) connect_next();
-    });
-  }
-
-  void adopt(tcp::socket socket, std::size_t index) {
-    auto connection = std::make_shared<Connection>(std::move(socket), text_queue);
-    program_sockets_.push_back(connection);
-    const Program* program = controller_.wants_sockets();
-    if (program && index == program->reverse) {
-      auto reader = std::make_shared<ReverseReader>();
-      connection->on_bytes = [this, reader](std::span<const std::uint8_t> bytes) {
-        reader->feed(bytes, [this](const ReverseMessage& m) {
-          controller_.reverse_message(m);
-          impatient_ = false;
-        });
-        if (controller_.has_command()) go_on();
-        return true;
-      };
-      connection->on_closed = [this](const char* why) {
-        log(LogLevel::info, std::string("reverse socket: ") + why);
-        controller_.reverse_closed();
-        reconsider();
-      };
-    }
-    connection->start();
   }
 
   // ---- time
@@ -539,7 +429,7 @@ class SimulatedUr5::Network {
   void cycle() {
     controller_.step();
     const bool answered_to = publish(!lock_step() && Clock::now() - next_ > pace());
-    follow_program();
+    script_sockets_.follow(controller_.sockets());
     if (closing_) return;
     if (!holds_time()) {
       if (!controller_.awaits_command()) impatient_ = false;
@@ -664,7 +554,6 @@ class SimulatedUr5::Network {
     ErrorCode ignored;
     timer_.cancel();
     patience_.cancel();
-    drop_program_sockets();
     script_sockets_.close();
     for (Server* server : servers()) {
       if (server->acceptor) server->acceptor->close(ignored);
@@ -679,17 +568,13 @@ class SimulatedUr5::Network {
   rtde::InputOwners owners_;
   PanelState panel_;
   asio::io_context io_;
-  asio::steady_timer timer_, patience_, connect_timer_;
+  asio::steady_timer timer_, patience_;
   Server dashboard_, primary_, secondary_, rtde_, realtime_;
   Ports ports_;
   std::vector<std::shared_ptr<RtdeClient>> rtde_clients_;
   std::uint64_t rtde_count_ = 0, start_count_ = 0;
   std::vector<std::uint8_t> buffer_;
 
-  std::shared_ptr<tcp::socket> connecting_;
-  std::vector<std::shared_ptr<Connection>> program_sockets_;
-  std::uint64_t followed_program_ = 0;
-  int attempts_left_ = 0;
   ScriptSockets script_sockets_;
 
   Clock::time_point next_;

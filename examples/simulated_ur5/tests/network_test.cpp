@@ -189,7 +189,6 @@ TEST_CASE(
     }));
     // 100 ms of timeout, 0.5/4 s of stopj(4), and the arm's own lag.
     CHECK(seconds_since(silent_since) < 1.5);
-    CHECK(robot.snapshot().counters.read_timeouts == (vanish ? 0u : 1u));
   }
 }
 
@@ -276,15 +275,13 @@ TEST_CASE("Network: lock-step waits for each answer, runs as fast as they come, 
     CHECK(a.cell_times == b.cell_times);
     CHECK(a.last.touches.at(0).peak_force == b.last.touches.at(0).peak_force);
     CHECK(a.last.touches.at(0).peak_force > 50);
-    CHECK(a.last.counters.cycles_without_message <= 1);
-    CHECK(a.last.counters.read_timeouts == 0);
     CHECK(a.datagrams >= 1200);
     CHECK(lock_step_run(series, cycles, 1, 2).q != a.q);
     MESSAGE("5 s of simulated time in " << a.real_time << " s");
   }
   // A client at a quarter of the rate is waited for at its own packages only.
   const LockStepRun slow = lock_step_run(Series::e_series, 600, 4, 1);
-  CHECK(slow.last.counters.read_timeouts == 0);
+  CHECK(slow.last.state.program_running);
 }
 
 TEST_CASE("Network: lock-step lets time go on when the commander falls silent") {
@@ -306,7 +303,6 @@ TEST_CASE("Network: lock-step lets time go on when the commander falls silent") 
   CHECK(eventually(robot, 5, [](const Snapshot& s) {
     return s.state.runtime_state == RuntimeState::stopped && speed_of(s) < 1e-6;
   }));
-  CHECK(robot.snapshot().counters.read_timeouts == 1);
 }
 
 TEST_CASE("Network: several clients stream at their own rates, a start twice does not double") {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "examples/simulated_ur5/controller.hpp"
-#include "examples/simulated_ur5/tests/raw.hpp"
+#include "examples/simulated_ur5/tests/streaming.hpp"
 
 using namespace simulated_ur5;
 
@@ -48,9 +48,8 @@ Outcome run(Series series, bool rigid, double position_gain) {
   touch.travel = 0.05;
   touch.hold = 1;
   config.touches = {touch};
-  Controller c(config);
-  REQUIRE(c.run(raw::stream_program(50001)).empty());
-  c.sockets_opened();
+  Streaming stream(config);
+  Controller& c = stream.c;
   std::map<std::uint32_t, SkinSample> latest;
   c.on_skin = [&](Nanoseconds, const std::vector<SkinSample>& samples) {
     for (const SkinSample& s : samples) latest[s.cell] = s;
@@ -77,13 +76,7 @@ Outcome run(Series series, bool rigid, double position_gain) {
       q[i] += dt * v[i];
       out.highest_speed = std::max(out.highest_speed, std::abs(v[i]));
     }
-    ReverseMessage m;
-    m.read_timeout_ms = 100;
-    m.mode = 1;
-    for (std::size_t i = 0; i < joint_count; ++i)
-      m.values[i] = static_cast<std::int32_t>(std::lround(q[i] * 1e6));
-    c.reverse_message(m);
-    c.step();
+    stream.send(100, q, 1);
     if (c.state().safety_mode != SafetyMode::normal) break;
   }
   out.stopped = c.state().safety_mode != SafetyMode::normal;
