@@ -81,7 +81,7 @@ class Hand {
 
   [[nodiscard]] const HandSettings& settings() const noexcept { return s_; }
   [[nodiscard]] double x() const noexcept { return x_; }  ///< place of the hand [m]
-  [[nodiscard]] double v() const noexcept { return v_; }  ///< its speed [m/s]
+  [[nodiscard]] double v() const noexcept { return v_; }  ///< speed of the hand [m/s]
   [[nodiscard]] double force() const noexcept {
     return force_;
   }  ///< mean force of the last step on the robot [N]
