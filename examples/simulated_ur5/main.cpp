@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
 
   CLI::App app{
       "A UR5 with its controller on loopback: RTDE, URScript upload, dashboard, reverse socket, skin."};
-  std::string series, polyscope, scenario, cells, skin, skin_file, key_file, faults, level = "info";
+  std::string series, polyscope, scenario, skin, skin_file, key_file, faults, level = "info";
   std::vector<std::string> programs;
   app.add_option("--series", series, "cb3 (125 Hz, the default) or e-series (500 Hz)")
       ->check(CLI::IsMember({"cb3", "e-series"}));
@@ -87,9 +87,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--scenario", scenario, "TOML file with [robot], [skin] and [[touch]]")
       ->check(CLI::ExistingFile);
-  app.add_option("--cells", cells, "table of skin cells: id link px py pz nx ny nz")
-      ->check(CLI::ExistingFile);
-  app.add_option("--skin", skin_file, "skin file (JSON) instead of a table")->check(CLI::ExistingFile);
+  app.add_option("--skin", skin_file, "skin file (JSON)")->check(CLI::ExistingFile);
   app.add_option("--skin-target", skin, "HOST:PORT that gets the skin's datagrams");
   app.add_option("--skin-key", key_file, "file with the key that seals them: 64 hex digits")
       ->check(CLI::ExistingFile);
@@ -144,7 +142,6 @@ int main(int argc, char** argv) {
       config.controller.series =
           series == "cb3" ? simulated_ur5::Series::cb3 : simulated_ur5::Series::e_series;
     if (!polyscope.empty()) config.controller.version = read_version(polyscope);
-    if (!cells.empty()) config.controller.cells = simulated_ur5::read_cells_file(cells);
     if (!skin_file.empty()) config.controller.cells = simulated_ur5::read_skin_cells(skin_file);
     if (!key_file.empty()) {
       const std::uint64_t session = adapters::skin::session_now();

@@ -152,7 +152,7 @@ void read_robot(Table t, Config& config) {
 void read_skin(Table t, const fs::path& folder, Config& config) {
   SkinConfig& s = config.controller.skin;
   std::string cells;
-  if (t.text("cells", cells)) config.controller.cells = read_cells_file((folder / cells).string());
+  if (t.text("cells", cells)) config.controller.cells = read_skin_cells((folder / cells).string());
   t.number("newtons_per_reading", s.newtons_per_reading);
   t.number("rest_reading", s.rest_reading);
   t.number("force_noise", s.force_noise);
@@ -215,12 +215,6 @@ void read_touch(Table t, const fs::path& folder, std::size_t number, std::vector
 }
 
 }  // namespace
-
-std::vector<SkinCell> read_cells_file(const std::string& file) {
-  if (fs::path(file).extension() == ".json") return read_skin_cells(file);
-  auto in = open(file);
-  return read_cells(in, file);
-}
 
 ForceProfile read_profile_file(const std::string& file) {
   auto in = open(file);

@@ -25,8 +25,6 @@ void read_scenario(const std::string& file, Config& config);
 /// Reads the cells of a skin file (JSON), on links by their names in the maker's ROS 2 description. Throws
 /// `skinctl::ConfigurationError`.
 std::vector<SkinCell> read_skin_cells(const std::string& file);
-/// Reads a table of cells, see `read_cells`, or a skin file whose name ends in `.json`.
-std::vector<SkinCell> read_cells_file(const std::string& file);
 /// Reads a force profile, see `read_profile`.
 ForceProfile read_profile_file(const std::string& file);
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <sstream>
-#include <unordered_set>
 
 #include "skinctl/core/contract.hpp"
 
@@ -41,45 +39,6 @@ void complete(SkinCell& cell) {
     cell.axis = normalised(in_plane);
     return;
   }
-}
-
-std::vector<SkinCell> read_cells(std::istream& in, const std::string& name) {
-  std::vector<SkinCell> cells;
-  std::unordered_set<std::uint32_t> ids;
-  std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    const auto bad = [&](const std::string& why) {
-      skinctl::refuse(name + ":" + std::to_string(number) + ": " + why +
-                      "; expected: id link px py pz nx ny nz [xx xy xz]");
-    };
-    if (const auto comment = line.find('#'); comment != std::string::npos) line.resize(comment);
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream words(line);
-    std::vector<double> values;
-    for (std::string word; words >> word;) {
-      char* end = nullptr;
-      values.push_back(std::strtod(word.c_str(), &end));
-      if (*end != '\0' || !std::isfinite(values.back())) bad("'" + word + "' is no number");
-      if (values.size() > 11) bad("more than 11 numbers");
-    }
-    if (values.empty()) continue;
-    if (values.size() != 8 && values.size() != 11) bad(std::to_string(values.size()) + " numbers");
-    if (values[0] < 0 || values[0] > 4294967295.0 || values[0] != std::floor(values[0])) bad("no cell id");
-    if (values[1] < 0 || values[1] > 5 || values[1] != std::floor(values[1])) bad("link outside 0 to 5");
-    SkinCell cell;
-    cell.id = static_cast<std::uint32_t>(values[0]);
-    cell.link = static_cast<std::size_t>(values[1]);
-    cell.position = {values[2], values[3], values[4]};
-    cell.normal = {values[5], values[6], values[7]};
-    if (norm(cell.position) > 10) bad("a position more than 10 m from the link");
-    if (norm(cell.normal) < 0.5) bad("a normal of length below 0.5");
-    if (values.size() == 11) cell.axis = {values[8], values[9], values[10]};
-    complete(cell);
-    if (!ids.insert(cell.id).second) bad("cell " + std::to_string(cell.id) + " a second time");
-    if (cells.size() == max_cells) bad("more than 20000 cells");
-    cells.push_back(cell);
-  }
-  return cells;
 }
 
 void check(const SkinConfig& c) {

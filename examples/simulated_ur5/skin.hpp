@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <istream>
 #include <map>
 #include <string>
 #include <vector>
@@ -23,13 +22,6 @@ struct SkinCell {
   Vec3 normal;           ///< unit, link frame, outward
   Vec3 axis;             ///< x axis of the cell, unit, square to the normal
 };
-
-/// Reads a table of cells: per line `id link px py pz nx ny nz [xx xy xz]`, separated by blanks or commas,
-/// `#` starts a comment. Metres, link frame, link 0 to 5. The optional last three numbers are the cell's x
-/// axis; without them it is the link's z axis projected into the cell's plane (the link's x axis where those
-/// are parallel). Vectors are normalised. Throws `skinctl::ConfigurationError` with the line for anything
-/// else, for repeated ids and for more than 20000 cells.
-std::vector<SkinCell> read_cells(std::istream& in, const std::string& name);
 
 /// Makes `axis` square to `normal`, both unit; picks the default axis where `axis` has no part in the cell's
 /// plane.

@@ -34,7 +34,6 @@ struct Folder {
 
 TEST_CASE("Scenario: robot, skin and touches are read, other tables are left to others") {
   const Folder folder;
-  folder.write("cells.txt", "5 2 -0.1 0 0.06 0 0 1\n6 2 -0.13 0 0.06 0 0 1\n");
   folder.write("press.csv", "time,force\n0,0\n0.5,10\n1,0\n");
   Config config;
   read_scenario(
@@ -44,7 +43,7 @@ TEST_CASE("Scenario: robot, skin and touches are read, other tables are left to 
           "[robot]\nseries = \"e-series\"\ndelay = 0.004\nlag = 0\nvelocity_limit = 2\n"
           "stiffness = 3000\nintegral_time = 0.5\nunknown_payload = 4\n"
           "home = [0, -1, -1, -1, 1, 0.5]\nprotective_force = 0\npowered = true\nseed = 9\n"
-          "[skin]\ncells = \"cells.txt\"\nproximity_distance = 0.02\nkeep_alive = 0.05\n"
+          "[skin]\ncells = \"" SKIN_FILE "\"\nproximity_distance = 0.02\nkeep_alive = 0.05\n"
           "[[touch]]\nname = \"push\"\ncell = 5\nstart = 2\nstiffness = 3000\nrepeat = 3\nperiod = 4\n"
           "[[touch]]\nlink = 3\npoint = [0, 0.05, 0.1]\nnormal = [0, 1, 0]\nprofile = \"press.csv\"\n"
           "profile_scale = 2\nimpose_force = true\nfollow = true\n"),
@@ -61,7 +60,7 @@ TEST_CASE("Scenario: robot, skin and touches are read, other tables are left to 
   CHECK(c.protective_force == 0);
   CHECK(c.powered);
   CHECK(c.seed == 9);
-  CHECK(c.cells.size() == 2);
+  CHECK(c.cells.size() == 260);
   CHECK(c.skin.proximity_distance == 0.02);
   CHECK(c.skin.keep_alive == 50'000'000);
   REQUIRE(c.touches.size() == 4);
@@ -99,7 +98,7 @@ TEST_CASE("Scenario: a wrong file is refused with its line") {
   CHECK(refusal("[[touch]]\ncell = 1\nrepeat = 10000\n[[touch]]\ncell = 1\n").find("10000") !=
         std::string::npos);
   CHECK(refusal("[[touch]]\ncell = 1\nprofile = \"none.csv\"\n").find("no such file") != std::string::npos);
-  CHECK(refusal("[skin]\ncells = \"none.txt\"\n").find("no such file") != std::string::npos);
+  CHECK(refusal("[skin]\ncells = \"none.json\"\n").find("none.json") != std::string::npos);
   CHECK(refusal("x = = 1\n").find("bad.toml:1") != std::string::npos);
   Config config;
   CHECK_THROWS_AS(read_scenario("/nowhere/at/all.toml", config), skinctl::ConfigurationError);

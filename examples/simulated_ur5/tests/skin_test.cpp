@@ -2,10 +2,8 @@
 
 #include <cmath>
 #include <cstring>
-#include <sstream>
 
 #include "examples/simulated_ur5/scenario.hpp"
-#include "skinctl/core/contract.hpp"
 
 using namespace simulated_ur5;
 
@@ -29,51 +27,7 @@ SkinConfig silent() {
   return c;
 }
 
-std::string refusal(const std::string& table) {
-  std::istringstream in(table);
-  try {
-    read_cells(in, "cells.txt");
-  } catch (const skinctl::ConfigurationError& e) {
-    return e.what();
-  }
-  return {};
-}
-
 }  // namespace
-
-TEST_CASE("Cells: a plain table is read, with and without x axes") {
-  std::istringstream in(
-      "# id link p n\n"
-      "7 2  -0.1 0.0 0.05  0 0 2\n"
-      "\n"
-      "8,3, 0.0,0.0,0.06, 0,-1,0, 1,0.5,0  # a comment\n"
-      "4294967295 0 0 0 0 1 0 0\n");
-  const auto cells = read_cells(in, "t");
-  REQUIRE(cells.size() == 3);
-  CHECK(cells[0].id == 7);
-  CHECK(cells[0].link == 2);
-  CHECK(cells[0].normal.z == 1);
-  CHECK(cells[1].axis.x == doctest::Approx(1));
-  CHECK(cells[2].id == 4294967295u);
-  for (const SkinCell& c : cells) {
-    CHECK(norm(c.normal) == doctest::Approx(1));
-    CHECK(norm(c.axis) == doctest::Approx(1));
-    CHECK(std::abs(dot(c.normal, c.axis)) < 1e-12);
-  }
-}
-
-TEST_CASE("Cells: a wrong table names the line and the reason") {
-  CHECK(refusal("1 2 0 0 0 0 0 1\n1 2 0 0 0 0 0 1\n").find("cells.txt:2: cell 1 a second time") !=
-        std::string::npos);
-  CHECK(refusal("1 6 0 0 0 0 0 1\n").find("link outside 0 to 5") != std::string::npos);
-  CHECK(refusal("1 2 0 0 0 0 0\n").find("7 numbers") != std::string::npos);
-  CHECK(refusal("1 2 0 0 x 0 0 1\n").find("'x' is no number") != std::string::npos);
-  CHECK(refusal("1 2 0 0 nan 0 0 1\n").find("no number") != std::string::npos);
-  CHECK(refusal("-1 2 0 0 0 0 0 1\n").find("no cell id") != std::string::npos);
-  CHECK(refusal("1 2 0 0 0 0 0 0\n").find("normal") != std::string::npos);
-  CHECK(refusal("1 2 0 0 99 0 0 1\n").find("10 m") != std::string::npos);
-  CHECK(refusal(std::string(100, '1') + " 2 0 0 0 0 0 1 1 1 1 1\n").find("expected") != std::string::npos);
-}
 
 TEST_CASE("Skin: readings come in the sensors' steps and inside their ranges") {
   Skin skin(row_of_cells(3), SkinConfig{}, 1);
@@ -203,7 +157,7 @@ TEST_CASE("Datagram: the bytes are those of PROTOCOL.md") {
 }
 
 TEST_CASE("Cells: those of a skin file are where the file puts them, by the names of the links") {
-  const auto cells = read_cells_file(SKIN_FILE);
+  const auto cells = read_skin_cells(SKIN_FILE);
   REQUIRE(cells.size() == 260);
   std::array<std::size_t, 6> on{};
   // Radii of the housings, of the file.
