@@ -1,5 +1,6 @@
 #include "examples/simulated_ur5/joint_dynamics.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 
 #include "skinctl/dynamics/inverse_dynamics.hpp"
@@ -7,33 +8,6 @@
 #include "skinctl/robots/ur5.hpp"
 
 namespace simulated_ur5 {
-namespace {
-
-using Matrix = std::array<Joints, joint_count>;
-
-/// Of a symmetric positive definite matrix, by Gauss-Jordan elimination.
-Matrix inverse(Matrix a) {
-  Matrix b{};
-  for (std::size_t i = 0; i < joint_count; ++i) b[i][i] = 1;
-  for (std::size_t k = 0; k < joint_count; ++k) {
-    const double pivot = 1 / a[k][k];
-    for (std::size_t j = 0; j < joint_count; ++j) {
-      a[k][j] *= pivot;
-      b[k][j] *= pivot;
-    }
-    for (std::size_t i = 0; i < joint_count; ++i) {
-      if (i == k) continue;
-      const double f = a[i][k];
-      for (std::size_t j = 0; j < joint_count; ++j) {
-        a[i][j] -= f * a[k][j];
-        b[i][j] -= f * b[k][j];
-      }
-    }
-  }
-  return b;
-}
-
-}  // namespace
 
 Bodies makers_bodies() {
   const auto maker = skinctl::calibrated_from<skinctl::ur5::Description>();
@@ -59,29 +33,28 @@ Joints speeds_after(const Joints& q, const Joints& dq, const Joints& torque, con
   const auto bias =
       skinctl::inverse_dynamics(bodies, JointPosition<joint_count>(q), JointVelocity<joint_count>(dq),
                                 JointAcceleration<joint_count>());
-  Matrix A{};
-  Joints impulse{};
-  for (std::size_t i = 0; i < joint_count; ++i) {
-    impulse[i] = h * (torque[i] - bias[i]);
-    for (std::size_t j = 0; j < joint_count; ++j) {
-      A[i][j] = mass(i, j);
-      impulse[i] += mass(i, j) * dq[j];
-    }
-    A[i][i] += drives.rotor_inertia[i] + h * drives.viscous[i];
-    impulse[i] += drives.rotor_inertia[i] * dq[i];
+  using Vector = Eigen::Matrix<double, joint_count, 1>;
+  Eigen::Matrix<double, joint_count, joint_count> A;
+  Vector impulse;
+  for (Eigen::Index i = 0; i < A.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    impulse[i] = h * (torque[k] - bias[k] - held[k]) + drives.rotor_inertia[k] * dq[k];
+    for (Eigen::Index j = 0; j < A.cols(); ++j) A(i, j) = mass(k, static_cast<std::size_t>(j));
+    impulse[i] += A.row(i) * Eigen::Map<const Vector>(dq.data());
+    A(i, i) += drives.rotor_inertia[k] + h * drives.viscous[k];
   }
-  const Matrix B = inverse(A);
+  const decltype(A) B = A.inverse();
   Joints next{};
-  for (std::size_t i = 0; i < joint_count; ++i)
-    for (std::size_t j = 0; j < joint_count; ++j) next[i] += B[i][j] * (impulse[j] - h * held[j]);
+  Eigen::Map<Vector>(next.data()) = B * impulse;
   // One joint after the other takes the friction that would stop it, as far as it has it.
   for (int sweep = 0; sweep < 60; ++sweep) {
     double change = 0;
     for (std::size_t i = 0; i < joint_count; ++i) {
-      const double f = std::clamp(held[i] + next[i] / (h * B[i][i]), -drives.coulomb[i], drives.coulomb[i]);
+      const auto k = static_cast<Eigen::Index>(i);
+      const double f = std::clamp(held[i] + next[i] / (h * B(k, k)), -drives.coulomb[i], drives.coulomb[i]);
       const double more = f - held[i];
       held[i] = f;
-      for (std::size_t j = 0; j < joint_count; ++j) next[j] -= h * B[j][i] * more;
+      Eigen::Map<Vector>(next.data()) -= h * more * B.col(k);
       change = std::max(change, std::abs(more));
     }
     if (change < 1e-10) break;

@@ -1,51 +1,29 @@
 #include "examples/simulated_ur5/kinematics.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 namespace simulated_ur5 {
 namespace {
 
-using Six = std::array<double, 6>;
-using Matrix = std::array<Six, 6>;
+using Six = Eigen::Matrix<double, 6, 1>;
+using Matrix = Eigen::Matrix<double, 6, 6>;
 
-/// Solves `A x = b` for a symmetric positive definite A.
-Six solve(Matrix a, Six b) {
-  for (std::size_t k = 0; k < 6; ++k)
-    for (std::size_t i = k + 1; i < 6; ++i) {
-      const double f = a[i][k] / a[k][k];
-      for (std::size_t j = k; j < 6; ++j) a[i][j] -= f * a[k][j];
-      b[i] -= f * b[k];
-    }
-  for (std::size_t k = 6; k-- > 0;) {
-    for (std::size_t j = k + 1; j < 6; ++j) b[k] -= a[k][j] * b[j];
-    b[k] /= a[k][k];
-  }
-  return b;
-}
-
-/// Row i is the speed (0 to 2) or turn rate (3 to 5) along an axis.
+/// A column is what a joint that turns does to the point: its speed (rows 0 to 2) and turn rate (3 to 5).
 Matrix jacobian(const Links& links, Vec3 point) {
-  Matrix J{};
+  Matrix J;
   for (std::size_t j = 0; j < joint_count; ++j) {
     const Vec3 w = links.link[j].z, v = cross(w, point - links.link[j].origin);
-    const Six column{v.x, v.y, v.z, w.x, w.y, w.z};
-    for (std::size_t i = 0; i < 6; ++i) J[i][j] = column[i];
+    J.col(static_cast<Eigen::Index>(j)) << v.x, v.y, v.z, w.x, w.y, w.z;
   }
   return J;
 }
 
 /// `J' (J J' + d^2)^-1 twist`.
-Joints damped(const Matrix& J, const Six& twist, double damping) {
-  Matrix A{};
-  for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t k = 0; k < 6; ++k) {
-      for (std::size_t j = 0; j < 6; ++j) A[i][k] += J[i][j] * J[k][j];
-      if (i == k) A[i][k] += damping * damping;
-    }
-  const Six y = solve(A, twist);
+Joints damped(const Matrix& J, const std::array<double, 6>& twist, double damping) {
+  const Matrix A = J * J.transpose() + damping * damping * Matrix::Identity();
   Joints dq{};
-  for (std::size_t j = 0; j < 6; ++j)
-    for (std::size_t i = 0; i < 6; ++i) dq[j] += J[i][j] * y[i];
+  Eigen::Map<Six>(dq.data()) = J.transpose() * A.ldlt().solve(Eigen::Map<const Six>(twist.data()));
   return dq;
 }
 

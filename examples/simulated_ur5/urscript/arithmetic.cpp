@@ -23,43 +23,6 @@ Outcome of_two(Call& c) {
   return x && y ? c.give(F(*x, *y)) : c.fail("runtime_error_type:number");
 }
 
-// Overloaded functions are no template arguments.
-double std_sqrt(double x) {
-  return std::sqrt(x);
-}
-double std_sin(double x) {
-  return std::sin(x);
-}
-double std_cos(double x) {
-  return std::cos(x);
-}
-double std_tan(double x) {
-  return std::tan(x);
-}
-double std_asin(double x) {
-  return std::asin(x);
-}
-double std_acos(double x) {
-  return std::acos(x);
-}
-double std_atan(double x) {
-  return std::atan(x);
-}
-double std_floor(double x) {
-  return std::floor(x);
-}
-double std_ceil(double x) {
-  return std::ceil(x);
-}
-double std_round(double x) {
-  return std::round(x);
-}
-double std_atan2(double y, double x) {
-  return std::atan2(y, x);
-}
-double std_pow(double x, double y) {
-  return std::pow(x, y);
-}
 double to_radians(double d) {
   return d * pi / 180;
 }
@@ -106,19 +69,19 @@ Outcome bits_to_integer(Call& c) {
 }
 
 constexpr Builtin arithmetic_table[] = {
-    {"sqrt", "f", of_number<std_sqrt>},
-    {"sin", "f", of_number<std_sin>},
-    {"cos", "f", of_number<std_cos>},
-    {"tan", "f", of_number<std_tan>},
-    {"asin", "f", of_number<std_asin>},
-    {"acos", "f", of_number<std_acos>},
-    {"atan", "f", of_number<std_atan>},
-    {"atan2", "x y", of_two<std_atan2>},
-    {"pow", "base exponent", of_two<std_pow>},
+    {"sqrt", "f", of_number<std::sqrt>},
+    {"sin", "f", of_number<std::sin>},
+    {"cos", "f", of_number<std::cos>},
+    {"tan", "f", of_number<std::tan>},
+    {"asin", "f", of_number<std::asin>},
+    {"acos", "f", of_number<std::acos>},
+    {"atan", "f", of_number<std::atan>},
+    {"atan2", "x y", of_two<std::atan2>},
+    {"pow", "base exponent", of_two<std::pow>},
     {"log", "b f", [](Call& c) { return c.give(std::log(c.number(1, 1)) / std::log(c.number(0, 10))); }},
-    {"floor", "f", to_whole<std_floor>},
-    {"ceil", "f", to_whole<std_ceil>},
-    {"round", "f", to_whole<std_round>},
+    {"floor", "f", to_whole<std::floor>},
+    {"ceil", "f", to_whole<std::ceil>},
+    {"round", "f", to_whole<std::round>},
     {"d2r", "d", of_number<to_radians>},
     {"r2d", "r", of_number<to_degrees>},
     {"norm", "a", norm_of},
