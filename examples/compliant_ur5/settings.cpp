@@ -1,79 +1,20 @@
 #include "examples/compliant_ur5/settings.hpp"
 
-#include <toml++/toml.h>
-
-#include <set>
-
+#include "examples/support/toml_table.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace compliant_ur5 {
-namespace {
-
-[[noreturn]] void refuse(const std::string& file, const toml::node& node, const std::string& what) {
-  throw skinctl::ConfigurationError(file + ":" + std::to_string(node.source().begin.line) + ": " + what);
-}
-
-/// Takes numbers out of a table and complains about what nobody took.
-class Table {
- public:
-  Table(const std::string& file, const toml::table& table) : file_(file), table_(table) {}
-
-  void number(const char* key, double& value) {
-    known_.insert(key);
-    const toml::node* node = table_.get(key);
-    if (node == nullptr) return;
-    const auto x = node->value<double>();
-    if (!x) refuse(file_, *node, std::string(key) + " is a number");
-    value = *x;
-  }
-  void six(const char* key, PerJoint& value) {
-    known_.insert(key);
-    const toml::node* node = table_.get(key);
-    const toml::array* list = node != nullptr ? node->as_array() : nullptr;
-    if (list == nullptr || list->size() != 6)
-      refuse(file_, node != nullptr ? *node : table_, std::string(key) + " is six numbers");
-    for (std::size_t i = 0; i < 6; ++i) {
-      const auto x = (*list)[i].value<double>();
-      if (!x) refuse(file_, *node, std::string(key) + " is six numbers");
-      value[i] = *x;
-    }
-  }
-  void one_or_six(const char* key, PerJoint& value) {
-    const toml::node* node = table_.get(key);
-    if (node != nullptr && node->is_array()) return six(key, value);
-    double x = value[0];
-    number(key, x);
-    if (node != nullptr) value = same(x);
-  }
-  void done() const {
-    for (const auto& [key, node] : table_)
-      if (!known_.contains(std::string(key.str())))
-        refuse(file_, node, "unknown key '" + std::string(key.str()) + "'");
-  }
-
- private:
-  const std::string& file_;
-  const toml::table& table_;
-  std::set<std::string> known_;
-};
-
-}  // namespace
+using Table = examples::TomlTable;
 
 void read_scenario(const std::string& file, Settings& settings) {
-  toml::table root;
-  try {
-    root = toml::parse_file(file);
-  } catch (const toml::parse_error& e) {
-    throw skinctl::ConfigurationError(file + ":" + std::to_string(e.source().begin.line) + ": " +
-                                      std::string(e.description()));
-  }
+  const toml::table root = examples::read_toml(file);
   if (const auto* run = root["run"].as_table()) {
-    Table t(file, *run);
+    Table t(file, "run", *run);
     t.number("duration", settings.duration);
-    t.done();
+    t.finish();
   }
   if (const auto* control = root["control"].as_table()) {
-    Table t(file, *control);
+    Table t(file, "control", *control);
     auto& c = settings.control;
     t.number("lambda", c.lambda);
     t.number("K_c", c.K_c);
@@ -81,8 +22,8 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("stiffest_contact", c.stiffest_contact);
     t.number("K_i2", c.K_i2);
     t.number("decay", c.decay);
-    t.one_or_six("viscous", c.viscous);
-    t.one_or_six("force_gain", c.force_gain);
+    t.numbers("viscous", c.viscous, true);
+    t.numbers("force_gain", c.force_gain, true);
     t.number("proximity_gain", c.proximity_gain);
     t.number("force_threshold", c.force_threshold);
     t.number("max_velocity", c.max_velocity);
@@ -93,23 +34,23 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("acceleration_limit", c.acceleration_limit);
     t.number("delay", c.delay);
     t.number("lag", c.lag);
-    t.done();
+    t.finish();
   }
   if (const auto* torque = root["torque"].as_table()) {
-    Table t(file, *torque);
+    Table t(file, "torque", *torque);
     auto& c = settings.torque;
     t.number("lambda", c.lambda);
     t.number("K_c", c.K_c);
-    t.one_or_six("viscous", c.viscous);
-    t.one_or_six("motor_inertia", c.motor_inertia);
-    t.one_or_six("viscous_scale", c.viscous_scale);
-    t.one_or_six("coulomb_scale", c.coulomb_scale);
+    t.numbers("viscous", c.viscous, true);
+    t.numbers("motor_inertia", c.motor_inertia, true);
+    t.numbers("viscous_scale", c.viscous_scale, true);
+    t.numbers("coulomb_scale", c.coulomb_scale, true);
     t.number("learning", c.learning);
-    t.one_or_six("most_friction", c.most_friction);
+    t.numbers("most_friction", c.most_friction, true);
     t.number("dead_zone", c.dead_zone);
     t.number("damping", c.damping);
     t.number("patience", c.patience);
-    t.done();
+    t.finish();
   }
   if (const auto* skin =
           root["skin"].as_table()) {  // the simulation reads the same table and checks its keys
@@ -120,13 +61,13 @@ void read_scenario(const std::string& file, Settings& settings) {
   if (const auto* goals = root["goal"].as_array()) {
     for (const auto& node : *goals) {
       const auto* goal = node.as_table();
-      if (goal == nullptr) refuse(file, node, "[[goal]] is a table");
+      if (goal == nullptr) skinctl::refuse(file + ": goal must be an array of tables, [[goal]]");
       Goal g;
-      Table t(file, *goal);
+      Table t(file, "goal", *goal);
       t.number("at", g.at);
-      t.six("q", g.q);
+      if (!t.numbers("q", g.q)) t.refuse_at("q", "6 numbers");
       t.number("duration", g.duration);
-      t.done();
+      t.finish();
       settings.task.push_back(g);
     }
   }

@@ -1,11 +1,9 @@
 #include "examples/simulated_ur5/scenario.hpp"
 
-#include <toml++/toml.h>
-
 #include <filesystem>
 #include <fstream>
-#include <set>
 
+#include "examples/support/toml_table.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace simulated_ur5 {
@@ -24,102 +22,14 @@ std::ifstream open(const std::string& file) {
   return in;
 }
 
-/// One table, with every key that was asked for ticked off.
-class Table {
- public:
-  Table(const std::string& file, const std::string& name, const toml::table& table)
-      : file_(file), name_(name), table_(table) {}
+using Table = examples::TomlTable;
 
-  void number(const char* key, double& value) {
-    if (const toml::node* node = find(key)) {
-      const auto v = node->value<double>();
-      if (!v) bad(*node, key, "a number");
-      value = *v;
-    }
-  }
-  void whole(const char* key, std::uint64_t& value, std::int64_t most) {
-    if (const toml::node* node = find(key)) {
-      const auto v = node->value_exact<std::int64_t>();
-      if (!v || *v < 0 || *v > most) bad(*node, key, "a whole number of 0 to " + std::to_string(most));
-      value = static_cast<std::uint64_t>(*v);
-    }
-  }
-  void flag(const char* key, bool& value) {
-    if (const toml::node* node = find(key)) {
-      const auto v = node->value_exact<bool>();
-      if (!v) bad(*node, key, "true or false");
-      value = *v;
-    }
-  }
-  bool text(const char* key, std::string& value) {
-    const toml::node* node = find(key);
-    if (!node) return false;
-    const auto v = node->value_exact<std::string>();
-    if (!v) bad(*node, key, "a text");
-    value = *v;
-    return true;
-  }
-  bool numbers(const char* key, std::vector<double>& value, std::size_t count, bool or_one) {
-    const toml::node* node = find(key);
-    if (!node) return false;
-    value.clear();
-    const std::string expected =
-        (or_one ? std::string("one number or ") : std::string()) + std::to_string(count) + " numbers";
-    if (const toml::array* list = node->as_array()) {
-      for (const toml::node& item : *list) {
-        const auto v = item.value<double>();
-        if (!v) bad(*node, key, expected);
-        value.push_back(*v);
-      }
-      if (value.size() != count) bad(*node, key, expected);
-      return true;
-    }
-    const auto v = node->value<double>();
-    if (!v || !or_one) bad(*node, key, expected);
-    value.assign(count, *v);
-    return true;
-  }
-  void joints(const char* key, Joints& value, bool or_one) {
-    std::vector<double> list;
-    if (numbers(key, list, joint_count, or_one)) std::copy(list.begin(), list.end(), value.begin());
-  }
-  bool vector(const char* key, Vec3& value) {
-    std::vector<double> list;
-    if (!numbers(key, list, 3, false)) return false;
-    value = {list[0], list[1], list[2]};
-    return true;
-  }
-  void duration(const char* key, Nanoseconds& value) {
-    double s = seconds(value);
-    number(key, s);
-    if (!(s >= 0 && s <= 1e6)) refuse_at(key, "0 to 1e6 s");
-    value = nanoseconds(s);
-  }
-  [[noreturn]] void bad(const toml::node& node, const char* key, const std::string& expected) const {
-    skinctl::refuse(file_ + ":" + std::to_string(node.source().begin.line) + ": " + name_ + "." + key +
-                    " must be " + expected);
-  }
-  [[noreturn]] void refuse_at(const char* key, const std::string& expected) const {
-    if (const toml::node* node = table_.get(key)) bad(*node, key, expected);
-    skinctl::refuse(file_ + ": " + name_ + "." + key + " must be " + expected);
-  }
-  /// Refuses keys that nobody asked for.
-  void finish() const {
-    for (const auto& [key, node] : table_)
-      if (asked_.count(std::string(key.str())) == 0)
-        skinctl::refuse(file_ + ":" + std::to_string(node.source().begin.line) + ": " + name_ +
-                        " has no key '" + std::string(key.str()) + "'");
-  }
-
- private:
-  const toml::node* find(const char* key) {
-    asked_.insert(key);
-    return table_.get(key);
-  }
-  std::string file_, name_;
-  const toml::table& table_;
-  std::set<std::string> asked_;
-};
+bool vector(Table& t, const char* key, Vec3& value) {
+  std::array<double, 3> v{};
+  if (!t.numbers(key, v)) return false;
+  value = {v[0], v[1], v[2]};
+  return true;
+}
 
 void read_robot(Table t, Config& config) {
   ControllerConfig& c = config.controller;
@@ -130,16 +40,16 @@ void read_robot(Table t, Config& config) {
   }
   t.number("delay", c.arm.delay);
   t.number("lag", c.arm.lag);
-  t.joints("stiffness", c.arm.stiffness, true);
+  t.numbers("stiffness", c.arm.stiffness, true);
   t.number("integral_time", c.arm.integral_time);
   t.number("unknown_payload", c.arm.unknown_payload);
   t.number("position_noise", c.arm.position_noise);
   t.number("velocity_noise", c.arm.velocity_noise);
   t.number("step_tolerance", c.arm.step_tolerance);
   t.number("protective_deceleration", c.arm.protective_deceleration);
-  t.joints("velocity_limit", c.arm.velocity_limit, true);
-  t.joints("acceleration_limit", c.arm.acceleration_limit, true);
-  t.joints("home", c.arm.home, false);
+  t.numbers("velocity_limit", c.arm.velocity_limit, true);
+  t.numbers("acceleration_limit", c.arm.acceleration_limit, true);
+  t.numbers("home", c.arm.home);
   t.number("protective_force", c.protective_force);
   t.flag("powered", c.powered);
   t.number("power_on_time", c.power_on_time);
@@ -163,7 +73,10 @@ void read_skin(Table t, const fs::path& folder, Config& config) {
   t.number("force_delta", s.force_delta);
   t.number("proximity_delta", s.proximity_delta);
   t.number("acceleration_delta", s.acceleration_delta);
-  t.duration("keep_alive", s.keep_alive);
+  double keep_alive = seconds(s.keep_alive);
+  t.number("keep_alive", keep_alive);
+  if (!(keep_alive >= 0 && keep_alive <= 1e6)) t.refuse_at("keep_alive", "0 to 1e6 s");
+  s.keep_alive = nanoseconds(keep_alive);
   t.finish();
 }
 
@@ -175,7 +88,7 @@ void read_touch(Table t, const fs::path& folder, std::size_t number, std::vector
   std::uint64_t cell = 0xffffffffffu, link = touch.link;
   t.whole("cell", cell, 4294967295);
   t.whole("link", link, 5);
-  const bool point = t.vector("point", touch.point), normal = t.vector("normal", touch.normal);
+  const bool point = vector(t, "point", touch.point), normal = vector(t, "normal", touch.normal);
   touch.link = static_cast<std::size_t>(link);
   if (cell <= 4294967295u) {
     if (point || normal) t.refuse_at("cell", "given without point and normal");
@@ -222,13 +135,8 @@ ForceProfile read_profile_file(const std::string& file) {
 }
 
 void read_scenario(const std::string& file, Config& config) {
-  auto in = open(file);
-  toml::table root;
-  try {
-    root = toml::parse(in, file);
-  } catch (const toml::parse_error& e) {
-    skinctl::refuse(file + ":" + std::to_string(e.source().begin.line) + ": " + std::string(e.description()));
-  }
+  static_cast<void>(open(file));
+  const toml::table root = examples::read_toml(file);
   const fs::path folder = fs::path(file).parent_path();
   if (const toml::node* robot = root.get("robot")) {
     if (!robot->is_table()) skinctl::refuse(file + ": robot must be a table");

@@ -37,10 +37,11 @@ TEST_CASE("settings: the shipped scenario is read, its task included") {
 
 TEST_CASE("settings: what is wrong is said with its line") {
   CHECK(answer("") == "accepted");
-  CHECK(answer("[control]\nlambda = 10\nlambdda = 3\n").find(":3: unknown key 'lambdda'") !=
+  CHECK(answer("[control]\nlambda = 10\nlambdda = 3\n").find(":3: control has no key 'lambdda'") !=
         std::string::npos);
-  CHECK(answer("[control]\nlambda = \"much\"\n").find(":2: lambda is a number") != std::string::npos);
-  CHECK(answer("[[goal]]\nat = 1\nq = [1, 2, 3]\n").find("six numbers") != std::string::npos);
+  CHECK(answer("[control]\nlambda = \"much\"\n").find(":2: control.lambda must be a number") !=
+        std::string::npos);
+  CHECK(answer("[[goal]]\nat = 1\nq = [1, 2, 3]\n").find("6 numbers") != std::string::npos);
   CHECK(answer("[run]\nduration = -5\n").find("-5, allowed: > 0") != std::string::npos);
   CHECK(answer("[control\n").find(":1: ") != std::string::npos);
 }
