@@ -224,7 +224,7 @@ class Run {
       w.feel(world_.wrist(a));
       const auto out =
           w.step(world_.now(), world_.joints(a), gripper(a), samples, places.grants[a].granted, resume);
-      if (out.command.valid) world_.command(a, out.command.position, out.command.velocity);
+      if (out.command.valid) world_.command(a, out.command.position, out.planned.velocity);
       if (hands_[a])
         asked_of_hand_[a] = out.gripper;
       else

@@ -85,7 +85,7 @@ class SimulatedRun {
       input.goal.emplace();
       if (!requests.take(input.goal->of)) input.goal.reset();
       const auto out = cycle.step(*memory, input, watch);
-      if (out.command.valid) at.q = out.command.position, at.dq = out.command.velocity;
+      if (out.command.valid) at.q = out.command.position, at.dq = out.planned.velocity;
       thread(input, out, watch);
       due += pace;
       if (pace.count() > 0) std::this_thread::sleep_until(due);

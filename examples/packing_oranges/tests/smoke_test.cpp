@@ -1,0 +1,22 @@
+// Two oranges, packed by two UR5: the run of the gate. By night packing_test.cpp has the others.
+#include <doctest/doctest.h>
+
+#include "examples/packing_oranges/run.hpp"
+
+using namespace packing;
+using namespace std::chrono_literals;
+
+TEST_CASE("packing_oranges: two oranges are judged and packed") {
+  RunSettings settings;
+  settings.supply.oranges = 2;
+  settings.seed = 3;
+  settings.touch_every = 0;
+  settings.work.executor.place = 2s;
+  const Outcome o = run_ur5(settings);
+  CHECK(o.over);
+  CHECK(o.right() == 2);
+  CHECK(o.lost() == 0);
+  for (const auto& arm : o.arm)
+    for (const auto& judged : arm.judged)
+      CHECK(judged.stiffness == doctest::Approx(judged.truth).epsilon(0.05));
+}
