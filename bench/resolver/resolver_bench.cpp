@@ -47,11 +47,10 @@ RobotConfiguration<6, T> configuration(Interface interface, Nanoseconds period) 
 // The robot does what is declared; the push changes its sign every second. With `Touch` a link is touched,
 // for what `passivity` watches.
 template <Interface I, class T, class Integrator, class Touch = NoTouch, class PassivityParts = Passivity<>>
-void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanoseconds lead = {},
+void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0),
             const PassivityParts& passivity = PassivityParts()) {
   const auto resolver = bench::prepared([&] {
     auto c = configuration<T>(I, period);
-    c.lead = lead;
     if (I != Interface::torque) c.coulomb_friction = JointTorque<6, T>::constant(coulomb);
     if constexpr (I == Interface::torque) {
       return ResolverBy<I, ur5::Model, T, Integrator>(ur5::Model{}, c);
@@ -87,7 +86,7 @@ void cycles(benchmark::State& state, Nanoseconds period, T coulomb = T(0), Nanos
 template <class T, class... Parts>
 void touched(benchmark::State& state, const Parts&... parts) {
   using Touch = LinkWrenches<ur5::Model, link_bit<2> | link_bit<4>, T>;
-  cycles<Interface::position, T, CrankNicolson, Touch>(state, 2ms, T(0), 0ns, Passivity<Parts...>(parts...));
+  cycles<Interface::position, T, CrankNicolson, Touch>(state, 2ms, T(0), Passivity<Parts...>(parts...));
 }
 
 // The virtual robot shaped at its tool.
@@ -132,17 +131,14 @@ void skinctl_rows() {
   add("ur5", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms); });
   add("ur5-semi-implicit-euler", [](auto& s) { cycles<position, T, SemiImplicitEuler>(s, 2ms); });
   add("ur5-dry-friction", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms, T(0.5)); });
-  add("ur5-lead", [](auto& s) { cycles<position, T, CrankNicolson>(s, 2ms, T(0), 18ms); });
   add("ur5-four-substeps", [](auto& s) { cycles<position, T, CrankNicolson>(s, 8ms); });
   add("ur5-velocity", [](auto& s) { cycles<Interface::velocity, T, CrankNicolson>(s, 2ms); });
   static const EnergyTank<T> tank({.start = T(1000), .max = T(1000)}), empty({.start = T(0), .max = T(0)});
   static const PassivityObserver<T> passivity_observer({.start = T(1000), .max = T(1000)});
-  static const ContactDamper<T> damper({.max = T(100), .always = T(50)});
   add("ur5-energy-tank", [](auto& s) { touched<T>(s, tank); });
   add("ur5-energy-tank-empty", [](auto& s) { touched<T>(s, empty); });
   add("ur5-port-passivity_observer", [](auto& s) { touched<T>(s, passivity_observer); });
-  add("ur5-contact-damper", [](auto& s) { touched<T>(s, damper); });
-  add("ur5-all-keepers", [](auto& s) { touched<T>(s, tank, passivity_observer, damper); });
+  add("ur5-all-keepers", [](auto& s) { touched<T>(s, tank, passivity_observer); });
   add("ur5-tool-translation", [](auto& s) { shaped<T, 3>(s); });
   add("ur5-tool", [](auto& s) { shaped<T, 6>(s); });
   add("ur5-torque", [](auto& s) { cycles<Interface::torque, T, CrankNicolson>(s, 2ms); });

@@ -16,7 +16,6 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/limits/skin_watch.hpp"
-#include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/skin_of.hpp"
@@ -154,15 +153,13 @@ auto main_job_scene(Nanoseconds period) {
   trust.health.delta = 2;
   trust.answer = 0.05;
   const TrustedSkin trusted(skin, trust);
-  const auto arm = by_position(ur5::Model{},
-                               {.limits = limits_of<ur5::Description>(30.0),
-                                .period = period,
-                                .delay = 8ms,
-                                .lag = 38ms,
-                                .virtual_damping = 4,
-                                .viscous_friction = JointTorque<6>::constant(1),
-                                .dead_band = JointPosition<6>::constant(0.02)},
-                               ContactDamper<>({.max = 200, .calm = 200ms}));
+  const auto arm = by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(30.0),
+                                              .period = period,
+                                              .delay = 8ms,
+                                              .lag = 38ms,
+                                              .virtual_damping = 4,
+                                              .viscous_friction = JointTorque<6>::constant(1),
+                                              .dead_band = JointPosition<6>::constant(0.02)});
   auto tracking = tracking_settings(arm);
   tracking.lambda = 12;
   tracking.K_c = 2;

@@ -6,8 +6,7 @@
 // A path is compared twice. Commands, each with the reference's at the same instant: what the resolver
 // computes. The real joints, at all times: they hold a position until the next one comes, so that half a
 // period of rate invariance is lost between them, and a whole one more in the place of a cycle that did not
-// come (2.4 rad/s times 8 ms: 0.8 % of the travel here), whoever computes the commands. The half period can
-// be made up for by commanding as far ahead (`lead`): the last column.
+// come (2.4 rad/s times 8 ms: 0.8 % of the travel here), whoever computes the commands.
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
@@ -108,13 +107,11 @@ struct Path {
   Nanoseconds next_ = 2ms;
 };
 
-/// @param ahead  of the command, in periods: what `lead` is given.
 template <class Integrator>
-Path skinctl_path(const Recording& push, Nanoseconds period, const Cycles& how, double ahead = 0) {
+Path skinctl_path(const Recording& push, Nanoseconds period, const Cycles& how) {
   RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(1000.0), .period = period, .delay = nanoseconds(delay)};
   c.lag = nanoseconds(lag);
-  c.lead = nanoseconds(ahead * seconds<double>(period));
   c.virtual_damping = decay;
   c.longest_interval = 10 * period;
   ClosedLoop<Interface::position, double, Integrator> loop(c, pose, delay, lag);
@@ -201,31 +198,19 @@ int main(int argc, char** argv) {
   }
   std::printf(
       "%.1f s, %.3f rad of travel, up to %.2f rad/s\n\n"
-      "| resolver | rate [Hz] | cycles | end off by | commands off by | joints off by | the same, commands "
-      "half "
-      "a period ahead |\n|---|---|---|---|---|---|---|\n",
+      "| resolver | rate [Hz] | cycles | end off by | commands off by | joints off by "
+      "|\n|---|---|---|---|---|---|\n",
       push.end(), travel, fastest);
-  const auto row = [&](const char* name, Nanoseconds period, const Cycles& how, const Path& path,
-                       const Path* ahead) {
+  const auto row = [&](const char* name, Nanoseconds period, const Cycles& how, const Path& path) {
     const Errors e(path, reference, travel);
-    std::printf("| %s | %.0f | %s | %.2f %% | %.2f %% | %.2f %% | ", name, 1 / seconds<double>(period),
+    std::printf("| %s | %.0f | %s | %.2f %% | %.2f %% | %.2f %% |\n", name, 1 / seconds<double>(period),
                 how.name, 100 * e.end, 100 * e.command, 100 * e.joints);
-    if (ahead == nullptr) {
-      std::printf("- |\n");
-    } else {
-      std::printf("%.2f %% |\n", 100 * Errors(*ahead, reference, travel).joints);
-    }
-  };
-  const auto rows = [&]<class Integrator>(Integrator, const char* name, Nanoseconds period,
-                                          const Cycles& how) {
-    const Path ahead = skinctl_path<Integrator>(skin, period, how, 0.5);
-    row(name, period, how, skinctl_path<Integrator>(skin, period, how), &ahead);
   };
   for (const Nanoseconds period : {8ms, 4ms, 2ms, 1ms})
     for (const Cycles& how : {Cycles{"as planned"}, Cycles{"10 % skipped", 0.1},
                               Cycles{"+-40 % jitter", 0, 0.8}, Cycles{"both", 0.1, 0.8}}) {
-      rows(CrankNicolson{}, "Crank-Nicolson", period, how);
-      rows(SemiImplicitEuler{}, "semi-implicit Euler", period, how);
-      row("damping per cycle", period, how, per_cycle_path(push, period, how), nullptr);
+      row("Crank-Nicolson", period, how, skinctl_path<CrankNicolson>(skin, period, how));
+      row("semi-implicit Euler", period, how, skinctl_path<SemiImplicitEuler>(skin, period, how));
+      row("damping per cycle", period, how, per_cycle_path(push, period, how));
     }
 }

@@ -135,7 +135,7 @@ class Patch {
 /// Drifts, contacts and falls of two minutes.
 struct Day {
   SkinDrift drift, second;
-  SkinContact contact, weak;
+  DriftingTouch contact, weak;
   double fall, at;
   bool clear;
   double operator()(double t) const {
@@ -233,7 +233,7 @@ void held(double share) {
   Patch patch(rest, 20, 250, freeze, float(threshold));
   ReadingNoise noise(sigma, 21);
   const auto contact = [&](std::size_t i) {
-    return SkinContact{2, 1e5, threshold * sizes[i / 4], rises[i % 4], true, 0};
+    return DriftingTouch{2, 1e5, threshold * sizes[i / 4], rises[i % 4], true, 0};
   };
   for (std::size_t i = 0; i < 20; ++i) patch.start(i, 300, 25);
   at_rate(250, 0, hour, [&](double t) {
@@ -352,7 +352,7 @@ void touches(double share) {
     // Sixteen contacts at once on a patch of 64, of one cell each.
     Seeded rng(unsigned(41 + k));
     std::vector<Patch> patches(5, Patch(rest, 64, 20, freeze, float(threshold)));
-    std::array<SkinContact, 64> contact{};
+    std::array<DriftingTouch, 64> contact{};
     const double bias = rng.between(-1.5, 1.5);
     for (std::size_t i = 0; i < 64; ++i) {
       const bool above = i % 8 == 0, touched = i % 4 == 0;
@@ -365,7 +365,7 @@ void touches(double share) {
     ReadingNoise noise(sigma, std::uint64_t(k));
     at_rate(20, 0, 3600, [&](double t) {
       for (std::size_t i = 0; i < 64; ++i) {
-        const SkinContact& c = contact[i];
+        const DriftingTouch& c = contact[i];
         patches[0].x[i] = float(noise(300 + c.force(t) + per_kelvin * c.warming(t)));
         patches[0].proximity[i] = float(c.proximity(t));
         patches[0].temperature[i] = float(25 + c.warming(t));
@@ -518,7 +518,7 @@ struct Hour {
       d.size = threshold * rng.between(1.2, 3);
     }
   }
-  SkinContact contact(std::size_t i) const { return {30, 3600, size[i] * threshold, 0.3, false, 0}; }
+  DriftingTouch contact(std::size_t i) const { return {30, 3600, size[i] * threshold, 0.3, false, 0}; }
   double at(std::size_t i, double t) const {
     // All warm up by 20 steps in the hour.
     const double slow = 20 * std::min(1.0, t / 3600);

@@ -1,5 +1,5 @@
 // Springs of 300 to 30 000 N/m at 125 to 1000 Hz: a hand leads an arm with 20 N into a spring, as it is, and
-// with the damping that `StiffestContact` asks for.
+// with the felt mass that `StiffestContact` asks for and a force lead of 2 T.
 //
 // The force at rest is the hand's, whatever the rate. The largest force is compared with that of a mass m at
 // speed v whose push is felt a time T later, `20 N + v (sqrt(k m) + k T)`, m the mass felt at the contact and
@@ -41,7 +41,8 @@ int main() {
   const auto law = SkinJointControl{} + GravityControl{};
   std::printf(
       "A hand leads a UR5 (8 ms delay, 8 ms lag, %.1f kg felt) with 20 N into a spring\n\n"
-      "| spring [N/m] | rate [Hz] | undamped: largest [N] | swing at rest [N] | damping asked for [N s/m] | "
+      "| spring [N/m] | rate [Hz] | as it is, without lead: largest [N] | swing at rest [N] | times heavier "
+      "| "
       "speed [m/s] | largest [N] | of the predicted | at rest [N] | swing [N] |\n"
       "|---|---|---|---|---|---|---|---|---|---|\n",
       m);
@@ -49,17 +50,21 @@ int main() {
   double furthest = 0;
   for (const double k : {3e2, 1e3, 3e3, 1e4, 3e4})
     for (const Nanoseconds period : {8ms, 4ms, 2ms, 1ms}) {
-      const auto c = yielding_arm(period);
+      auto c = yielding_arm(period);
+      c.force_lead = 0ns;
       const auto bare = led_into_a_spring(Cycle(by_position(ur5::Model{}, c), skin, law), c, k, push);
+      c.force_lead = 2 * c.total_delay();
       const StiffestContact stiffest{.stiffness = k, .newtons = newtons_per_unit};
-      const auto damper = stiffest.damper(by_position(ur5::Model{}, c), skin);
-      const Cycle scene(by_position(ur5::Model{}, c, damper, stiffest), skin, law);
-      const auto kept = led_into_a_spring(scene, c, k, push);
+      const double heavier = std::max(1.0, stiffest.heavier(by_position(ur5::Model{}, c), skin));
+      auto heavy = yielding_arm(period, 8ms, 8ms, heavier);
+      heavy.force_lead = c.force_lead;
+      const auto kept = led_into_a_spring(
+          Cycle(by_position(ur5::Model{}, heavy, stiffest), forearm_skin(heavier), law), heavy, k, push);
       const double T = seconds<double>(c.delay + c.lag) + 1.5 * seconds<double>(period);
-      const double predicted = push + kept.speed * (std::sqrt(k * m) + k * T);
+      const double predicted = push + kept.speed * (std::sqrt(k * heavier * m) + k * T);
       std::printf("| %.0f | %.0f | %.1f | %.1f | %.1f | %.3f | %.1f | %.2f | %.2f | %.2f |\n", k,
-                  1 / seconds<double>(period), bare.peak, bare.swing, damper.settings().always, kept.speed,
-                  kept.peak, kept.peak / predicted, kept.rest, kept.swing);
+                  1 / seconds<double>(period), bare.peak, bare.swing, heavier, kept.speed, kept.peak,
+                  kept.peak / predicted, kept.rest, kept.swing);
       ++all;
       restless += !kept.calm(push) || std::abs(kept.rest - push) > 0.05 * push;
       furthest = std::max(furthest, kept.peak / predicted);

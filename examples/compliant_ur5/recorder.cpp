@@ -82,7 +82,9 @@ RunIdentity run_identity(const Settings& s) {
                                 {"decay", c.decay},
                                 {"viscous", c.viscous},
                                 {"force gain", c.force_gain},
-                                {"stiffest contact", c.stiffest_contact},
+                                {"stiffest wall", c.stiffest_wall},
+                                {"stiffest hand", c.stiffest_hand},
+                                {"heaviest hand", c.heaviest_hand},
                                 {"proximity gain", c.proximity_gain},
                                 {"force threshold", c.force_threshold},
                                 {"skin enough", c.skin_enough},
@@ -104,7 +106,6 @@ RunIdentity run_identity(const Settings& s) {
                      {"learning", t.learning},
                      {"most friction", t.most_friction},
                      {"dead zone", t.dead_zone},
-                     {"damping", t.damping},
                      {"patience", t.patience}};
   }
   if (s.hand)

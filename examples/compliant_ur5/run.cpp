@@ -148,6 +148,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     config.dashboard_port = ports.dashboard;
     if (s.speed == 0) config.silence = config.give_up = std::chrono::milliseconds(3000);
   }
+  if constexpr (!by_torque) log.scenario.push_back({"felt mass, at least", text("%.1f kg", felt_mass<I>(s))});
   adapters::ur5::Driver driver(config);
   driver.connect();
   if (s.hand && !driver.set_payload(s.hand->mass, s.hand->centre))

@@ -30,12 +30,12 @@ inline skinctl::JointLimits<6> limits(const Settings& s) {
                          .torque = JointTorque<6>(ur5::Description::max_torque)});
 }
 
-/// Gains of the way back to the task.
+/// Gains of the way back to the task: as stiff to a hand whatever the arm's felt mass, `heavier` times that of its links.
 template <class Arm>
-skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s) {
+skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s, double heavier) {
   auto t = skinctl::tracking_settings(arm);
-  t.lambda = s.control.lambda;
-  t.K_c = s.control.K_c;
+  t.lambda = s.control.lambda / std::sqrt(heavier);
+  t.K_c = s.control.K_c / std::sqrt(heavier);
   t.K_i1 = s.control.K_i1;
   t.K_i2 = s.control.K_i2;
   t.tb = {};
@@ -45,7 +45,7 @@ skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s) {
 
 /// Behind rest levels and fault rules: a stuck cell, or one that drifts, does not push. The virtual arm has no dry
 /// friction that would hold the force of a cell alone, so that a cell without a witness does not count.
-inline auto trusted_skin(const Settings& s) {
+inline auto trusted_skin(const Settings& s, double heavier = 1) {
   using namespace skinctl;
   SkinSettings settings;
   settings.force = EventGate<>::dead_band(s.control.force_threshold);
@@ -56,7 +56,7 @@ inline auto trusted_skin(const Settings& s) {
   trust.health.delta = s.force_delta / trust.health.step;
   trust.reach = s.control.skin_reach;
   trust.answer = 0.05;  // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
-  const auto patches = skin_patches(s);
+  const auto patches = skin_patches(s, heavier);
   if (!s.trust_all_cells && s.hand) {  // a palm has one cell: nobody else can be its witness
     std::vector<double> lone;
     std::vector<SensorNoise> noise;
@@ -76,7 +76,7 @@ inline auto trusted_skin(const Settings& s) {
 
 /// The robot's numbers, from the settings.
 template <skinctl::Interface I>
-skinctl::RobotConfiguration<6> configuration(const Settings& s) {
+skinctl::RobotConfiguration<6> configuration(const Settings& s, double heavier = 1) {
   using namespace skinctl;
   // The two lags of servoj in a row are declared as one.
   const double ahead = I == Interface::position ? adapters::ur5::servoj_lookahead : 0;
@@ -84,15 +84,15 @@ skinctl::RobotConfiguration<6> configuration(const Settings& s) {
           .period = nanoseconds(1 / s.rate),
           .delay = nanoseconds(s.control.delay),
           .lag = nanoseconds(s.control.lag + ahead),
-          .virtual_damping = s.control.decay,
-          .viscous_friction = JointTorque<6>(s.control.viscous),
+          .virtual_damping = s.control.decay / heavier,
+          .viscous_friction = (1 / heavier) * JointTorque<6>(s.control.viscous),
           .dead_band = JointPosition<6>::constant(0.02),
           .substep = s.preset == preset::Fast::name ? preset::Fast::substep : preset::Balanced::substep};
 }
 
 /// The same by torque: no virtual arm, no lag; the motors' inertia is known.
 template <>
-inline skinctl::RobotConfiguration<6> configuration<skinctl::Interface::torque>(const Settings& s) {
+inline skinctl::RobotConfiguration<6> configuration<skinctl::Interface::torque>(const Settings& s, double) {
   using namespace skinctl;
   return {.limits = limits(s),
           .period = nanoseconds(1 / s.rate),
@@ -102,7 +102,7 @@ inline skinctl::RobotConfiguration<6> configuration<skinctl::Interface::torque>(
 }
 
 /// Weights may change while it runs: how firmly the task is followed, and how much the skin counts. At most those of the
-/// start, for which contacts are damped; the task never to 0, which would forget it.
+/// start, for which contacts come to rest; the task never to 0, which would forget it.
 struct WeightLimits {
   static constexpr double least_task = 0.1, least_skin = 0, most = 1;
 };
@@ -110,9 +110,8 @@ struct WeightLimits {
 /// The controller holds the weight; the friction that it leaves over is learnt, so that the arm comes back to its task.
 inline auto scene_by_torque(const Settings& s) {
   using namespace skinctl;
-  const auto arm =
-      by_torque(ur5::Model{}, configuration<Interface::torque>(s), RobotHoldsGravity{},
-                RobotCompensatesFriction{}, ContactDamper<>({.max = s.torque.damping, .calm = 200ms}));
+  const auto arm = by_torque(ur5::Model{}, configuration<Interface::torque>(s), RobotHoldsGravity{},
+                             RobotCompensatesFriction{});
   auto t = tracking_settings(arm);
   t.lambda = s.torque.lambda;
   t.K_c = s.torque.K_c;
@@ -126,19 +125,47 @@ inline auto scene_by_torque(const Settings& s) {
   return Cycle(arm, trusted_skin(s), blended(weighted(reach + SkinJointControl{})));
 }
 
+/// What may touch the arm, for which it must be felt heavy enough: a finger, or an edge, that stays where it is, and
+/// hands, whose tissue loses a third of a swing. Delay and lag are declared in full, so that little margin is enough.
+inline skinctl::StiffestContact hardest_finger(const Settings& s) {
+  return {.stiffness = s.control.stiffest_wall,
+          .newtons = s.newtons_per_reading,
+          .margin = 1.2,
+          .margin_of_two = 1};
+}
+inline skinctl::StiffestContact heaviest_hand(const Settings& s) {
+  return {.stiffness = s.control.stiffest_hand,
+          .body = s.control.heaviest_hand,
+          .loss = 0.3,
+          .newtons = s.newtons_per_reading};
+}
+
+/// By how much the arm is felt heavier than its links and the gains of its skin make it, so that all of that rests.
+template <skinctl::Interface I>
+double heavier(const Settings& s) {
+  const auto arm = skinctl::robot_by<I>(skinctl::ur5::Model{}, configuration<I>(s));
+  const UrSkin skin(skin_patches(s), {});
+  return 1.05 * std::max({1.0, hardest_finger(s).heavier(arm, skin), heaviest_hand(s).heavier(arm, skin)});
+}
+
 /// A virtual arm gives way, and its motion is commanded.
 template <skinctl::Interface I>
 auto scene_by_motion(const Settings& s) {
   using namespace skinctl;
-  const auto robot = configuration<I>(s);
-  const auto skin = trusted_skin(s);
-  const StiffestContact stiffest{
-      .stiffness = s.control.stiffest_contact, .newtons = s.newtons_per_reading, .may_ring = true};
-  const double damping = stiffest.damping(robot_by<I>(ur5::Model{}, robot), skin);
+  const double factor = heavier<I>(s);
   const auto arm =
-      robot_by<I>(ur5::Model{}, robot, ContactDamper<>({.max = damping, .calm = 200ms}), stiffest);
-  return Cycle(arm, skin,
-               blended(weighted(SplineJoint<6>(tracking(arm, s)) + SkinJointControl{} + GravityControl{})));
+      robot_by<I>(ur5::Model{}, configuration<I>(s, factor), hardest_finger(s), heaviest_hand(s));
+  return Cycle(
+      arm, trusted_skin(s, factor),
+      blended(weighted(SplineJoint<6>(tracking(arm, s, factor)) + SkinJointControl{} + GravityControl{})));
+}
+
+/// The felt mass of the lightest place by position or velocity [kg].
+template <skinctl::Interface I>
+double felt_mass(const Settings& s) {
+  const double factor = heavier<I>(s);
+  return hardest_finger(s).lightest(skinctl::robot_by<I>(skinctl::ur5::Model{}, configuration<I>(s, factor)),
+                                    UrSkin(skin_patches(s, factor), {}));
 }
 
 /// From skin and state to commands for `I`: every number of it comes from the settings.

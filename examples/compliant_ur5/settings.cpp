@@ -19,7 +19,9 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("lambda", c.lambda);
     t.number("K_c", c.K_c);
     t.number("K_i1", c.K_i1);
-    t.number("stiffest_contact", c.stiffest_contact);
+    t.number("stiffest_wall", c.stiffest_wall);
+    t.number("stiffest_hand", c.stiffest_hand);
+    t.number("heaviest_hand", c.heaviest_hand);
     t.number("K_i2", c.K_i2);
     t.number("decay", c.decay);
     t.numbers("viscous", c.viscous, true);
@@ -48,7 +50,6 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("learning", c.learning);
     t.numbers("most_friction", c.most_friction, true);
     t.number("dead_zone", c.dead_zone);
-    t.number("damping", c.damping);
     t.number("patience", c.patience);
     t.finish();
   }

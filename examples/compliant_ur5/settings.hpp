@@ -36,7 +36,9 @@ struct ControlSettings {
   double decay = 4;                ///< friction of the virtual arm, in proportion to its mass [1/s]
   PerJoint viscous = same(1);      ///< and of each joint [N m s/rad]
   PerJoint force_gain = same(40);  ///< w_f of each link's skin [N per unit of the three force readings]
-  double stiffest_contact = 3e4;   ///< that it may meet [N/m]; gives the damping of contacts that ring
+  double stiffest_wall = 3e3;      ///< under the skin's cover, that it may meet [N/m]
+  double stiffest_hand = 1e4;      ///< likewise of a hand [N/m]
+  double heaviest_hand = 10;       ///< [kg]
   double proximity_gain = 0;       ///< w_p [N per unit of proximity]
   double force_threshold = 0.068;  ///< on the sum of the three force readings, above their rest level
   double skin_enough = 0.6;        ///< share of each patch's cells that must report, or the arm does not move
@@ -61,7 +63,6 @@ struct TorqueControl {
   double learning = 300;                      ///< of the friction that is left over [1/s^2]
   PerJoint most_friction{};                   ///< of what is learnt [N m]
   double dead_zone = 0.0009;                  ///< [rad]
-  double damping = 0;                         ///< of contacts that ring [N s/m]
   double patience = 0.04;  ///< after so long without a command the robot stops by itself [s]
 };
 

@@ -9,7 +9,7 @@ namespace compliant_ur5 {
 
 using namespace skinctl;
 
-std::vector<SkinPatch> skin_patches(const Settings& s) {
+std::vector<SkinPatch> skin_patches(const Settings& s, double heavier) {
   std::vector<SkinPatch> out;
   if (!s.skin.empty()) {
     const SkinFile file = read_skin_file(s.skin);
@@ -33,10 +33,12 @@ std::vector<SkinPatch> skin_patches(const Settings& s) {
                            {s.hand->palm[0], s.hand->palm[1], s.hand->palm[2]}}};
     out.push_back({5, {.force = s.hand->palm_gain, .proximity = 0}, {cell}});
   }
-  if (!s.rigid) return out;
+  const double share = s.rigid ? 0 : 1 / heavier;
+  const auto scale = [&](auto& gains) { gains.force *= share, gains.proximity *= share; };
   for (SkinPatch& patch : out) {
-    patch.gains = {.force = 0, .proximity = 0};
-    for (SkinCell& cell : patch.cells) cell.gains.reset();
+    scale(patch.gains);
+    for (SkinCell& cell : patch.cells)
+      if (cell.gains) scale(*cell.gains);
   }
   return out;
 }

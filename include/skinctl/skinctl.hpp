@@ -123,6 +123,7 @@
 #include "skinctl/tactile/cover.hpp"
 #include "skinctl/tactile/coverage.hpp"
 #include "skinctl/tactile/fill_in.hpp"
+#include "skinctl/tactile/force_lead.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/kind_input.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
@@ -230,7 +231,6 @@
 #include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 
-#include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/passivity/contact_stability.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/passivity/passivity.hpp"

@@ -13,8 +13,7 @@ TEST_CASE("Groups: with all parts at once, whatever comes in, commands stay fini
   const std::vector<PlacedCell<2>> cells{{1, {{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}, {0.05, 0, 0}}}};
   const Skin<Model3, double, Patch<2, 1>> skin{Patch<2, 1>(cells, {.force = 100})};
   const auto scene =
-      Cycle(robot(EnergyTank{}, PassivityObserver{}, ContactDamper<>({.max = 50})), skin,
-            Pull{{5, 3, 0.1}, {}, {}})
+      Cycle(robot(EnergyTank{}, PassivityObserver{}), skin, Pull{{5, 3, 0.1}, {}, {}})
           .with(MaxToolSpeed<2>{0.5, {tip[0], tip[1], tip[2]}, 0.7}, MaxJerk{JointJerk<3>::constant(2000)});
   static_assert(std::is_trivially_copyable_v<decltype(scene)::Memory>);
   std::mt19937_64 rng(5);
@@ -62,9 +61,9 @@ TEST_CASE("Groups: with all parts at once, whatever comes in, commands stay fini
     run.plant.command(out.planned);
   }
   CHECK(allocated == 0);
-  // A robot by torque has the damper too.
+  // A robot by torque has the tank too.
   const auto whole = by_torque(Model3{}, RobotConfiguration<3>{.limits = limits<3>(50), .period = 2ms},
-                               RobotCompensatesFriction{}, EnergyTank{}, ContactDamper<>({.max = 50}));
+                               RobotCompensatesFriction{}, EnergyTank{});
   Run torques{Cycle(whole, skin, Pull{{1, 1, 0}, {}, {}})};
   torques.cycle();
   CHECK(torques.out.command.valid);

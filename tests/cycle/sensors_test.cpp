@@ -7,7 +7,6 @@
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/fusion/expression.hpp"
-#include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
 #include "skinctl/recording/recording.hpp"
@@ -216,14 +215,13 @@ TEST_CASE("MotorTouch: an arm without any tactile sensor is led by its forearm, 
   CHECK(replayed.different == 0);
 }
 
-TEST_CASE("Cycle: skin, wrist sensor and motors in one scene, with tank, ledger and damper: each gives way") {
+TEST_CASE("Cycle: skin, wrist sensor and motors in one scene, with tank and ledger: each gives way") {
   const auto touch = forearm_skin() + wrist_sensor<5>(model, open_sensor()) + open_motors();
   const Cycle scene = Cycle(
       by_position(
           model,
           {.limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4},
-          EnergyTank<>({.start = 1, .max = 1}), PassivityObserver<>({.start = 1, .max = 1}),
-          ContactDamper<>({.max = 50.0})),
+          EnergyTank<>({.start = 1, .max = 1}), PassivityObserver<>({.start = 1, .max = 1})),
       touch, SkinJointControl{} + GravityControl{});
   using Scene = std::remove_cvref_t<decltype(scene)>;
   enum Source { nothing, cells, wrist, motors };

@@ -200,24 +200,3 @@ TEST_CASE("Groups: with a limit of jerk every stop ends, whichever joint is held
     CHECK(speed < rests);
   }
 }
-
-TEST_CASE("Cycle: a lead beside a limit of jerk is refused with its number, in a group of joints too") {
-  const RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(),
-                                .period = 8ms,
-                                .delay = 8ms,
-                                .virtual_damping = 4,
-                                .lead = 12ms};
-  const MaxJerk jerk{JointJerk<6>::constant(400)};
-  const Cycle plain(by_position(ur5::Model{}, c), GravityControl{});
-  CHECK(complaint_of([&] { static_cast<void>(plain.with(jerk)); }) ==
-        "skinctl: lead beside MaxJerk = 12, allowed: 0 ms");
-  const Cycle speeds(by_velocity(ur5::Model{}, c), GravityControl{});
-  CHECK(complaint_of([&] { static_cast<void>(speeds.with(jerk)); }).find("= 12") != std::string::npos);
-  auto second = one(false);
-  second.lead = 4ms;
-  const auto arm = by_groups(Model3{}, velocity_joints<0b001>(one(false)), position_joints<0b010>(second),
-                             torque_joints<0b100>(one(true)));
-  const Cycle grouped(arm, Pull{});
-  CHECK(complaint_of([&] { static_cast<void>(grouped.with(MaxJerk{JointJerk<3>::constant(400)})); }) ==
-        "skinctl: lead beside MaxJerk = 4, allowed: 0 ms");
-}

@@ -64,7 +64,7 @@ TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float
   const C c{.limits = limits<T>(), .period = 8ms, .delay = 8ms, .virtual_damping = T(4)};
   const auto by = [](const C& x) { static_cast<void>(by_position(Arm{}, x)); };
   check_refusals("RobotDescription, by_position", c, by, &C::period, &C::delay, &C::lag, &C::virtual_damping,
-                 &C::lead, &C::max_lead, &C::substep, &C::retry, &C::torque_rate, &C::largest_gap);
+                 &C::force_lead, &C::max_lead, &C::substep, &C::retry, &C::torque_rate, &C::largest_gap);
   check_joints("RobotDescription: joints", c, by, &C::viscous_friction, &C::coulomb_friction,
                &C::virtual_inertia);
   check_refusals(
@@ -121,10 +121,8 @@ TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float
   check_refusals(
       "ContactStability", Environment{.stiffness = T(3e4)},
       [&](const Environment& e) { static_cast<void>(ContactStability<Arm, T>(Arm{}, c, e)); },
-      &Environment::stiffness, &Environment::cover, &Environment::force_gain, &Environment::skin_delay,
-      &Environment::margin);
-  CHECK(contact_damping(T(3e4), T(0.02)) == doctest::Approx(900));
-  CHECK(std::isnan(contact_damping(std::numeric_limits<T>::quiet_NaN(), T(0))));
+      &Environment::stiffness, &Environment::cover, &Environment::body, &Environment::force_gain,
+      &Environment::skin_delay);
 
   // What differs between a law and its robot is refused, as is what is no number there.
   JointControlSettings<6, T> law;

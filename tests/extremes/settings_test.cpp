@@ -7,7 +7,6 @@
 #include "skinctl/guard/budget.hpp"
 #include "skinctl/guard/packet_watch.hpp"
 #include "skinctl/limits/body_region.hpp"
-#include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
 #include "skinctl/sensing/cell_health.hpp"
@@ -51,9 +50,6 @@ TEST_CASE_TEMPLATE("extremes: settings of filters, tanks and time bases", T, flo
   using Port = typename PassivityObserver<T>::Settings;
   check_part<PassivityObserver<T>>("PassivityObserver", &Port::start, &Port::max, &Port::stiffness,
                                    &Port::reserve, &Port::newtons);
-  using Damper = typename ContactDamper<T>::Settings;
-  check_part<ContactDamper<T>>("ContactDamper", &Damper::max, &Damper::always, &Damper::swing,
-                               &Damper::slowest, &Damper::calm);
   using Grip = typename Squeeze<T>::Settings;
   check_part<Squeeze<T>>("Squeeze", &Grip::from, &Grip::to, &Grip::own, &Grip::swing, &Grip::min_span);
   using Motion = typename TouchMotion<T>::Settings;

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 
 #include "bench/studies/worlds/wall_contact.hpp"
 
@@ -11,11 +11,13 @@ using namespace skinctl::testing;
 
 namespace {
 
-RobotConfiguration<6> configuration(Nanoseconds period, double delay, double lag, double decay) {
+RobotConfiguration<6> configuration(Nanoseconds period, double delay, double lag, double decay,
+                                    double lead = 0) {
   RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(1000.0), .period = period, .delay = nanoseconds(delay)};
   c.lag = nanoseconds(lag);
   c.virtual_damping = decay;
+  c.force_lead = nanoseconds(lead * seconds<double>(c.total_delay()));
   c.viscous_friction = {20, 20, 10, 2, 1, 0.5};
   return c;
 }
@@ -47,50 +49,34 @@ TEST_CASE("ContactStability: a frictionless robot rests in nothing, a row of zer
 }
 
 TEST_CASE(
-    "ContactStability: contact damping of 1.5 k T, a margin of 1.5 for a heavy mass and 2.4 for a light "
-    "one") {
-  for (const double decay : {0.0, 1.0, 10.0})
-    for (const double delay : {0.002, 0.04}) {
-      const auto c = configuration(2ms, delay, 0.005, decay);
-      for (const double k : {1e2, 1e4, 1e6}) {
-        const ContactStability<ur5::Model> s(ur5::Model{}, c, {.stiffness = k});
-        CHECK(s.margin(pose, tool, contact_damping(k, s.total_delay())) >= 1.5 * M_PI / 2 * 0.99);
-        const double least = s.damping_for(pose, tool);
-        if (least > 0) CHECK(s.margin(pose, tool, least) == doctest::Approx(2).epsilon(1e-3));
-        CHECK(least <= contact_damping(k, s.total_delay()) * 2 / 1.5);
-      }
-    }
+    "ContactStability: a mass behind a delay that its force lead makes up for bears a wall of 0.5 m / T^2") {
+  // One joint that outweighs the others, on a lever of 1 m, a lead of T and friction of 0.1 m/T: STABILITY's bound.
+  auto c = configuration(1ms, 0.025, 0, 0, 1);
+  constexpr double m = 1e6, T = 0.0265;
+  c.virtual_inertia = JointTorque<6>::constant(m);
+  c.viscous_friction = JointTorque<6>::constant(0.1 * m / T);
+  const double row[6] = {1, 0, 0, 0, 0, 0};
+  const ContactStability<ur5::Model> s(ur5::Model{}, c, {.stiffness = 1e4});
+  CHECK(s.stiffest(pose, row) > 0.5 * m / (T * T));
+  c.force_lead = 0ns;
+  const ContactStability<ur5::Model> late(ur5::Model{}, c, {.stiffness = 1e4});
+  CHECK(late.stiffest(pose, row) < 0.2 * m / (T * T));
 }
 
-TEST_CASE("ContactStability: with friction of 1.5 k T a heavy virtual robot has a margin of 1.5") {
-  auto c = configuration(2ms, 0.04, 0, 0);
-  c.virtual_inertia = JointTorque<6>::constant(1e5);
-  const double row[6] = {0.5, 0, 0, 0, 0, 0}, T = 0.042;
-  c.viscous_friction = JointTorque<6>::constant(0.25 * contact_damping(100.0, T));
-  const ContactStability<ur5::Model> s(ur5::Model{}, c, {.stiffness = 100});
-  CHECK(s.total_delay() == doctest::Approx(T));
-  CHECK(s.margin(pose, row) == doctest::Approx(1.5).epsilon(0.02));
+TEST_CASE("ContactStability: a heavy body is a wall, a light one is borne by a stiffer robot only") {
+  const auto c = configuration(8ms, 0.008, 0.008, 4, 1);
+  const auto stiffest = [&](double body) {
+    return ContactStability<ur5::Model>(ur5::Model{}, c, {.stiffness = 1e4, .body = body})
+        .stiffest(pose, tool);
+  };
+  CHECK(stiffest(1e6) == doctest::Approx(stiffest(0)).epsilon(1e-3));
+  for (const double body : {1.0, 3.0, 10.0, 30.0}) CHECK(stiffest(body) < stiffest(3 * body));
 }
 
-TEST_CASE("ContactStability: refuses what is too stiff, with the numbers") {
+TEST_CASE("ContactStability: numbers out of their range are refused") {
   const auto c = configuration(8ms, 0.02, 0.008, 4);
-  const ContactStability<ur5::Model> soft(ur5::Model{}, c, {.stiffness = 100}),
-      hard(ur5::Model{}, c, {.stiffness = 1e5, .cover = 3e4});
-  soft.check(pose, tool);
-  try {
-    hard.check(pose, tool);
-    FAIL_CHECK("nothing was thrown");
-  } catch (const ConfigurationError& e) {
-    const std::string text = e.what();
-    char k[32];
-    std::snprintf(k, sizeof k, "stable up to %.6g N/m", hard.stiffest(pose, tool));
-    CAPTURE(text);
-    CHECK(text.find("= 23076.9") != std::string::npos);
-    CHECK(text.find(k) != std::string::npos);
-  }
-  hard.check(pose, tool, hard.damping_for(pose, tool));
   CHECK_THROWS_AS(ContactStability<ur5::Model>(ur5::Model{}, c, {.stiffness = 0}), ConfigurationError);
-  CHECK_THROWS_AS(ContactStability<ur5::Model>(ur5::Model{}, c, {.stiffness = 1, .margin = 0.5}),
+  CHECK_THROWS_AS(ContactStability<ur5::Model>(ur5::Model{}, c, {.stiffness = 1, .body = -1}),
                   ConfigurationError);
 }
 
@@ -98,10 +84,12 @@ TEST_CASE("ContactStability: a resolver on a spring becomes unstable where it sa
   // Whole periods without lag, where commands just miss a cycle, are the hardest: dt/2 in the place of the wait
   // says 1.4 times too much.
   const RobotConfiguration<6> loops[] = {
-      configuration(8ms, 0.008, 0.008, 3), configuration(2ms, 0.02, 0, 3),
-      configuration(8ms, 0.04, 0, 3),      configuration(8ms, 0.008, 0, 3),
-      configuration(8ms, 0.016, 0, 3),     configuration(8ms, 0.012, 0, 3),
-      configuration(2ms, 0.002, 0, 3),     configuration(8ms, 0.008, 0.002, 3)};
+      configuration(8ms, 0.008, 0.008, 3),    configuration(2ms, 0.02, 0, 3),
+      configuration(8ms, 0.04, 0, 3),         configuration(8ms, 0.008, 0, 3),
+      configuration(8ms, 0.016, 0, 3),        configuration(8ms, 0.012, 0, 3),
+      configuration(2ms, 0.002, 0, 3),        configuration(8ms, 0.008, 0.002, 3),
+      configuration(8ms, 0.008, 0.008, 3, 1), configuration(2ms, 0.02, 0, 3, 1),
+      configuration(2ms, 0.02, 0.02, 3, 0.5)};
   for (const auto& c : loops) {
     CAPTURE(c.period);
     CAPTURE(c.delay);
@@ -111,10 +99,7 @@ TEST_CASE("ContactStability: a resolver on a spring becomes unstable where it sa
     CAPTURE(k);
     CHECK(swings_out(c, pose, tool, 0.975 * k));
     CHECK_FALSE(swings_out(c, pose, tool, 1.025 * k));
-    const double b = s.damping_for(pose, tool), k_damped = s.stiffest(pose, tool, b);
-    CHECK(swings_out(c, pose, tool, 0.95 * k_damped, b));
-    CHECK_FALSE(swings_out(c, pose, tool, 1.1 * k_damped, b));
     // Who comes in time bears more.
-    CHECK(swings_out(c, pose, tool, 0.975 * k, 0, -1e-9));
+    CHECK(swings_out(c, pose, tool, 0.975 * k, -1e-9));
   }
 }

@@ -29,7 +29,7 @@ template <class... Parts>
 Given run_groups(const RandomScene& scene, bool friction, const Parts&... parts) {
   constexpr Nanoseconds period = 1ms;
   auto law = scene.law;
-  for (Skill& s : law.skills) s.damping *= 0.1;  // for a wrist that is commanded every millisecond
+  for (TimedSkill& s : law.skills) s.damping *= 0.1;  // for a wrist that is commanded every millisecond
   const auto limits = scene.configuration.limits;
   const auto part = [&](auto set) { return limits.part<decltype(set)>(); };
   RobotConfiguration<3> arm{.limits = part(Arm{}), .period = period, .delay = scene.delay * period};

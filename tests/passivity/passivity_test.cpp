@@ -12,7 +12,7 @@ using namespace skinctl;
 using namespace skinctl::testing;
 
 static_assert(std::is_empty_v<Passivity<>>);
-using Full = Passivity<EnergyTank<>, PassivityObserver<>, ContactDamper<>>;
+using Full = Passivity<EnergyTank<>, PassivityObserver<>>;
 static_assert(std::is_trivially_copyable_v<
               ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 32, Full>::Memory>);
 

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <complex>
 #include <random>
 #include <string>
 
@@ -26,26 +27,20 @@ RobotConfiguration<6> configuration(Nanoseconds period, Nanoseconds delay, Nanos
 }
 const JointPosition<6> pose{0.1, -1.5, 1.2, -1, -1.5, 0.3};
 
-/// The loops of `rows` at `pose` under `c`, as `StiffestContact` sees them.
+/// The loops of rows at `pose` under `c`, as `StiffestContact` sees them.
 struct Loops {
   ContactStability<ur5::Model> stability;
   detail::ContactModes<6, double> modes;
-  detail::ContactPath<double> path;
 
   explicit Loops(const RobotConfiguration<6>& c, const JointPosition<6>& q = pose)
-      : stability(ur5::Model{}, c, {.stiffness = 1e4}),
-        modes(stability.felt(q).inertia, stability.felt(q).friction),
-        path(c, 0ns) {}
-  double stiffest(const double (&a)[6], double b) const {
-    double mode[6];
-    modes.row(a, mode);
-    return detail::stiffest_contacts<6, double>(modes, path, mode, 1, nullptr, 1, b);
-  }
-  double stiffest(const double (&a)[6], const double (&c)[6], double b) const {
+      : stability(ur5::Model{}, c, {.stiffness = 1e4}), modes(stability.modes(q)) {}
+  double stiffest(const double (&a)[6], const double (*other)[6] = nullptr, double heavier = 1) const {
     double one[6], two[6];
     modes.row(a, one);
-    modes.row(c, two);
-    return detail::stiffest_contacts<6, double>(modes, path, one, 1, two, 1, b);
+    if (other != nullptr) modes.row(*other, two);
+    const detail::ContactLoops<6, double> loops{
+        modes, stability.path(), one, 1, other != nullptr ? two : nullptr, 1, heavier};
+    return 1 / lack_of(loops, 1.0, 0.0, 0.0, 1.0);
   }
 };
 
@@ -78,100 +73,132 @@ const auto law = SkinJointControl{} + GravityControl{};
 }  // namespace
 
 TEST_CASE("ContactModes: the compliance is that of the full matrices, by elimination") {
+  using C = std::complex<double>;
   std::mt19937_64 rng(3);
   std::uniform_real_distribution<double> u(-1, 1);
   for (int k = 0; k < 20; ++k) {
     JointPosition<6> q;
     for (double& x : q) x = 3 * u(rng);
-    const auto c = configuration(8ms, 20ms, 8ms, 3);
-    const Loops loops(c, q);
+    const Loops loops(configuration(8ms, 20ms, 8ms, 3), q);
+    const auto felt = loops.stability.felt(q);
     double row[6], mode[6];
     for (double& r : row) r = u(rng);
     loops.modes.row(row, mode);
-    for (const double w : {0.1, 3.0, 50.0, 700.0}) {
-      const auto want = loops.stability.response(loops.stability.felt(q), row, 0, w);
-      const auto got = loops.path.at(w) * loops.modes.compliance(mode, mode, w);
-      CHECK(std::abs(got - want) < 1e-9 * std::abs(want));
-    }
-    for (const double b : {0.0, 300.0})
-      CHECK(loops.stiffest(row, b) == doctest::Approx(loops.stability.stiffest(q, row, b)).epsilon(2e-3));
+    for (const double w : {0.1, 3.0, 50.0, 700.0})
+      for (const double heavier : {1.0, 7.0}) {
+        Eigen::Matrix<C, 6, 6> a;
+        Eigen::Matrix<C, 6, 1> n;
+        for (int i = 0; i < 6; ++i) {
+          n(i) = row[i];
+          for (int j = 0; j < 6; ++j)
+            a(i, j) = C(-w * w * heavier * felt.inertia(std::size_t(i), std::size_t(j)),
+                        w * felt.friction(std::size_t(i), std::size_t(j)));
+        }
+        const C want = n.transpose() * a.partialPivLu().solve(n);
+        CHECK(std::abs(loops.modes.compliance(mode, mode, w, heavier) - want) < 1e-9 * std::abs(want));
+      }
+    CHECK(loops.stiffest(row) == doctest::Approx(loops.stability.stiffest(q, row)).epsilon(2e-3));
   }
 }
 
 TEST_CASE("Two contacts: in one direction they bear half as much; without friction nothing rests") {
   const Loops loops(configuration(8ms, 20ms, 8ms, 3));
   const double row[6] = {0.3, 0.5, 0.4, 0.15, 0.1, 0};
-  CHECK(loops.stiffest(row, row, 0) == doctest::Approx(0.5 * loops.stiffest(row, 0)).epsilon(2e-3));
+  CHECK(loops.stiffest(row, &row) == doctest::Approx(0.5 * loops.stiffest(row)).epsilon(2e-3));
   double frictionless[6] = {};
   frictionless[0] = 1;
   auto free = configuration(8ms, 20ms, 8ms, 0);
   free.viscous_friction = {};
-  CHECK(Loops(free).stiffest(frictionless, 0) == 0);
-  CHECK(Loops(free).stiffest(frictionless, row, 0) == 0);
+  free.force_lead = 0ns;
+  CHECK(Loops(free).stiffest(frictionless) == 0);
+  CHECK(Loops(free).stiffest(frictionless, &row) == 0);
 }
 
 // The simulated robot knows nothing of frequencies.
 TEST_CASE("Two contacts: a resolver on two springs becomes unstable where the eigenvalues say") {
   const double rows[2][6] = {{0.3, 0.5, 0.4, 0.15, 0.1, 0}, {0.5, 0.1, 0.3, -0.1, 0.05, 0}};
-  for (const auto& c : {configuration(8ms, 8ms, 8ms, 3), configuration(2ms, 20ms, 0ns, 3)}) {
-    CAPTURE(c.period);
-    const Loops loops(c);
-    const double k = loops.stiffest(rows[0], rows[1], 0);
-    CHECK(k < 0.9 * std::min(loops.stiffest(rows[0], 0), loops.stiffest(rows[1], 0)));
-    CHECK(swings_out(c, pose, rows, 0.85 * k));
-    CHECK_FALSE(swings_out(c, pose, rows, 1.2 * k));
-    const double damping = 150, k_damped = loops.stiffest(rows[0], rows[1], damping);
-    CHECK(k_damped > 1.5 * k);
-    CHECK(swings_out(c, pose, rows, 0.8 * k_damped, damping));
-    CHECK_FALSE(swings_out(c, pose, rows, 1.3 * k_damped, damping));
-  }
+  for (auto c : {configuration(8ms, 8ms, 8ms, 3), configuration(2ms, 20ms, 0ns, 3)})
+    for (const double lead : {0.0, 1.0}) {
+      CAPTURE(c.period);
+      CAPTURE(lead);
+      c.force_lead = nanoseconds(lead * seconds<double>(c.total_delay()));
+      const Loops loops(c);
+      const double k = loops.stiffest(rows[0], &rows[1]);
+      // Alone the first bears less with the lead than beside the other one, which ends its way.
+      if (lead == 0) CHECK(k < 0.9 * std::min(loops.stiffest(rows[0]), loops.stiffest(rows[1])));
+      CHECK(swings_out(c, pose, rows, 0.85 * k));
+      CHECK_FALSE(swings_out(c, pose, rows, 1.2 * k));
+    }
 }
 
 TEST_CASE(
-    "StiffestContact: refuses a scene that would ring, with the number, and makes the damper it needs") {
+    "StiffestContact: refuses a scene that would ring, with the felt mass it needs, and takes that mass") {
   const StiffestContact soft{.stiffness = 100, .newtons = newtons_per_unit},
       hard{.stiffness = 3e4, .newtons = newtons_per_unit};
-  CHECK(soft.damping(robot(), skin()) == 0);
+  CHECK(soft.heavier(robot(), skin()) < 1);
   static_cast<void>(Cycle(robot(soft), skin(), law));
-  const double needed = hard.damping(robot(), skin());
-  CHECK(needed > 0.5 * contact_damping(3e4, 0.02));
-  CHECK(needed < 2 * contact_damping(3e4, 0.02));
-  const auto refusal = [&](const auto& arm) -> std::string {
+  const double needed = hard.heavier(robot(), skin());
+  CHECK(needed > 2);
+  const auto refusal = [&](const auto& arm, const auto& touch) -> std::string {
     try {
-      static_cast<void>(Cycle(arm, skin(), law));
+      static_cast<void>(Cycle(arm, touch, law));
     } catch (const ConfigurationError& e) {
       return e.what();
     }
     return "";
   };
   char number[32];
-  std::snprintf(number, sizeof number, ">= %.4g N s/m", needed);
-  CHECK(refusal(robot(hard)).find(number) != std::string::npos);
-  CHECK(refusal(robot(hard, ContactDamper<>({.always = 0.9 * needed}))).find("contact damping, always = ") !=
+  std::snprintf(number, sizeof number, ">= %.3g for a contact of", needed);
+  CHECK(refusal(robot(hard), skin()).find(number) != std::string::npos);
+  CHECK(hard.warning(robot(), skin()).find(number) != std::string::npos);
+  // Of two declared contacts each is checked.
+  CHECK(refusal(robot(soft, hard), skin()).find(number) != std::string::npos);
+  CHECK(refusal(robot(hard, soft), skin()).find(number) != std::string::npos);
+  // Gains, decay and friction divided by it; four times the gain is refused, with the mass needed.
+  const auto heavy = [&](double factor) {
+    auto c = configuration(8ms, 8ms, 8ms, 4 / factor);
+    c.viscous_friction = (1 / factor) * c.viscous_friction;
+    return by_position(ur5::Model{}, c, hard);
+  };
+  const auto [arm, wrist] = cells();
+  const auto gained = [&, a = arm, w = wrist](double share) {
+    const CellGains gains{.force = share * newtons_per_unit, .proximity = 0};
+    return open_skin(Patch<2, 12>(a, gains), Patch<5, 4>(w, gains));
+  };
+  CHECK(refusal(heavy(1.01 * needed), gained(1 / (1.01 * needed))).empty());
+  CHECK_FALSE(refusal(heavy(1.01 * needed), gained(4 / (1.01 * needed))).empty());
+  CHECK(hard.heavier(heavy(1.01 * needed), gained(1 / (1.01 * needed))) ==
+        doctest::Approx(1 / 1.01).epsilon(0.02));
+  // The mass that is felt, at the lightest cell: four times the newtons, a quarter of it.
+  CHECK(hard.lightest(robot(), gained(4)) == doctest::Approx(0.25 * hard.lightest(robot(), skin())));
+  CHECK(hard.lightest(robot(), skin()) < 5);
+  CHECK_FALSE(usual_hands.warning(robot(), skin()).empty());
+  // Two hands: the check knows their mass.
+  const StiffestContact hands{.stiffness = 1e4, .body = 5, .newtons = newtons_per_unit};
+  CHECK(hands.heavier(robot(), skin()) > 1);
+  CHECK(hands.warning(robot(), skin()).find("beside that of a body") != std::string::npos);
+  CHECK(refusal(robot(StiffestContact{}), skin()).find("stiffness = 0") != std::string::npos);
+  CHECK(refusal(robot(StiffestContact{.stiffness = std::nan("")}), skin()).find("stiffness = ") !=
         std::string::npos);
-  CHECK(refusal(robot(hard, ContactDamper<>({.max = 1.01 * needed}))).find(number) != std::string::npos);
-  CHECK(refusal(robot(hard, hard.damper(robot(), skin()))).empty());
-  auto patient = hard;
-  patient.may_ring = true;
-  CHECK(refusal(robot(patient, ContactDamper<>({.max = 1.01 * needed}))).empty());
-  // A stronger law needs more, one cell of it is enough; numbers out of their range are refused.
-  auto strong = hard;
-  strong.newtons = 0.5 * newtons_per_unit;
-  CHECK(strong.damping(robot(), skin()) == doctest::Approx(2 * needed).epsilon(0.15));
-  CHECK(refusal(robot(StiffestContact{})).find("stiffness = 0") != std::string::npos);
-  CHECK(refusal(robot(StiffestContact{.stiffness = std::nan("")})).find("stiffness = ") != std::string::npos);
-  CHECK(refusal(robot(StiffestContact{.stiffness = HUGE_VAL})).find("stiffness = ") != std::string::npos);
-  CHECK(refusal(robot(StiffestContact{.stiffness = 1, .margin_of_two = 0.5})).find("margin of two") !=
+  CHECK(refusal(robot(StiffestContact{.stiffness = HUGE_VAL}), skin()).find("stiffness = ") !=
         std::string::npos);
-  CHECK(refusal(robot(StiffestContact{.stiffness = 1, .poses = 0})).find("poses") != std::string::npos);
+  CHECK(refusal(robot(StiffestContact{.stiffness = 1, .body = -1}), skin()).find("body = -1") !=
+        std::string::npos);
+  CHECK(refusal(robot(StiffestContact{.stiffness = 1, .margin = 0.5}), skin()).find("margin") !=
+        std::string::npos);
+  CHECK(refusal(robot(StiffestContact{.stiffness = 1, .margin_of_two = 0.5}), skin()).find("margin of two") !=
+        std::string::npos);
+  CHECK(refusal(robot(StiffestContact{.stiffness = 1, .loss = 2}), skin()).find("loss") != std::string::npos);
+  CHECK(refusal(robot(StiffestContact{.stiffness = 1, .poses = 0}), skin()).find("poses") !=
+        std::string::npos);
   // Without cells to look at: points all over each link.
-  CHECK(hard.damping(robot(), NoSkin{}) > 0.5 * needed);
+  CHECK(hard.heavier(robot(), NoSkin{}) > 0.5 * needed);
 }
 
 TEST_CASE("StiffestContact: at poses and cells that it has not seen the margin is 1.8, 1.4 for two") {
   const StiffestContact hard{.stiffness = 1e4, .newtons = newtons_per_unit};
   const auto sensed = skin();
-  const double b = hard.damping(robot(), sensed);
+  const double factor = hard.heavier(robot(), sensed);
   std::mt19937_64 rng(11);
   std::uniform_real_distribution<double> u(-M_PI, M_PI);
   double least = 1e9, least_of_two = 1e9;
@@ -193,9 +220,9 @@ TEST_CASE("StiffestContact: at poses and cells that it has not seen the margin i
     for (std::size_t i = 0; i < rows.size(); ++i) {
       double one[6], two[6];
       at(i, one);
-      least = std::min(least, loops.stability.stiffest(q, one, b) / 1e4);
+      least = std::min(least, loops.stiffest(one, nullptr, factor) / 1e4);
       at((i + 5) % rows.size(), two);
-      least_of_two = std::min(least_of_two, loops.stiffest(one, two, b) / 1e4);
+      least_of_two = std::min(least_of_two, loops.stiffest(one, &two, factor) / 1e4);
     }
   }
   CHECK(least > 1.8);
@@ -205,21 +232,28 @@ TEST_CASE("StiffestContact: at poses and cells that it has not seen the margin i
 // A part of bench/studies/springs.cpp.
 TEST_CASE("StiffestContact: an arm that is led into a spring rests there with the same force at any rate") {
   constexpr double push = 20;
-  const auto sensed = forearm_skin();
   for (const double stiffness : {3e2, 3e4})
     for (const Nanoseconds period : {8ms, 1ms}) {
       CAPTURE(stiffness);
       CAPTURE(period);
-      const auto c = yielding_arm(period);
+      auto c = yielding_arm(period);
+      if (stiffness > 1e4) c.force_lead = 2 * c.total_delay();
       const StiffestContact stiffest{.stiffness = stiffness, .newtons = newtons_per_unit};
-      const auto damper = stiffest.damper(by_position(ur5::Model{}, c), sensed);
-      const auto kept = led_into_a_spring(Cycle(by_position(ur5::Model{}, c, damper, stiffest), sensed, law),
-                                          c, stiffness, push, 3);
+      const double heavier = std::max(1.0, stiffest.heavier(by_position(ur5::Model{}, c), forearm_skin()));
+      auto heavy = yielding_arm(period, 8ms, 8ms, heavier);
+      heavy.force_lead = c.force_lead;
+      const auto kept =
+          led_into_a_spring(Cycle(by_position(ur5::Model{}, heavy, stiffest), forearm_skin(heavier), law),
+                            heavy, stiffness, push, 3);
+      MESSAGE(stiffness << " N/m, " << heavier << " times heavier: peak " << kept.peak << ", swing "
+                        << kept.swing);
       CHECK(kept.calm(push));
       CHECK(kept.rest == doctest::Approx(push).epsilon(0.05));
-      CHECK(kept.peak < 1.3 * push);
+      auto late = c;
+      late.force_lead = 0ns;
       if (stiffness > 1e4)
-        CHECK_FALSE(led_into_a_spring(Cycle(by_position(ur5::Model{}, c), sensed, law), c, stiffness, push, 3)
+        CHECK_FALSE(led_into_a_spring(Cycle(by_position(ur5::Model{}, late), forearm_skin(), law), late,
+                                      stiffness, push, 3)
                         .calm(push));
     }
 }

@@ -5,8 +5,6 @@
 #include "skinctl/control/skin_joint_control.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/limits/contact_limits.hpp"
-#include "skinctl/tactile/touch_sum.hpp"
-#include "skinctl/tactile/wrist_sensor.hpp"
 #include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;
@@ -48,21 +46,6 @@ double turned(const Scene& scene, double first, double second) {
 
 }  // namespace
 
-TEST_CASE("ContactDamper: two hands that twist a link turn it as far as one of them with its damping") {
-  for (const double damping : {100.0, 400.0}) {
-    CAPTURE(damping);
-    const auto scene = yielding(ContactDamper<>({.always = damping}));
-    const double one = turned(scene, 0, 12);
-    CHECK(one > 0.01);
-    for (const double other : {12.0, 11.99, 11.0, 8.0}) {
-      CAPTURE(other);
-      const double both = turned(scene, other, 12);
-      CHECK(both > 0.7 * one);
-      CHECK(both < 3 * one);  // and both are damped
-    }
-  }
-}
-
 TEST_CASE("PassivityObserver: two hands that twist a link lead it, and the account is that of both") {
   const PassivityObserver<> observer({.start = 0.5, .max = 10, .stiffness = 3e3});
   const auto scene = yielding(observer);
@@ -87,34 +70,4 @@ TEST_CASE("LinkContact: a link that is squeezed from both sides is touched by ea
       arm.step(8ms, [&](std::size_t, const CellAt&) { return CellTouch{.force = strong ? 50.0 : 30.0}; });
     CHECK(arm.status.has(Reason::contact_force) == strong);
   }
-}
-
-TEST_CASE("Contacts beside a wrist sensor: the skin's stay apart") {
-  const auto touch = open_skin(Patch<2, 2>(cells, open_gains)) + wrist_sensor<5>(ur5::Model{});
-  const auto law = SkinJointControl{} + GravityControl{};
-  const Cycle scene(described(ContactDamper<>({.always = 400}), EnergyTank<>()), touch, law);
-  const double one = turned(scene, 0, 12), both = turned(scene, 11, 12);
-  CHECK(one > 0.01);
-  CHECK(both > 0.7 * one);
-  CHECK(both < 3 * one);
-  // A sensor alone: its wrench is the contact.
-  const Cycle alone(described(ContactDamper<>({.always = 400})), wrist_sensor<5>(ur5::Model{}), law);
-  auto memory = std::make_unique<std::remove_cvref_t<decltype(alone)>::Memory>();
-  State<6> at;
-  at.q = JointPosition<6>(pose);
-  alone.start(*memory, at);
-  WrenchSample push;
-  push.force = {30, 0, 0};
-  for (int k = 1; k < 50; ++k) {
-    at.time = k * 8ms;
-    push.time = at.time;
-    std::remove_cvref_t<decltype(alone)>::Input input{};
-    input.now = at.time;
-    input.measured = at;
-    input.sensed.wrenches = {&push, 1};
-    static_cast<void>(alone.step(*memory, input));
-  }
-  const auto& damping = memory->robot.passivity.of<ContactDamper<>>().damping;
-  REQUIRE(damping.count == 1);
-  CHECK(damping.coefficient[0] == 400);
 }

@@ -110,20 +110,6 @@ TEST_CASE("Resolver: real joints feel like the configured robot, whatever their 
     }
 }
 
-TEST_CASE("Resolver: the lead command makes up for the delay") {
-  for (const double delay : {0.008, 0.04})
-    for (const Nanoseconds period : {8ms, 2ms}) {
-      CAPTURE(delay);
-      CAPTURE(period);
-      auto c = configuration(period, delay);
-      const double without = admittance_error<Interface::position>(c, 0.3, delay, 0.008);
-      c.lead = nanoseconds(delay) + 8ms + period / 2;
-      CHECK(without > 0.15);
-      CHECK(admittance_error<Interface::position>(c, 0.3, delay, 0.008) < 0.05);
-      CHECK(admittance_error<Interface::velocity>(c, 0.3, delay, 0.008) < 0.05);
-    }
-}
-
 TEST_CASE_TEMPLATE("Resolver: released, it comes to rest and stays", I,
                    std::integral_constant<Interface, Interface::position>,
                    std::integral_constant<Interface, Interface::velocity>) {

@@ -28,7 +28,6 @@ struct Act {
   }
 };
 
-struct NoSense {};
 // What acts on the joints of `on`, and gravity compensation.
 template <LinkMask On>
 struct Moved {
@@ -125,7 +124,7 @@ JointPosition<3> resolved(double until, const Drive& drive, const Parts&... part
   const Moved<0b111> law{&act};
   typename Moved<0b111>::Memory law_memory;
   auto memory = resolver.start({0ns, begin, {}});
-  const NoSense none[max_substeps];
+  const NoTouch none[max_substeps];
   for (Nanoseconds now = 1ms; seconds<double>(now) <= until; now += 1ms) {
     drive(seconds<double>(now) - 5e-4, act);
     pushed.push = {};
@@ -134,7 +133,7 @@ JointPosition<3> resolved(double until, const Drive& drive, const Parts&... part
     plant.command(memory.command());
     plant.run(1e-3, 10, [&](const auto& q, const auto& dq) { return pushed(q, dq); });
     const auto out = resolver.step(memory, law, law_memory, State<3>{now, plant.q(), plant.dq()},
-                                   resolver.interval(memory, now), std::span<const NoSense>(none));
+                                   resolver.interval(memory, now), std::span<const NoTouch>(none));
     CHECK_FALSE(out.status.has(Reason::blocked));
     CHECK_FALSE(out.status.has(Reason::displaced));
   }
@@ -236,9 +235,9 @@ TEST_CASE_TEMPLATE(
     const Moved<0b011> law{&act};
     typename Moved<0b011>::Memory law_memory;
     auto m = memory;
-    const NoSense none[max_substeps];
+    const NoTouch none[max_substeps];
     static_cast<void>(resolver.step(m, law, law_memory, State<3>{1ms, begin, {}}, resolver.interval(m, 1ms),
-                                    std::span<const NoSense>(none)));
+                                    std::span<const NoTouch>(none)));
     const auto dq = resolver.state(m).dq;
     double speed = 0, aside = 0;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -18,6 +18,9 @@ namespace {
 template <std::size_t N, class T>
 struct Pushes {
   JointTorque<N, T> torque;
+  friend Pushes led_by(const Pushes& touch, const T& share, const Pushes& change) noexcept {
+    return {touch.torque + share * change.torque};
+  }
 };
 
 // Yields to what pushes, and holds the joints of `set` softly at `goal`. Counts its evaluations.

@@ -117,7 +117,6 @@ TEST_CASE_TEMPLATE("Resolver: no limit is ever crossed, and the guard has nothin
     auto c = configuration<T>(scene % 2 == 0 ? 8ms : 2ms);
     const T a = T(std::pow(10, 1.5 + 0.7 * unit(rng)));
     c.limits = limits_of<ur5::Description, T>(a);
-    if (scene % 3 == 0) c.lead = (16ms + c.period) / 2;
     if (scene % 5 == 0) c.coulomb_friction = JointTorque<6, T>::constant(T(1));
     if (scene % 7 == 0) c.viscous_friction = {};
     ClosedLoop<I, T> loop(c, pose, 0.008 + 0.004 * unit(rng), 0.008);

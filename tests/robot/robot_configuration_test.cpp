@@ -54,7 +54,8 @@ TEST_CASE("RobotConfiguration: refuses that cannot work, with the number and the
   CHECK(refusal([](auto& c) { c.dead_band = JointPosition<6>::constant(0.2); }).find("max_lead") !=
         std::string::npos);
   CHECK(refusal([](auto& c) { c.max_lead = 1; }).find("max_lead = 1") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.lead = 100ms; }).find("skinctl: lead = 100") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.force_lead = 100ms; }).find("skinctl: force lead = 100") !=
+        std::string::npos);
   CHECK(refusal([](auto& c) { c.drift = -1; }).find("drift") != std::string::npos);
   CHECK(refusal([](auto& c) { c.substep = 50ms; }).find("sub-step") != std::string::npos);
   CHECK(refusal([](auto& c) { c.longest_interval = 1ms; }).find("longest interval") != std::string::npos);

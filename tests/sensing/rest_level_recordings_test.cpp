@@ -33,7 +33,7 @@ TEST_CASE("Recorded grasps, held and tapped: no taxel loses its contact, at 20 t
       const RecordedGrasp& grasp = grasps[g];
       const double rest = grasp.rest[i];
       // Two taps of 60 steps, one of them on the held taxel.
-      const SkinContact taps[] = {tap(rng.between(0.2, 0.8), 60), tap(rng.between(5, 15), 60)};
+      const DriftingTouch taps[] = {tap(rng.between(0.2, 0.8), 60), tap(rng.between(5, 15), 60)};
       ReadingNoise noise(0.3, g);
       const auto clean = [&](double t) {
         const double up = std::min(1.0, std::max(0.0, 2 * (t - 1)));

@@ -72,9 +72,9 @@ double edge(double t, double at, double lasts) {
 
 const Story stories[] = {
     {"a drift, and a contact of 30 s in it",
-     [](double t) { return 300 + 0.03 * t + SkinContact{20, 30, 100, 0.2, false, 0}.force(t); }, none},
+     [](double t) { return 300 + 0.03 * t + DriftingTouch{20, 30, 100, 0.2, false, 0}.force(t); }, none},
     {"a weak contact that grows slowly",
-     [](double t) { return 300 + SkinContact{10, 40, 8, 3, false, 0}.force(t); }, none},
+     [](double t) { return 300 + DriftingTouch{10, 40, 8, 3, false, 0}.force(t); }, none},
     {"a rest level that falls by two thresholds", [](double t) { return 500 - 160 * edge(t, 10, 0.3); },
      none},
     {"a drift that was taken for a contact, released",
@@ -82,19 +82,19 @@ const Story stories[] = {
     {"released, touched meanwhile, and seen",
      [](double t) {
        return 300 + SkinDrift{SkinDrift::Kind::cell, 5, 100, 10}(t) +
-              SkinContact{25, 20, 90, 0.3, false, 0}.force(t);
+              DriftingTouch{25, 20, 90, 0.3, false, 0}.force(t);
      },
      [](double t) { return t > 24.7 && t < 45.3 ? -3.9 : 3.9; }},
     {"touched for a while on a rest level that is too high, twice",
      [](double t) {
-       return 400 - 60 * edge(t, 12, 0.4) + SkinContact{5, 10, 120, 0.3, false, 0}.force(t) +
-              SkinContact{15.4, 0.8, 50, 0.2, false, 0}.force(t);
+       return 400 - 60 * edge(t, 12, 0.4) + DriftingTouch{5, 10, 120, 0.3, false, 0}.force(t) +
+              DriftingTouch{15.4, 0.8, 50, 0.2, false, 0}.force(t);
      },
      none},
     {"a touch that leaves a drift behind it, which proximity sees",
      [](double t) {
        return 300 + SkinDrift{SkinDrift::Kind::cell, 5, 30, 2}(t) +
-              SkinContact{4, 30, 150, 0.3, false, 0}.force(t);
+              DriftingTouch{4, 30, 150, 0.3, false, 0}.force(t);
      },
      [](double t) { return t > 3.7 && t < 34.3 ? -3.9 : 3.9; }},
 };
@@ -211,7 +211,7 @@ TEST_CASE("RestLevel: a contact of an hour, from 0.05 thresholds on, loses less 
   RestRow row = at_rest(rest, 200);
   ReadingNoise noise(sigma, 7);
   const auto contact = [](std::size_t i) {
-    return SkinContact{5, 7200, touch * 0.05 * std::pow(1.35, double(i)), i % 2 == 0 ? 0.01 : 0.3, true, 0};
+    return DriftingTouch{5, 7200, touch * 0.05 * std::pow(1.35, double(i)), i % 2 == 0 ? 0.01 : 0.3, true, 0};
   };
   run(
       rest, row, same_levels(freeze, float(touch)), rate, 0, hour,
@@ -235,7 +235,7 @@ TEST_CASE("RestLevel: a drift taken for a contact is released by evidence, and n
   const auto drift = [](std::size_t i) {
     return SkinDrift{SkinDrift::Kind::cell, 5, 150, 4 + 2 * double(i % 4)};
   };
-  const SkinContact blind{5, 600, 150, 0.2, true, 0};
+  const DriftingTouch blind{5, 600, 150, 0.2, true, 0};
   double released[16] = {};
   run(
       rest, row, same_levels(2, float(touch)), 100, 0, sanitized ? 130 : 300,

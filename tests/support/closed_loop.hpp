@@ -15,6 +15,9 @@ namespace skinctl::testing {
 template <std::size_t N, class T>
 struct Pushed {
   JointTorque<N, T> torque;
+  friend Pushed led_by(const Pushed& touch, const T& share, const Pushed& change) noexcept {
+    return {touch.torque + share * change.torque};
+  }
 };
 
 /// The pushing torques and gravity compensation: a robot that only yields.

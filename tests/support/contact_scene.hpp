@@ -15,9 +15,18 @@ namespace skinctl::testing {
 /// Contacts along fixed directions of joint space, exactly conservative, and what is seen but not touched, in
 /// place of a skin.
 struct SceneTouch {
+  using scalar = double;
   Contacts<6, double, 2> contacts;
   JointTorque<6> seen;
 };
+/// Of two touches with the same contacts.
+inline SceneTouch led_by(const SceneTouch& touch, const double& share, const SceneTouch& change) noexcept {
+  SceneTouch out = touch;
+  for (std::size_t k = 0; k < touch.contacts.count; ++k)
+    out.contacts.list[k].force += share * change.contacts.list[k].force;
+  out.seen += share * change.seen;
+  return out;
+}
 template <class M, class A>
 JointTorque<6> skin_torque(const M&, const A&, const SceneTouch& touch) noexcept {
   JointTorque<6> tau = touch.seen;
@@ -34,7 +43,7 @@ Contacts<6, double, 2> contacts_of(const M&, const JointPosition<6>&, const Scen
 }
 
 /// A skill of limited duration: a weight of the skin, and a spring and damper to a goal.
-struct Skill {
+struct TimedSkill {
   double until = 0, skin = 1, pull = 0, stiffness = 0, damping = 0;
   JointPosition<6> goal;
 };
@@ -42,14 +51,14 @@ struct Skill {
 /// Skills one after the other, with jumps between them, as a tank has to cover them.
 struct RandomSkills : StatelessLaw<RandomSkills> {
   static constexpr Needs needs{.angles = true, .gravity = true, .touch = true};
-  std::vector<Skill> skills;
+  std::vector<TimedSkill> skills;
 
   template <class K>
   JointTorque<6> torque(const K& known) const noexcept {
     const double t = seconds<double>(known.time());
     std::size_t k = 0;
     while (k + 1 < skills.size() && skills[k].until <= t) ++k;
-    const Skill& s = skills[k];
+    const TimedSkill& s = skills[k];
     constexpr double scale[6] = {1, 1, 0.6, 0.1, 0.1, 0.05};
     auto tau = s.skin * skin_torque(known.model(), known.angles(), known.touch()) + known.gravity();
     for (std::size_t i = 0; i < 6; ++i)
@@ -149,7 +158,7 @@ struct RandomScene {
         o.seen = 40 * std::uniform_real_distribution<>()(other);
     }
     for (double t = 0; t < 2;) {
-      Skill s;
+      TimedSkill s;
       s.until = t += uniform(0.05, 0.6);
       s.skin = pick(2) ? 1 : uniform(0, 2);
       s.pull = pick(4) ? uniform(0, 1) : 0;

@@ -1,7 +1,7 @@
 // skinctl around an arm that we did not write: delays, samples, a skin's cover, walls and hands.
 #pragma once
 
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -51,15 +51,13 @@ class PlantLoop {
   static constexpr double at[3] = {0, 0, 0.1};
   static constexpr double servo_lag = 0.008, quantum = 0.05;
   using Wrenches = LinkWrenches<ur5::Model, link_bit<link>>;
-  using PassivityParts = Passivity<ContactDamper<>>;
-  using Robot = ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 128, PassivityParts>;
+  using Robot = ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 128>;
 
   struct Setting {
     Nanoseconds period = 8ms;
-    double delay = 0.008;  ///< of commands [s]; a measurement is fresh
-    double damping = 0;    ///< contact damping, always [N s/m]
-    double observed = 0;   ///< contact damping, by observation [N s/m]
-    bool lead = false;
+    double delay = 0.008;   ///< of commands [s]; a measurement is fresh
+    double lead = 1;        ///< force lead, in times of the loop's delay
+    double heavier = 1;     ///< felt mass: force gain, decay and viscous friction are divided by it
     bool yields = true;     ///< false: the arm stands still, as without skinctl
     bool quantised = true;  ///< the skin's readings, to 0.05 N
     double lean = 0;        ///< force with which it leans into the contact [N]
@@ -72,8 +70,7 @@ class PlantLoop {
       : setting_(s),
         plant_(oracle::ur5(), {s.q[0], s.q[1], s.q[2], s.q[3], s.q[4], s.q[5]},
                {.bandwidth = 2 / servo_lag, .rotor = {2, 2, 2, 0.5, 0.5, 0.5}}),
-        robot_(ur5::Model{}, configuration(s),
-               PassivityParts(ContactDamper<>({.max = s.observed, .always = s.damping}))) {
+        robot_(ur5::Model{}, configuration(s)) {
     double v[3], R[9];
     plant_.point(int(link), at, start_, v, R);
     // Into the contact: along the axis of the link on which the point lies.
@@ -92,10 +89,10 @@ class PlantLoop {
     RobotConfiguration<6> c{
         .limits = limits_of<ur5::Description>(100.0), .period = s.period, .delay = nanoseconds(s.delay)};
     c.lag = nanoseconds(servo_lag);
-    c.virtual_damping = s.decay;
-    c.viscous_friction = JointTorque<6>(s.viscous);
+    c.virtual_damping = s.decay / s.heavier;
+    for (std::size_t i = 0; i < 6; ++i) c.viscous_friction[i] = s.viscous[i] / s.heavier;
     c.dead_band = JointPosition<6>::constant(0.02);
-    if (s.lead) c.lead = nanoseconds(s.delay + servo_lag) + s.period / 2;
+    c.force_lead = nanoseconds(s.lead * seconds<double>(c.total_delay()));
     return c;
   }
   /// The row of the contact at the start.
@@ -160,9 +157,15 @@ class PlantLoop {
       parts[j].set<link>({F, cross(Xyz<double>{at[0], at[1], at[2]}, F)});
     }
     samples_ = {samples_.back()};
+    Wrenches changes[max_substeps];
+    for (unsigned j = 0; j < interval.substeps; ++j) {
+      parts[j] = (1 / setting_.heavier) * parts[j];
+      changes[j] = TouchChange<Wrenches>::next(touch_, parts[j]);
+    }
     const auto law = 1.0 * lean_ + SkinJointControl{} + GravityControl{};
     const auto out = robot_.step(memory_, law, law_memory_, measure(now), interval,
-                                 std::span<const Wrenches>(parts, interval.substeps));
+                                 std::span<const Wrenches>(parts, interval.substeps), AnyState{},
+                                 PressedUnknown{}, std::span<const Wrenches>(changes, interval.substeps));
     status |= out.status;
     std::array<double, 6> q{};
     std::copy_n(out.command.position.data, 6, q.begin());
@@ -176,6 +179,7 @@ class PlantLoop {
   Robot::Memory memory_;
   Lean lean_;
   Law::Memory law_memory_{};
+  TouchChange<Wrenches>::Memory touch_{};
   Contact<6> contact_;
   double start_[3], outward_[3], felt_[3] = {};
   Nanoseconds next_{}, next_sample_{};
@@ -217,9 +221,7 @@ inline double admittance_error(PlantLoop::Setting s, double frequency, double sp
   double row[6];
   std::copy_n(loop.contact().row, 6, row);
   const ContactStability<ur5::Model> stability(ur5::Model{}, c, {.stiffness = 1});
-  const C delays = std::polar(1.0, -w * 0.5 * seconds<double>(c.period)) / C(1, seconds<double>(c.lag) * w) *
-                   C(1, seconds<double>(c.lead) * w);
-  const C want = C(0, w) * stability.response(stability.felt(s.q), row, 0, w) / delays;
+  const C want = C(0, w) * stability.response(stability.modes(s.q), row, w) / stability.path().at(w);
   return std::abs(-v / f - want) / std::abs(want);
 }
 

@@ -34,7 +34,7 @@ TEST_CASE("Drifts begin at 0, at their rates, and keep to their size") {
 }
 
 TEST_CASE("A contact is seen before it is felt, unless it is blind, and warms") {
-  const SkinContact contact{10, 3600, 50, 0.5, false, 6};
+  const DriftingTouch contact{10, 3600, 50, 0.5, false, 6};
   CHECK(contact.force(10) == 0);
   CHECK(contact.force(10.25) == doctest::Approx(25));
   CHECK(contact.force(1800) == 50);
@@ -45,7 +45,7 @@ TEST_CASE("A contact is seen before it is felt, unless it is blind, and warms") 
   CHECK(contact.warming(10) == 0);
   CHECK(contact.warming(70) == doctest::Approx(6 * (1 - std::exp(-1))));
   CHECK(contact.warming(3670) == doctest::Approx(6 * std::exp(-1)));
-  SkinContact blind = contact;
+  DriftingTouch blind = contact;
   blind.blind = true;
   for (double t = 0; t < 4000; t += 0.37) REQUIRE(blind.proximity(t) < 0.05);
   CHECK(tap(1, 300).force(1.003) == 300);
@@ -54,7 +54,7 @@ TEST_CASE("A contact is seen before it is felt, unless it is blind, and warms") 
   Seeded rng(9);
   int unseen = 0, slow = 0, warm = 0;
   for (int k = 0; k < 4000; ++k) {
-    const SkinContact c = random_contact(rng, 0, 3600, 80, 400);
+    const DriftingTouch c = random_contact(rng, 0, 3600, 80, 400);
     unseen += c.blind, slow += c.rise >= 5, warm += c.warmth > 0;
     REQUIRE(c.size >= 80);
     REQUIRE(c.size <= 400);
@@ -79,7 +79,7 @@ TEST_CASE("Noise has its deviation, whole steps and no negative readings") {
 }
 
 TEST_CASE("Events: what is held is right to within a delta and a keep-alive old") {
-  const SkinContact contact{2, 3, 60, 0.4, false, 0};
+  const DriftingTouch contact{2, 3, 60, 0.4, false, 0};
   std::vector<double> times;
   double held = 0, sent = 0;
   by_events([&](double t) { return contact.force(t); }, 1000, 2, 0.1, 0, 8,

@@ -72,8 +72,7 @@ auto as_it_comes_cycle(const AsItComes& c, bool truly, const L& law) {
   for (std::size_t i = 0; i < 6; ++i) gains[i].force = newtons[i];
   SkinSettings skin;
   skin.max_age = 10s;
-  return Cycle(robot_by<I>(ur5::Model{}, r, ContactDamper<>({.max = 450, .slowest = 600ms, .calm = 1200ms})),
-               ur5_skin<AsItComesWorld::cells_of_skin>(gains, skin), law);
+  return Cycle(robot_by<I>(ur5::Model{}, r), ur5_skin<AsItComesWorld::cells_of_skin>(gains, skin), law);
 }
 
 /// A case, run once. `trace(t, joints, command, forces)` is called every cycle.

@@ -23,12 +23,13 @@ struct Spoilt : R {
   enum class How { not_at_all, nan, infinity, none, leap, end };
   static inline How how = How::not_at_all;
 
-  template <class L, class Touch, class Check>
+  template <class L, class Touch, class Check, class Pressed>
   auto step(typename R::Memory& m, const L& law, typename L::Memory& law_memory,
             const State<R::joints, typename R::scalar>& measured, const Interval& interval,
-            std::span<const Touch> touches, const Check& check) const noexcept {
+            std::span<const Touch> touches, const Check& check, const Pressed& pressed,
+            std::span<const LawTouch<Touch>> changes) const noexcept {
     using T = typename R::scalar;
-    auto out = R::step(m, law, law_memory, measured, interval, touches, check);
+    auto out = R::step(m, law, law_memory, measured, interval, touches, check, pressed, changes);
     auto& c = out.command;
     switch (how) {
       case How::nan:

@@ -51,7 +51,7 @@ struct SkinDrift {
 }
 
 /// A contact: what the force sensors, the proximity sensor and the thermometer of a cell see of it.
-struct SkinContact {
+struct DriftingTouch {
   double begin = 0, lasts = 1;  ///< [s]
   double size = 0;              ///< [steps]
   double rise = 0.05;           ///< time in which it grows at its beginning and fades at its end [s]
@@ -86,9 +86,9 @@ struct ContactShares {
   double warm = 0.3;    ///< of something 2 to 12 K warmer
 };
 /// A contact of `lasts` seconds, of `least` to `most` steps.
-[[nodiscard]] inline SkinContact random_contact(Seeded& rng, double begin, double lasts, double least,
-                                                double most, const ContactShares& shares = {}) {
-  SkinContact contact{begin, lasts, rng.between(least, most), 0.05, false, 0};
+[[nodiscard]] inline DriftingTouch random_contact(Seeded& rng, double begin, double lasts, double least,
+                                                  double most, const ContactShares& shares = {}) {
+  DriftingTouch contact{begin, lasts, rng.between(least, most), 0.05, false, 0};
   contact.blind = rng.between(0, 1) < shares.blind;
   contact.rise =
       rng.between(0, 1) < shares.slow ? rng.between(5, 60) : 0.01 * std::pow(50.0, rng.between(0, 1));
@@ -96,7 +96,7 @@ struct ContactShares {
   return contact;
 }
 /// A tap of 6 ms: what a finger nail or a thrown crumb gives.
-[[nodiscard]] inline SkinContact tap(double begin, double size) {
+[[nodiscard]] inline DriftingTouch tap(double begin, double size) {
   return {begin, 0.006, size, 0.001, false, 0};
 }
 

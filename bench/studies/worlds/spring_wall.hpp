@@ -17,17 +17,19 @@ inline const std::vector<PlacedCell<2>>& forearm_cells() {
                                                 cell_at<2>(2, {-0.2, 0, -0.06}, {0, 0, -1})};
   return cells;
 }
-inline auto forearm_skin() {
-  return open_skin(Patch<2, 2>(forearm_cells(), open_gains));
+/// @param heavier  by how much the arm is felt heavier: the gain is divided by it.
+inline auto forearm_skin(double heavier = 1) {
+  return open_skin(Patch<2, 2>(
+      forearm_cells(), {.force = open_gains.force / heavier, .proximity = open_gains.proximity / heavier}));
 }
 
 /// A UR5 that gives way, at a period and a delay.
-inline RobotConfiguration<6> yielding_arm(Nanoseconds period, Nanoseconds delay = 8ms,
-                                          Nanoseconds lag = 8ms) {
+inline RobotConfiguration<6> yielding_arm(Nanoseconds period, Nanoseconds delay = 8ms, Nanoseconds lag = 8ms,
+                                          double heavier = 1) {
   RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(20.0), .period = period, .delay = delay, .lag = lag};
-  c.virtual_damping = 4;
-  c.viscous_friction = JointTorque<6>::constant(2);
+  c.virtual_damping = 4 / heavier;
+  c.viscous_friction = JointTorque<6>::constant(2 / heavier);
   c.dead_band = JointPosition<6>::constant(0.02);
   return c;
 }

@@ -21,7 +21,7 @@ TorqueEnergies run_torque(const RandomScene& scene, const PassivityParts& passiv
   using Robot = ResolverBy<Interface::torque, ur5::Model, double, CrankNicolson, 32, PassivityParts>;
   constexpr Nanoseconds period = 1ms;
   auto law = scene.law;
-  for (Skill& s : law.skills) s.damping *= 0.1;  // small enough for a wrist commanded once a millisecond
+  for (TimedSkill& s : law.skills) s.damping *= 0.1;  // small enough for a wrist commanded once a millisecond
   RobotConfiguration<6> c{.limits = scene.configuration.limits, .period = period};
   c.viscous_friction = scene.configuration.viscous_friction;
   c.max_lead = 5;

@@ -18,18 +18,15 @@ struct Touched : StatelessLaw<Touched> {
 };
 
 /// The displacement [m] along the first of `rows`, cycle by cycle, of a robot at `q0` that is tied to one or
-/// two springs of `stiffness` which push and pull, after an initial displacement `kick` [m]; `damping` along
-/// them. The springs' forces are linear between cycles. The robot takes its commands `late` [s] after the
+/// two springs of `stiffness` which push and pull, after an initial displacement `kick` [m]. The springs' forces are
+/// linear between cycles. The robot takes its commands `late` [s] after the
 /// declared delay: where that is whole periods, the cycle in which they arrive has just missed them.
 template <std::size_t K>
 std::vector<double> tied_to_springs(const RobotConfiguration<6>& c, const JointPosition<6>& q0,
-                                    const double (&rows)[K][6], double stiffness, double damping,
-                                    double seconds_long, double kick = 1e-7, double late = 1e-9) {
+                                    const double (&rows)[K][6], double stiffness, double seconds_long,
+                                    double kick = 1e-7, double late = 1e-9) {
   static_assert(K <= 2);
-  using PassivityParts = Passivity<ContactDamper<>>;
-  const PassivityParts passivity(ContactDamper<>({.always = damping}));
-  const ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 64, PassivityParts> robot(
-      ur5::Model{}, c, passivity);
+  const ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 64> robot(ur5::Model{}, c);
   SimulatedJoints<6> joints(SimulatedJoints<6>::Kind::position, seconds<double>(c.delay) + late,
                             seconds<double>(c.lag), {q0[0], q0[1], q0[2], q0[3], q0[4], q0[5]});
   State<6> measured;
@@ -37,6 +34,7 @@ std::vector<double> tied_to_springs(const RobotConfiguration<6>& c, const JointP
   auto memory = robot.start(measured);
   Touched law;
   Touched::Memory law_memory;
+  TouchChange<SceneTouch>::Memory touch{};
   std::vector<double> path;
   double last[K];
   for (double& f : last) f = -stiffness * kick;
@@ -55,18 +53,17 @@ std::vector<double> tied_to_springs(const RobotConfiguration<6>& c, const JointP
         contact.link = k;
         std::copy(std::begin(rows[k]), std::end(rows[k]), contact.row);
         contact.force = last[k] + (force - last[k]) * (j + 0.5) / interval.substeps;
-        if (j + 1 == interval.substeps && damping > 0 && !(contact.force > 0)) {
-          // A push is positive: a pull is a push in the other direction.
-          for (double& r : contact.row) r = -r;
-          contact.force = std::max(1e-12, -contact.force);
-        }
       }
       last[k] = force;
     }
     measured.time = now;
     measured.q = JointPosition<6>(joints.q());
+    SceneTouch changes[max_substeps];
+    for (unsigned j = 0; j < interval.substeps; ++j)
+      changes[j] = TouchChange<SceneTouch>::next(touch, parts[j]);
     const auto out = robot.step(memory, law, law_memory, measured, interval,
-                                std::span<const SceneTouch>(parts, interval.substeps));
+                                std::span<const SceneTouch>(parts, interval.substeps), AnyState{},
+                                PressedUnknown{}, std::span<const SceneTouch>(changes, interval.substeps));
     SimulatedJoints<6>::Row command;
     for (std::size_t i = 0; i < 6; ++i) command[i] = out.command.position[i];
     joints.command(seconds<double>(now), command);
@@ -77,9 +74,9 @@ std::vector<double> tied_to_springs(const RobotConfiguration<6>& c, const JointP
 /// Whether the oscillation decays.
 template <std::size_t K>
 bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q0, const double (&rows)[K][6],
-                double stiffness, double damping = 0, double late = 1e-9) {
+                double stiffness, double late = 1e-9) {
   const double kick = 1e-7;
-  const auto path = tied_to_springs(c, q0, rows, stiffness, damping, 8, kick, late);
+  const auto path = tied_to_springs(c, q0, rows, stiffness, 8, kick, late);
   const auto largest = [&](std::size_t from, std::size_t to) {
     double most = 0;
     for (std::size_t k = from; k < to; ++k) most = std::max(most, std::abs(path[k]));
@@ -92,10 +89,10 @@ bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q0, cons
 }
 
 inline bool swings_out(const RobotConfiguration<6>& c, const JointPosition<6>& q0, const double (&row)[6],
-                       double stiffness, double damping = 0, double late = 1e-9) {
+                       double stiffness, double late = 1e-9) {
   double rows[1][6];
   std::copy(std::begin(row), std::end(row), rows[0]);
-  return swings_out(c, q0, rows, stiffness, damping, late);
+  return swings_out(c, q0, rows, stiffness, late);
 }
 
 }  // namespace skinctl::testing

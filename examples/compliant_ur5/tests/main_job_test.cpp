@@ -113,13 +113,24 @@ TEST_CASE("main job: gives way to every touch, returns, and is five times softer
     CHECK(t.return_error < 0.003);
     CHECK(t.true_peak_force > 0);
   }
-  // The fourth touch, on the wrist, rings; before the finger leaves it is calm.
-  double low = 1e9, high = 0;
-  for (const auto& e : soft.entries)
-    if (e.time > soft.touches[3].start + 1.22 && e.time < soft.touches[3].start + 1.4)
-      low = std::min(low, e.force), high = std::max(high, e.force);
-  CHECK(high - low < 8);  // 21 undamped
-  int stood = 0;          // two of the seven press while the arm moves to its goal
+  // A finger that comes and goes makes the force rise and fall once; behind the lag of servoj a few swings of more than
+  // 3 N may follow the first, and no row of them.
+  for (const auto& t : soft.touches) {
+    int turns = 0;
+    double extreme = 0;
+    bool rises = true;
+    for (const auto& e : soft.entries) {
+      if (e.time < t.start || e.time > t.start + 1.4) continue;
+      if (rises ? e.force < extreme - 3 : e.force > extreme + 3) {
+        rises = !rises, extreme = e.force, ++turns;
+      } else {
+        extreme = rises ? std::max(extreme, e.force) : std::min(extreme, e.force);
+      }
+    }
+    MESSAGE(t.start << " s: " << turns << " turns");
+    CHECK(turns <= 5);
+  }
+  int stood = 0;  // two of the seven press while the arm moves to its goal
   for (const auto& t : rigid.touches) stood += t.deflection < 0.001;
   CHECK(stood >= (whole ? 5 : 1));
   if (whole)
@@ -330,7 +341,7 @@ TEST_CASE("main job: cells that stick are no worse for a finger on them, or else
     CAPTURE(touched);
     CHECK(silent.outcome == Outcome::fine);
     CHECK(stuck.outcome == Outcome::fine);
-    CHECK(stuck.log.peak_force < 60);  // 25 N on a healthy skin, 26 N elsewhere; 182 N on a rigid arm
+    CHECK(stuck.log.peak_force < 75);  // 25 N on a healthy skin, 26 N elsewhere; 182 N on a rigid arm
     CHECK(stuck.log.peak_force < 1.05 * silent.log.peak_force);
     CHECK(farthest_apart(stuck.log, silent.log) < 0.03);
     if (skinctl::testing::sanitized) break;

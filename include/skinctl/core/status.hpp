@@ -55,7 +55,6 @@ enum class Reason : std::uint8_t {
   skill_failed,
   tank_empty,
   energy_held,
-  contact_damped,
   stopping,
   skin_unheard,
   skin_blind,

@@ -135,8 +135,6 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
      WayBack::by_itself, "the energy tank cannot pay for the active torques: they are scaled down"},
     {Reason::energy_held, "energy_held", FaultFinder::resolver, Reaction::hold, Reaction::none,
      WayBack::by_itself, "to move on into a contact would cost more energy than it gave: held"},
-    {Reason::contact_damped, "contact_damped", FaultFinder::resolver, Reaction::limit, Reaction::none,
-     WayBack::by_itself, "a contact oscillated: damping was added along it"},
     {Reason::stopping, "stopping", FaultFinder::resolver, Reaction::stop, Reaction::stop, WayBack::on_request,
      "a stop was asked for: brakes and holds"},
     {Reason::skin_unheard, "skin_unheard", FaultFinder::skin, Reaction::report, Reaction::report,

@@ -66,15 +66,6 @@ class JerkLimits {
   [[nodiscard]] SKINCTL_COLD JerkLimits<Set::count, T> set() const {
     return {limits_.template part<Set>(), Set::of(jerk_)};
   }
-  /// Throws `ConfigurationError` for a robot with a lead: it is extrapolated from velocities that are then smoothed,
-  /// and the two swing.
-  template <class Resolver>
-  SKINCTL_COLD void check(const Resolver& robot) const {
-    robot.each([&](auto k) {
-      const T lead = robot.template parameters<k.value>().lead;
-      require(lead == T(0), "lead beside MaxJerk", 1e3 * static_cast<double>(lead), "0 ms");
-    });
-  }
   /// `jerk_exceeded`, if the acceleration has changed from `before` to `now` in `dt` seconds faster than the limit
   /// allows.
   [[nodiscard]] SKINCTL_INLINE Status exceeded(const JointAcceleration<N, T>& before,
@@ -159,8 +150,7 @@ class JerkLimits {
 
 /// For `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the guard's
 /// braking. It gives way (`jerk_exceeded`) while the robot stops, and while a joint is farther from its command than the
-/// dead band, as one that is held: the limits of acceleration, velocity and position are kept. A scene of a robot with
-/// `lead` > 0 throws `ConfigurationError`.
+/// dead band, as one that is held: the limits of acceleration, velocity and position are kept.
 template <std::size_t N, Real T = double>
 struct MaxJerk {
   using Kind = JerkLimit;

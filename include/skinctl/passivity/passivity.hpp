@@ -1,17 +1,16 @@
-// Parts of a resolver that watch over energy and contacts: a scene names them; none by default.
+// Parts of a resolver that watch over energy: a scene names them; none by default.
 #pragma once
 
 #include <tuple>
 
-#include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// The parts that keep a resolver passive, in any order:
-/// `Passivity(EnergyTank(...), PassivityObserver(...), ContactDamper(...))`. None by default; a part that is
-/// not named costs neither time nor memory.
+/// `Passivity(EnergyTank(...), PassivityObserver(...))`. None by default; a part that is not named costs neither time
+/// nor memory.
 template <class... Parts>
 class Passivity {
  public:

@@ -4,70 +4,99 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <limits>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/passivity/contact_stability.hpp"
-#include "skinctl/passivity/detail/contact_modes.hpp"
+#include "skinctl/tactile/contact.hpp"
 #include "skinctl/tactile/touch.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// A part of a description by position or velocity: `Cycle` refuses the scene with the number unless such
-/// contacts come to rest, anywhere on the robot, one and two at a time.
+/// contacts come to rest, anywhere on the robot, one and two at a time. A description may have several.
 ///
 /// The loops of `ContactStability` are computed at `poses` poses over the range of the joints, for cells all
 /// over the skin (six of each patch, along their normals, with their gains), for pushes on the tool of a wrist
-/// sensor, and where motors feel, or nothing says where touch is felt, for points all over each link; for two contacts at once by the eigenvalues of both loops, for the
-/// eight contacts of a pose that bear least. One contact needs the gain margin `margin`, two `margin_of_two`:
-/// poses and contacts between those that are looked at take a few per cent of it. Some ten milliseconds, by Eigen:
-/// include `<Eigen/Eigenvalues>` to use it.
+/// sensor, and where motors feel, or nothing says where touch is felt, for points all over each link; for two contacts
+/// at once, as of two hands that grip, by the eigenvalues of both loops, for the eight contacts of a pose that bear
+/// least. Some ten milliseconds, by Eigen: include `<Eigen/Eigenvalues>` to use it.
 ///
-/// Damping that is needed comes from a `ContactDamper` in the same description: `damper` makes one that fits.
-/// Damping that is always on is felt by a hand as well: with 850 N s/m, 20 N lead an arm at 20 mm/s. With
-/// `may_ring` it is added when a contact has rung.
+/// What a robot with a delay lacks is felt mass: as heavy as what touches it, it answers in time. The refusal says by
+/// which factor the virtual robot has to be heavier; force gains, virtual damping and viscous friction divided by it
+/// give that mass, and the friction that is felt stays. A heavy robot with little friction is at rest on a wall, but
+/// bounces on it for long: there a force lead of 2 T damps. A factor of hundreds is that of a light joint, such as a
+/// flange that turns: it needs virtual inertia of its own.
 struct StiffestContact {
   using RobotPart = detail::StiffestContactPart;
-  double stiffness = 0;      ///< of the environment [N/m], > 0
-  double cover = 0;          ///< of the skin's cover, in series [N/m]; 0: rigid
+  double stiffness = 0;  ///< of the environment [N/m], > 0
+  double cover = 0;      ///< of the skin's cover, in series [N/m]; 0: rigid
+  double body = 0;       ///< mass behind the contact [kg], as of a hand that holds it; 0: a wall
+  /// Loss factor of the cover and of what it touches, the tangent of the loss angle, 0 to 1: rubber and foam 0.1,
+  /// tissue more. Default: 0.1 before a body, 0 before a wall.
+  std::optional<double> loss = {};
   double newtons = 0;        ///< newtons at a cell per unit of its force readings; 0: the law takes what acts
   Nanoseconds skin_delay{};  ///< age of a push when a cycle uses it, >= 0
-  double margin = 2;         ///< required gain margin of one contact, >= 1
-  double margin_of_two = 1.5;  ///< of two at once, >= 1
-  /// Whether a contact may ring first: then what the damper adds by observation counts too.
-  bool may_ring = false;
+  /// Required gain margin of one contact, >= 1. Default: 2 before a wall; 1 before a body, where the loop errs on the
+  /// safe side.
+  std::optional<double> margin = {};
+  /// The same of two at once. Default: 1.5 before walls, 1 before bodies.
+  std::optional<double> margin_of_two = {};
   int poses = 8;  ///< 1 to 10 000
 
-  /// The damping along contacts with which they all have the required margins [N s/m]; 0 if they need none.
+  /// How many times heavier the virtual robot has to be felt so that all contacts have the required margins; less than 1
+  /// where it may be lighter. At least 1/64.
   template <DescribedRobot R, class Skin>
-  [[nodiscard]] SKINCTL_COLD double damping(const R& robot, const Skin& skin) const {
-    return min_damping(contacts(robot, skin), robot);
-  }
-  /// A damper of that damping, always on: for the description of the same robot.
-  template <DescribedRobot R, class Skin>
-  [[nodiscard]] SKINCTL_COLD auto damper(const R& robot, const Skin& skin) const {
-    using T = typename R::scalar;
-    return ContactDamper<T>({.always = T(damping(robot, skin))});
+  [[nodiscard]] SKINCTL_COLD double heavier(const R& robot, const Skin& skin) const {
+    const auto all = contacts(robot, skin);
+    double low = 1.0 / 64, high = low;
+    while (worst(all, high).lack > 1 && high < 1e6) low = high, high = 2 * high;
+    for (int n = 0; n < 10 && high > low; ++n) {
+      const double middle = std::sqrt(low * high);
+      (worst(all, middle).lack > 1 ? low : high) = middle;
+    }
+    return high;
   }
 
-  /// Throws `ConfigurationError` with the damping in force and the one needed unless all contacts rest.
+  /// The least felt mass of all contacts [kg]: of the virtual robot along a contact, by newtons that a law gets for one.
+  template <DescribedRobot R, class Skin>
+  [[nodiscard]] SKINCTL_COLD double lightest(const R& robot, const Skin& skin) const {
+    double mobility = 0;
+    for (const auto& pose : contacts(robot, skin).poses)
+      for (std::size_t i = 0; i < pose.rows.size(); ++i) {
+        double sum = 0;
+        for (const double r : pose.rows[i]) sum += pose.gains[i] * r * r;
+        mobility = std::max(mobility, sum);
+      }
+    return mobility > 0 ? 1 / mobility : std::numeric_limits<double>::infinity();
+  }
+
+  /// Empty if all contacts rest; otherwise what is lacking.
+  template <DescribedRobot R, class Skin>
+  [[nodiscard]] SKINCTL_COLD std::string warning(const R& robot, const Skin& skin) const {
+    try {
+      check(robot, skin);
+    } catch (const ConfigurationError& e) {
+      return e.what();
+    }
+    return {};
+  }
+
+  /// Throws `ConfigurationError` with the felt mass needed unless all contacts rest.
   template <DescribedRobot R, class Skin>
   SKINCTL_COLD void check(const R& robot, const Skin& skin) const {
     static_assert(R::interface != Interface::torque,
                   "StiffestContact: by torque there is no virtual robot behind a delay; leave it out");
-    using T = typename R::scalar;
-    double given = 0;
-    if constexpr (R::template has<ContactDamper<T>>) {
-      const auto& s = std::get<ContactDamper<T>>(robot.parts()).settings();
-      given = static_cast<double>(may_ring ? T(s.always + s.max) : s.always);
-    }
-    const auto all = contacts(robot, skin);
-    if (worst(all, robot, given).lack <= 1) return;
-    char text[96];
-    std::snprintf(text, sizeof text, ">= %.4g N s/m for a contact of %.4g N/m: see StiffestContact::damper",
-                  min_damping(all, robot), series());
-    require(false, may_ring ? "contact damping, always and by observation" : "contact damping, always", given,
-            text);
+    if (worst(contacts(robot, skin), 1).lack <= 1) return;
+    char text[192];
+    std::snprintf(
+        text, sizeof text,
+        ">= %.3g for a contact of %.4g N/m: divide force gains, virtual damping and friction by it, add "
+        "virtual inertia, or shorten the delay",
+        heavier(robot, skin), series());
+    require(false, body > 0 ? "felt mass beside that of a body" : "felt mass beside that of a wall", 1, text);
   }
 
  private:
@@ -83,20 +112,29 @@ struct StiffestContact {
     detail::ContactPath<double> path;
     std::vector<Pose<N>> poses;
   };
-  /// The contacts furthest from their margin: `lack` > 1 if it is missed.
+  /// The contacts furthest from their margin; `lack` > 1 if it is missed.
   struct Worst {
     double lack = 0;
     std::size_t pose = 0, one = 0, two = 0;
   };
 
-  [[nodiscard]] double series() const noexcept {
-    return cover > 0 ? stiffness * cover / (stiffness + cover) : stiffness;
+  template <class T>
+  [[nodiscard]] ContactEnvironment<T> environment() const noexcept {
+    return {.stiffness = T(stiffness), .cover = T(cover), .body = T(body), .skin_delay = skin_delay};
+  }
+  [[nodiscard]] double series() const noexcept { return environment<double>().series(); }
+  [[nodiscard]] double margin_of_one_contact() const noexcept { return margin.value_or(body > 0 ? 1 : 2); }
+  [[nodiscard]] double margin_of_two_contacts() const noexcept {
+    return margin_of_two.value_or(body > 0 ? 1 : 1.5);
   }
   void check_numbers() const {
     require(poses >= 1 && poses <= 10000, "StiffestContact: poses", poses, "1 to 10 000");
+    require(!loss || (*loss >= 0 && *loss <= 1), "StiffestContact: loss", loss.value_or(0), "0 to 1");
     require(newtons >= 0 && newtons <= 1e6, "StiffestContact: newtons", newtons, "0 to 1e6 N");
-    require(margin_of_two >= 1 && margin_of_two <= 100, "StiffestContact: margin of two", margin_of_two,
-            "1 to 100");
+    require(margin_of_one_contact() >= 1 && margin_of_one_contact() <= 100, "StiffestContact: margin",
+            margin_of_one_contact(), "1 to 100");
+    require(margin_of_two_contacts() >= 1 && margin_of_two_contacts() <= 100,
+            "StiffestContact: margin of two", margin_of_two_contacts(), "1 to 100");
   }
 
   template <DescribedRobot R, class Skin>
@@ -107,10 +145,9 @@ struct StiffestContact {
     check_numbers();
     const auto& c = robot.configuration();
     const auto tool = tool_in(robot.parts());
-    const ContactStability<M, T, std::remove_cv_t<decltype(tool)>> stability(
-        robot.model(), c,
-        {.stiffness = T(stiffness), .cover = T(cover), .skin_delay = skin_delay, .margin = T(margin)}, tool);
-    AllContacts<N> out{{c.delay, skin_delay, c.period, c.lag, c.lead}, {}};
+    const ContactStability<M, T, std::remove_cv_t<decltype(tool)>> stability(robot.model(), c,
+                                                                             environment<T>(), tool);
+    AllContacts<N> out{{c, skin_delay}, {}};
     for (int k = 0; k < poses; ++k) {
       JointPosition<N, T> q;
       for (std::size_t i = 0; i < N; ++i) {
@@ -193,21 +230,27 @@ struct StiffestContact {
     return x;
   }
 
-  /// How much stiffness contacts lack, at damping `b`.
+  /// How many times too stiff contacts are for a virtual robot that is felt `factor` times heavier.
   template <std::size_t N>
   [[nodiscard]] double lack(const AllContacts<N>& all, std::size_t pose, std::size_t one, std::size_t two,
-                            double b) const {
+                            double factor) const {
     const auto& p = all.poses[pose];
     const bool alone = one == two;
-    const double k = detail::stiffest_contacts(p.robot, all.path, p.rows[one].data(), p.gains[one],
-                                               alone ? nullptr : p.rows[two].data(), p.gains[two], b);
-    return (alone ? margin : margin_of_two) * series() / k;
+    const detail::ContactLoops<N, double> loops{.robot = p.robot,
+                                                .path = all.path,
+                                                .a = p.rows[one].data(),
+                                                .gain_a = p.gains[one],
+                                                .b = alone ? nullptr : p.rows[two].data(),
+                                                .gain_b = p.gains[two],
+                                                .heavier = factor};
+    return lack_of(loops, series(), body, loss.value_or(body > 0 ? 0.1 : 0.0),
+                   alone ? margin_of_one_contact() : margin_of_two_contacts());
   }
-  template <class R, std::size_t N>
-  [[nodiscard]] Worst worst(const AllContacts<N>& all, const R&, double b) const {
+  template <std::size_t N>
+  [[nodiscard]] Worst worst(const AllContacts<N>& all, double factor) const {
     Worst out;
     const auto look = [&](std::size_t pose, std::size_t one, std::size_t two) {
-      const double l = lack(all, pose, one, two, b);
+      const double l = lack(all, pose, one, two, factor);
       if (l > out.lack) out = {l, pose, one, two};
       return l;
     };
@@ -222,23 +265,9 @@ struct StiffestContact {
     }
     return out;
   }
-  template <class R, std::size_t N>
-  [[nodiscard]] double min_damping(const AllContacts<N>& all, const R& robot) const {
-    double b = 0;
-    // The worst contacts get what they need, until none is left; a little more, so that few rounds do.
-    for (int round = 0; round < 30; ++round) {
-      const Worst w = worst(all, robot, b);
-      if (w.lack <= 1) return b;
-      double low = b, high = b > 0 ? 2 * b : 1;
-      while (lack(all, w.pose, w.one, w.two, high) > 1 && high < 1e9) low = high, high = 2 * high;
-      for (int n = 0; n < 12; ++n) {
-        const double middle = 0.5 * (low + high);
-        (lack(all, w.pose, w.one, w.two, middle) > 1 ? low : high) = middle;
-      }
-      b = 1.005 * high;
-    }
-    return b;
-  }
 };
+
+/// Two hands of 5 kg under 10 kN/m: for a scene that declares no contact, as a warning.
+inline constexpr StiffestContact usual_hands{.stiffness = 1e4, .body = 5};
 
 SKINCTL_END_NAMESPACE

@@ -71,7 +71,7 @@ struct Resolved {
 /// - A measurement is taken for all joints or for none: one number that is not finite refuses all of it.
 /// - `PassivityParts` names parts that watch over energy and contacts: see `Passivity`. One tank pays for both, at the
 ///   virtual port of the stiff joints and the real one of the driven ones, whose recoil is a port of the stiff ones;
-///   the passivity observer watches over the stiff joints, whose commands run ahead; contact damping acts on all.
+///   the passivity observer watches over the stiff joints, whose commands run ahead.
 /// - `Tool`: virtual inertia and friction at the tool, on a link that no driven joint moves; see `ToolShape`.
 ///
 /// A command has all kinds: `stiff(command)` and `torque(command)` are the parts for the devices, and
@@ -85,7 +85,6 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
 
  public:
   using Base::each;
-  using Base::has_damper;
   using Base::has_driven;
   using Base::has_tank;
   using Base::has_virtual;
@@ -138,13 +137,15 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
   /// @param check            whether this robot can be in a state, see `take_measurement`.
   /// @param touches          the skin's mean wrenches on the links, one per sub-step; with a tank best as
   ///                         `TouchWrenches`, otherwise all of it counts as contact.
-  /// @param pressed           the contacts for `PassivityObserver` and `ContactDamper`: `PressedAreas`. If
+  /// @param pressed           the contacts for `PassivityObserver`: `PressedAreas`. If
   ///                         they are unknown, one for each link, from the last touch.
+  /// @param changes           of the touches from sub-step to sub-step, by which laws get them ahead: see
+  ///                         `TouchChange`. Empty: not ahead.
   template <class L, class Touch, class Check = AnyState, class Pressed = PressedUnknown>
   SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
       const Interval& interval, std::span<const Touch> touches, const Check& check = {},
-      const Pressed& pressed = {}) const noexcept {
+      const Pressed& pressed = {}, std::span<const LawTouch<Touch>> changes = {}) const noexcept {
     Resolved<joints, T, terms_of<L>> out{m.command(), interval.status, {}};
     if (!m.started || interval.substeps == 0) [[unlikely]] {
       m.odd = detail::odd_time_of(interval);
@@ -165,7 +166,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     if constexpr (has_virtual)
       for (unsigned j = 0; j < interval.substeps; ++j)
         move(m, law, law_memory, begun, interval.at(j), seconds<T>(interval.at(j + 1) - interval.at(j)),
-             touches[j], torque, out);
+             touches[j], changes.empty() ? nullptr : &changes[j], torque, out);
     m.time = interval.to;
     each([&](auto k) { m.template group<k.value>().time = m.time; });
 
@@ -183,7 +184,8 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     if (blocked) [[unlikely]]
       out.status |= Reason::blocked;
     if (!braking && (has_driven || blocked))
-      turn(m, law, law_memory, begun, blocked, newest, dt, load, torque, out);
+      turn(m, law, law_memory, begun, blocked, newest, this->ahead_of_driven(newest, changes, dt), dt, load,
+           torque, out);
     if constexpr (has_driven) this->give(m, load, torque, out);
     this->feed_forward(m, torque);
     each([&](auto k) {
@@ -244,12 +246,15 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
   /// `h` seconds of the stiff joints, from `at` on.
   template <class L, class Began, class Touch, class Out>
   SKINCTL_INLINE void move(Memory& m, const L& law, typename L::Memory& law_memory, const Began& begun,
-                           Nanoseconds at, const T& h, const Touch& touch, Torque& torque,
-                           Out& out) const noexcept {
+                           Nanoseconds at, const T& h, const Touch& touch, const LawTouch<Touch>* change,
+                           Torque& torque, Out& out) const noexcept {
     Velocity v1;
     if (this->following(m)) {
-      const auto moved = this->drive(m, law, law_memory, this->state(m, at, this->velocity(m)), begun.pull,
-                                     begun.swing, h, touch);
+      // Dry friction holds a resting arm against what it feels, and not against the impulse of its change.
+      const bool rests = this->has_coulomb_ && this->velocity(m) == Velocity{};
+      const auto moved =
+          this->drive(m, law, law_memory, this->state(m, at, this->velocity(m)), begun.pull, begun.swing, h,
+                      Base::ahead(touch, rests ? nullptr : change, T(this->force_lead_ / h)), touch);
       out.status |= moved.status;
       detail::copy_row(moved.velocity, v1);
       if (!this->affords(m, v1)) [[unlikely]]
@@ -273,16 +278,18 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
   /// The law at the end of a cycle: for the driven joints, and for groups that are blocked.
   template <class L, class Began, class Touch, class Load, class Out>
   SKINCTL_NOINLINE void turn(Memory& m, const L& law, typename L::Memory& law_memory, const Began& begun,
-                             bool blocked, const Touch& touch, [[maybe_unused]] const T& dt,
-                             [[maybe_unused]] Load& load, Torque& torque, Out& out) const noexcept {
+                             bool blocked, const Touch& touch, const LawTouch<Touch>& felt,
+                             [[maybe_unused]] const T& dt, [[maybe_unused]] Load& load, Torque& torque,
+                             Out& out) const noexcept {
     const State<joints, T> now = this->state(m, m.time, blocked ? Velocity{} : this->velocity(m));
     Torque asked;
     if constexpr (!has_driven) {
-      const auto moved = this->drive(m, law, law_memory, now, {}, {}, seconds<T>(this->period()), touch);
+      const auto moved =
+          this->drive(m, law, law_memory, now, {}, {}, seconds<T>(this->period()), felt, touch);
       if (moved.status.has(Reason::torque_not_finite)) return;
       asked = moved.torque;
     } else {
-      if (!this->ask(m, law, law_memory, now, touch, dt, load, asked, out)) return;
+      if (!this->ask(m, law, law_memory, now, felt, dt, load, asked, out)) return;
     }
     if (!blocked) return;
     torque = has_driven ? limits_.within(asked, Velocity{}) : asked;

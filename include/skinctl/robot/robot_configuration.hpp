@@ -45,11 +45,10 @@ struct RobotConfiguration {
   std::optional<JointPosition<N, T>> dead_band = {};
   /// w [1/s]: gain of the observer, at most 0.3/T with T = delay + lag + period; that is the default.
   std::optional<T> observer = {};
-  /// The lead: the command is the virtual robot's state, extrapolated by this time at its present velocity
-  /// (velocities alike). It compensates the robot's delay, and passes on every change of torque at once. 0 to
-  /// T; `delay + lag + period / 2` compensates the whole delay, `period / 2` the hold of a position until the
-  /// next command.
-  Nanoseconds lead{};
+  /// Time by which a law gets a touch ahead, see `TouchChange`: 0 to 2 T; 0 for none. Default: the delay of a
+  /// contact's loop, delay + lag + 1.5 periods: one until a measurement shows the motion, half of one that a command
+  /// is held. More damps stiff walls better, and the grip of light hands less well.
+  std::optional<Nanoseconds> force_lead = {};
   /// Velocity interface only: rate at which the virtual robot's position converges to the measured one
   /// without moving the robot [1/s], at most w. A joint that stands still while it is sent less than drift times dead band is not noticed.
   /// Default: 0.2, or w if that is less.
@@ -86,6 +85,10 @@ struct RobotConfiguration {
   }
   /// T = delay + lag + period: the time until a command shows in a measurement.
   [[nodiscard]] constexpr Nanoseconds total_delay() const noexcept { return delay + lag + period; }
+  /// `force_lead`, or its default.
+  [[nodiscard]] constexpr Nanoseconds leads_force_by() const noexcept {
+    return force_lead.value_or(delay + lag + 3 * period / 2);
+  }
   [[nodiscard]] constexpr Nanoseconds longest() const noexcept {
     return longest_interval.value_or(5 * period);
   }
@@ -152,7 +155,8 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   const T most = T(0.3) / seconds<T>(total), w = c.observer.value_or(most);
   require(w > T(0) && w <= most * (T(1) + tolerance<T>), "observer w", number(w),
           "> 0, <= 0.3/(delay + lag + period) 1/s");
-  require(c.lead >= 0ns && c.lead <= total, "lead", ms(c.lead), ">= 0, <= delay + lag + period, in ms");
+  require(c.leads_force_by() >= 0ns && c.leads_force_by() <= 2 * total, "force lead", ms(c.leads_force_by()),
+          ">= 0, <= 2 (delay + lag + period), in ms");
   const T drift = c.drift.value_or(w < T(0.2) ? w : T(0.2));
   require(drift >= T(0) && drift <= w, "drift", number(drift), ">= 0, <= w 1/s");
   require(c.max_lead >= T(1.2) && c.max_lead <= T(100), "max_lead", number(c.max_lead), "1.2 to 100 v_max T");

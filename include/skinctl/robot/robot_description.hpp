@@ -41,7 +41,7 @@ inline constexpr bool is_one_of = (std::is_same_v<Part, Parts> || ...);
 }  // namespace detail
 
 /// A model, the interface of its joints, a configuration, and optional parts: an energy tank, a passivity
-/// observer, a contact damper, the stiffest contact (`passivity/`), a tool shape, an integrator (`resolver/`), compensation of
+/// observer, the stiffest contact (`passivity/`), a tool shape, an integrator (`resolver/`), compensation of
 /// gravity and friction. Made by `by_position`, `by_velocity` or `by_torque`; immutable.
 template <Interface I, RobotModel M, Real T, class... Parts>
 class RobotDescription {
@@ -114,7 +114,7 @@ template <Interface I, class T, class M, class... Parts>
 auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, const Parts&... parts) {
   static_assert((RobotPart<Parts> && ...),
                 "behind the configuration stand parts of a description: EnergyTank, PassivityObserver, "
-                "ContactDamper, StiffestContact, ToolShape, an integrator, RobotHoldsGravity, ...");
+                "StiffestContact, ToolShape, an integrator, RobotHoldsGravity, ...");
   return RobotDescription<I, M, T, Parts...>(model, c, parts...);
 }
 }  // namespace detail

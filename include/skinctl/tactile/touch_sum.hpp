@@ -3,6 +3,7 @@
 
 #include "skinctl/core/detail/unwritten.hpp"
 #include "skinctl/tactile/detail/both_contacts.hpp"
+#include "skinctl/tactile/force_lead.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/touch.hpp"
 
@@ -38,6 +39,12 @@ struct TouchSum {
 template <class A, class B>
 [[nodiscard]] SKINCTL_INLINE constexpr auto total_of(const TouchSum<A, B>& touch) noexcept {
   return TouchSum<LawTouch<A>, LawTouch<B>>{total_of(touch.first), total_of(touch.second)};
+}
+template <class A, class B>
+[[nodiscard]] SKINCTL_INLINE constexpr TouchSum<A, B> led_by(const TouchSum<A, B>& touch,
+                                                             const typename TouchSum<A, B>::scalar& share,
+                                                             const TouchSum<A, B>& change) noexcept {
+  return {led_by(touch.first, share, change.first), led_by(touch.second, share, change.second)};
 }
 template <class A, class B>
 [[nodiscard]] SKINCTL_INLINE constexpr auto contact_part(const TouchSum<A, B>& touch) noexcept {

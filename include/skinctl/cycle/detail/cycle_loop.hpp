@@ -57,6 +57,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   using Parts::skin_;
   using L = typename Parts::L;
   using Governor = typename Parts::Governor;
+  static constexpr bool changes_touch = !std::is_empty_v<typename Parts::Change::Memory>;
   static constexpr bool takes_goals = LawTable<L>::takes_goals;
 
   /// @param change  the configuration of the last cycle, or `NoChange`.
@@ -100,7 +101,12 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     [[maybe_unused]] bool hard = false;  // before the step and after it: the last one ends with hard braking
     if constexpr (Governor::smooth) hard = resolver_.stops_or_corrects(m.robot);
     const std::span<const Touch> felt(touches.data, parts);
-    auto resolved = resolve(m, input.measured, interval, felt, pressed);
+    Unwritten<Wrenches, max_substeps> changes;
+    if constexpr (changes_touch)
+      for (unsigned j = 0; j < interval.substeps; ++j)
+        changes.data[j] = Parts::Change::next(m.touch, total_of(felt[j]));
+    auto resolved = resolve(m, input.measured, interval, felt, pressed,
+                            std::span<const Wrenches>(changes.data, changes_touch ? interval.substeps : 0));
     [[maybe_unused]] const bool stops = resolver_.stops(m.robot);
     if (pause) {
       resolver_.go_on(m.robot);
@@ -148,12 +154,13 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   /// One function for all stopwatches and for changes of the configuration: it is most of a cycle's code.
   template <class Pressed>
   SKINCTL_NOINLINE auto resolve(Memory& m, const State<joints, scalar>& measured, const Interval& interval,
-                                std::span<const Touch> felt,
-                                [[maybe_unused]] const Pressed& pressed) const noexcept {
+                                std::span<const Touch> felt, [[maybe_unused]] const Pressed& pressed,
+                                std::span<const Wrenches> changes) const noexcept {
     if constexpr (Resolver::watches_contacts) {
-      return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_, pressed);
+      return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_, pressed, changes);
     } else {
-      return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_);
+      return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_, PressedUnknown{},
+                            changes);
     }
   }
 
@@ -162,6 +169,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     m.skin = skin_.start(measured.time);
     m.guard = guard_.start(m.robot.command(), measured);
     m.governor = {};
+    m.touch = {};
     if constexpr (LawTable<L>::starts_blank) {
       m.law = {};
     } else {
@@ -226,6 +234,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     using Asked = detail::Asked<Resolver, L, Wrenches>;
     const Wrenches touch_before = before.skin_.wrenches(m.skin), touch = skin_.wrenches(m.skin);
     resolver_.changed(m.robot);
+    m.touch = {};  // another skin's newtons are no change of the touch
     L::drop(m.law);
     L::carry(m.law, resolver_.lacking(m.robot, measured, interval, guard_,
                                       Asked{before.resolver_, before.law_, law_before, touch_before},

@@ -52,6 +52,8 @@ class CycleParts {
   /// What the resolver takes: forces and proximities apart where they have to be told.
   using Touch = typename TouchFor<Resolver, Skin, watches_contacts>::type;
 
+  using Change = ChangeOf<Wrenches>;
+
   /// The state that changes from cycle to cycle; trivially copyable.
   struct Memory {
     typename Resolver::Memory robot;
@@ -59,6 +61,7 @@ class CycleParts {
     typename Guard::Memory guard;
     typename Skin::Memory skin;
     [[no_unique_address]] typename Governor::Memory governor;
+    [[no_unique_address]] typename Change::Memory touch;
   };
 
   [[nodiscard]] const Resolver& resolver() const noexcept { return resolver_; }

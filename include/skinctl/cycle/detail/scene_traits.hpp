@@ -8,6 +8,7 @@
 #include "skinctl/cycle/scene_parts.hpp"
 #include "skinctl/limits/detail/limit_fault.hpp"
 #include "skinctl/tactile/detail/touch_fault.hpp"
+#include "skinctl/tactile/force_lead.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -127,6 +128,14 @@ template <class Resolver, class Skin, bool Contacts>
 struct TouchFor<Resolver, Skin, Contacts> {
   using type = typename TouchTable<Skin>::Touch;
 };
+/// The change of a scene's touch; none without one.
+template <class Wrenches>
+struct ChangeOf {
+  struct Memory {};
+};
+template <class Wrenches>
+  requires can_be_led<Wrenches>
+struct ChangeOf<Wrenches> : TouchChange<Wrenches> {};
 /// The contacts, if the scene has a part that asks for them: where the skin is pressed, or else the wrenches of
 /// the touch at the end of the interval.
 template <bool Contacts, class Skin, class Touch>

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <vector>
 
 #include "skinctl/core/eigen_expression.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
@@ -20,11 +19,10 @@ class ContactModes {
  public:
   ContactModes(const MassMatrix<N, T>& inertia, const MassMatrix<N, T>& friction) {
     const Eigen::GeneralizedSelfAdjointEigenSolver<Square> modes(square(friction), square(inertia));
-    const auto& P = modes.eigenvectors();
-    const auto& d = modes.eigenvalues();
     for (std::size_t k = 0; k < N; ++k) {
-      for (std::size_t i = 0; i < N; ++i) P_[i][k] = P(int(i), int(k));
-      d_[k] = d(int(k)) > T(0) ? T(d(int(k))) : T(0);
+      for (std::size_t i = 0; i < N; ++i) P_[i][k] = modes.eigenvectors()(int(i), int(k));
+      const T d = modes.eigenvalues()(int(k));
+      d_[k] = d > T(0) ? d : T(0);
     }
   }
 
@@ -36,12 +34,15 @@ class ContactModes {
     }
   }
   /// `a' (M s^2 + B s)^-1 b` at s = i w, of rows in modes.
-  [[nodiscard]] std::complex<T> compliance(const T* a, const T* b, const T& w) const {
+  /// @param heavier  factor of M alone, by which force gains and friction are divided: `a' (f M s^2 + B s)^-1 b`.
+  [[nodiscard]] std::complex<T> compliance(const T* a, const T* b, const T& w,
+                                           const T& heavier = T(1)) const {
     T real(0), imaginary(0);
     for (std::size_t i = 0; i < N; ++i) {
-      const T share = a[i] * b[i] / (w * (d_[i] * d_[i] + w * w));
+      const T d = d_[i] / heavier;
+      const T share = a[i] * b[i] / (heavier * w * (d * d + w * w));
       real -= share * w;
-      imaginary -= share * d_[i];
+      imaginary -= share * d;
     }
     return {real, imaginary};
   }
@@ -58,68 +59,88 @@ class ContactModes {
   T P_[N][N], d_[N];
 };
 
-/// The stiffness up to which one contact (`b` null), or two of equal stiffness, are stable [N/m]: where an
-/// eigenvalue of `W k (1 + s b G)^-1 G path` first passes -1, G the compliance, W the gains of force, `damping`
-/// b along each contact [N s/m]. To 0.1 %.
+/// One or two contacts through the same virtual robot.
 template <std::size_t N, Real T>
-[[nodiscard]] T stiffest_contacts(const ContactModes<N, T>& robot, const ContactPath<T>& path, const T* a,
-                                  const T& gain_a, const T* b, const T& gain_b, const T& damping) {
+struct ContactLoops {
+  const ContactModes<N, T>& robot;
+  const ContactPath<T>& path;
+  const T* a;  ///< row of a contact in modes
+  T gain_a;    ///< newtons at the law per newton there
+  const T* b;  ///< row of the other one; null: none
+  T gain_b;
+  T heavier = T(1);  ///< see `ContactModes::compliance`
+
+  /// Calls `f(w, g)` wherever an eigenvalue of `W G path` passes the line of the imaginary part `loss` [m/N] on its
+  /// left side, at -g [m/N], with G the compliance and W the gains of force. False if one begins beyond it: without
+  /// friction nothing rests.
+  template <class F>
+  [[nodiscard]] bool each_crossing(const T& loss, F&& f) const {
+    const auto& grid = path.grid();
+    Loci before = loci(grid[0]);
+    const T largest = std::max(std::abs(before.value[0]), std::abs(before.value[1]));
+    for (const C& y : before.value)
+      if (y.imag() >= loss && y.real() < T(0) && std::abs(y) > T(1e-6) * largest) return false;
+    for (std::size_t n = 1; n < grid.size(); ++n) {
+      const Loci now = next_to(before, grid[n]);
+      for (int i = 0; i < (b == nullptr ? 1 : 2); ++i) {
+        const C y = before.value[i], z = now.value[i];
+        if ((y.imag() < loss) == (z.imag() < loss) || (y.real() >= T(0) && z.real() >= T(0))) continue;
+        T low = grid[n - 1].w, high = grid[n].w;
+        Loci left = before;
+        C at = z;
+        for (int part = 0; part < 10; ++part) {
+          const T w = T(0.5) * (low + high);
+          const Loci m = next_to(left, {w, path.at(w)});
+          if ((m.value[i].imag() < loss) == (y.imag() < loss)) {
+            low = w, left = m;
+          } else {
+            high = w, at = m.value[i];
+          }
+        }
+        if (at.real() < T(0)) f(high, T(-at.real()));
+      }
+      before = now;
+    }
+    return true;
+  }
+
+ private:
   using C = std::complex<T>;
-  using std::abs;
-  using std::sqrt;
-  const int count = b == nullptr ? 1 : 2;
   struct Loci {
     C value[2];
   };
-  const auto loci = [&](const typename ContactPath<T>::Point& at) -> Loci {
-    const C s(T(0), at.w), g = robot.compliance(a, a, at.w);
-    if (b == nullptr) return {{gain_a * at.way * g / (T(1) + damping * s * g), C(T(0))}};
-    const C h = robot.compliance(b, b, at.w), x = robot.compliance(a, b, at.w);
-    // (1 + s b G)^-1 G = (G + s b det G) / det(1 + s b G), symmetric.
-    const C det = g * h - x * x, under = T(1) + damping * s * (g + h) + damping * damping * s * s * det;
-    const C p = gain_a * (g + damping * s * det) / under, q = gain_b * (h + damping * s * det) / under;
-    const C both = gain_a * gain_b * x * x / (under * under);
-    const C middle = T(0.5) * (p + q), half = T(0.5) * (p - q), root = sqrt(half * half + both);
+
+  [[nodiscard]] Loci loci(const typename ContactPath<T>::Point& at) const {
+    const C p = gain_a * robot.compliance(a, a, at.w, heavier);
+    if (b == nullptr) return {{at.way * p, C(T(0))}};
+    const C q = gain_b * robot.compliance(b, b, at.w, heavier), x = robot.compliance(a, b, at.w, heavier);
+    const C middle = T(0.5) * (p + q), half = T(0.5) * (p - q);
+    const C root = std::sqrt(half * half + gain_a * gain_b * x * x);
     return {{at.way * (middle + root), at.way * (middle - root)}};
-  };
-  const auto match = [](const Loci& one, Loci& two) {
-    if (abs(two.value[0] - one.value[0]) + abs(two.value[1] - one.value[1]) >
-        abs(two.value[1] - one.value[0]) + abs(two.value[0] - one.value[1]))
-      std::swap(two.value[0], two.value[1]);
-  };
-  const auto& grid = path.grid();
-  T k = std::numeric_limits<T>::infinity();
-  Loci before = loci(grid[0]);
-  // Without friction the loop begins beyond -180 degrees: nothing rests.
-  const T largest = std::max(abs(before.value[0]), abs(before.value[1]));
-  for (const C& y : before.value)
-    if (y.imag() >= T(0) && y.real() < T(0) && abs(y) > T(1e-6) * largest) return T(0);
-  for (std::size_t n = 1; n < grid.size(); ++n) {
-    Loci now = loci(grid[n]);
-    match(before, now);
-    for (int i = 0; i < count; ++i) {
-      // Every crossing of the negative real axis counts, in either direction.
-      const C y = before.value[i], z = now.value[i];
-      if ((y.imag() < T(0)) == (z.imag() < T(0)) || (y.real() >= T(0) && z.real() >= T(0))) continue;
-      T low = grid[n - 1].w, high = grid[n].w;
-      Loci left = before;
-      C at = z;
-      for (int part = 0; part < 10; ++part) {
-        const T w = T(0.5) * (low + high);
-        Loci m = loci({w, path.at(w)});
-        match(left, m);
-        if ((m.value[i].imag() < T(0)) == (y.imag() < T(0))) {
-          low = w, left = m;
-        } else {
-          high = w;
-          at = m.value[i];
-        }
-      }
-      if (at.real() < T(0) && T(-1) / at.real() < k) k = T(-1) / at.real();
-    }
-    before = now;
   }
-  return k;
+  /// In the order of the eigenvalues at a frequency near by.
+  [[nodiscard]] Loci next_to(const Loci& one, const typename ContactPath<T>::Point& at) const {
+    Loci two = loci(at);
+    if (std::abs(two.value[0] - one.value[0]) + std::abs(two.value[1] - one.value[1]) >
+        std::abs(two.value[1] - one.value[0]) + std::abs(two.value[0] - one.value[1]))
+      std::swap(two.value[0], two.value[1]);
+    return two;
+  }
+};
+
+/// How many times too stiff contacts of `k` [N/m] are that are to rest with a gain margin `margin`: at most 1 if they do.
+/// Behind the contact is a wall (`body` 0), or a free body of that mass [kg], which gives way with the robot;
+/// `k (1 + i loss)` is the stiffness with what the cover loses. `1/(k (1 + i loss)) + 1/(body s^2) + margin g(s)` must
+/// not turn round zero.
+template <std::size_t N, Real T>
+[[nodiscard]] T lack_of(const ContactLoops<N, T>& loops, const T& k, const T& body, const T& loss,
+                        const T& margin) {
+  T most(0);
+  const T softened = k * (T(1) + loss * loss);
+  const bool begins = loops.each_crossing(loss / (softened * margin), [&](const T& w, const T& g) {
+    most = std::max(most, margin * g + (body > T(0) ? T(1) / (body * w * w) : T(0)));
+  });
+  return begins ? softened * most : std::numeric_limits<T>::infinity();
 }
 
 }  // namespace detail

@@ -11,8 +11,8 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// The path of a contact's loop from the virtual robot's position to the law's torque, but for gains, at the
-/// frequency w [1/s]: `(1 + T_lead s) exp(-s t_skin) x cot(x) H`, where x = w dt/2 stands for forces that are
-/// linear between samples, and H is the robot as cycles see it:
+/// frequency w [1/s]: `(1 + T_lead (1 - exp(-s h))/h) exp(-s t_skin) x cot(x) H`, where h is a sub-step, x = w dt/2
+/// stands for forces that are linear between samples, and H is the robot as cycles see it:
 ///
 ///     H = exp(-s (T_d + m)) (1 - e^(-m/tau) + e^(-m/tau) (1 - e^(-dt/tau)) / (exp(s dt) - e^(-dt/tau)))
 ///
@@ -27,29 +27,27 @@ class ContactPath {
     std::complex<T> way;
   };
 
-  ContactPath(Nanoseconds delay, Nanoseconds skin_delay, Nanoseconds period, Nanoseconds lag,
-              Nanoseconds lead)
-      : period_(seconds<T>(period)),
-        lead_(seconds<T>(lead)),
+  template <std::size_t N>
+  ContactPath(const RobotConfiguration<N, T>& c, Nanoseconds skin_delay)
+      : period_(seconds<T>(c.period)),
+        substep_(seconds<T>(planned_substep(c.period, c.substep))),
+        lead_(seconds<T>(c.leads_force_by())),
         skin_delay_(seconds<T>(skin_delay)),
-        seen_(seconds<T>((delay / period + 1) * period)) {
+        seen_(seconds<T>((c.delay / c.period + 1) * c.period)) {
     using std::exp;
-    if (lag > 0ns) {
-      rest_ = exp((seconds<T>(delay) - seen_) / seconds<T>(lag));
-      decay_ = exp(-period_ / seconds<T>(lag));
+    if (c.lag > 0ns) {
+      rest_ = exp((seconds<T>(c.delay) - seen_) / seconds<T>(c.lag));
+      decay_ = exp(-period_ / seconds<T>(c.lag));
     }
     for (T w = T(5e-3) / total_delay(); w < last(); w *= T(1.12)) grid_.push_back({w, at(w)});
     grid_.push_back({last(), at(last())});
   }
-  template <std::size_t N>
-  ContactPath(const RobotConfiguration<N, T>& c, Nanoseconds skin_delay)
-      : ContactPath(c.delay, skin_delay, c.period, c.lag, c.lead) {}
-
   [[nodiscard]] std::complex<T> at(const T& w) const {
     const std::complex<T> z = std::polar(T(1), w * period_);
     using std::tan;
     const T x = T(0.5) * w * period_;
-    return std::complex<T>(x / tan(x)) * std::complex<T>(T(1), lead_ * w) *
+    return std::complex<T>(x / tan(x)) *
+           (T(1) + lead_ / substep_ * (T(1) - std::polar(T(1), -w * substep_))) *
            std::polar(T(1), -w * (seen_ + skin_delay_)) *
            (T(1) - rest_ + rest_ * (T(1) - decay_) / (z - decay_));
   }
@@ -65,7 +63,7 @@ class ContactPath {
   [[nodiscard]] const std::vector<Point>& grid() const noexcept { return grid_; }
 
  private:
-  T period_, lead_, skin_delay_;
+  T period_, substep_, lead_, skin_delay_;
   T seen_;                        ///< T_d + m
   T rest_ = T(0), decay_ = T(0);  ///< of the lag: left to do after m, and after a period
   std::vector<Point> grid_;

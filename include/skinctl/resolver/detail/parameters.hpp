@@ -20,7 +20,7 @@ struct ResolverParameters {
   T forgets;              ///< share of what came before that is left after a period
   T torque_rate;          ///< [1/s]
   T largest_gap;          ///< to which a user can agree [rad]
-  T lag, total_delay, per_delay, L1, L2, lead, drift, retry, catch_up;
+  T lag, total_delay, per_delay, L1, L2, drift, retry, catch_up;
   bool has_coulomb = false;
 
   /// The largest change of a law's own torque in `h` seconds [N m].
@@ -43,7 +43,6 @@ struct ResolverParameters {
         torque_rate(c.torque_rate),
         largest_gap(c.largest_gap),
         lag(seconds<T>(c.lag)),
-        lead(seconds<T>(c.lead)),
         retry(seconds<T>(c.retry)),
         lag_of_robot_(c.lag),
         lead_of_robot_(c.max_lead) {

@@ -27,7 +27,6 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
 
  public:
   using Base::carries_bias;
-  using Base::has_damper;
   using Base::has_driven;
   using Base::has_tank;
   using Base::has_virtual;
@@ -87,12 +86,14 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
 
   /// `h` seconds of the virtual robot from `now` on. One function for the sub-steps and for a blocked robot: the law
   /// is the largest part of a cycle's code.
+  /// @param total  the touch that the law gets, see `ForceLead`.
+  /// @param touch  the mean of the same time, for the tank.
   template <class L, class Touch>
   SKINCTL_NOINLINE Moved<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,
                                   const State<joints, T>& now, const Acceleration& pull,
                                   [[maybe_unused]] const Acceleration& swing, const T& h,
-                                  const Touch& touch) const noexcept {
-    const auto& total = total_of(touch);
+                                  const LawTouch<Touch>& total,
+                                  [[maybe_unused]] const Touch& touch) const noexcept {
     BiasBeside<joints, T> beside;
     const Knows<L, LawTouch<Touch>> known = this->template known<L>(now, h, total, &beside);
     if constexpr (carries_bias) beside.v = middle_velocity<Stiff>(known, this->last(m));
@@ -164,19 +165,14 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
   [[nodiscard]] static SKINCTL_INLINE VelocityStep<Stiff::count, T> stepped(
       const Robot& robot, const Memory& m, const K& known, const Torque& tau, const Acceleration& pull,
       const Acceleration& swing, bool with_coulomb = true) noexcept {
-    const ContactDamping<joints, T>* damping = nullptr;
-    if constexpr (has_damper) {
-      const auto& d = m.passivity.template of<ContactDamper<T>>().damping;
-      if (d.any) damping = &d;
-    }
     const bool has_coulomb = with_coulomb && robot.has_coulomb_;
     if constexpr (Stiff::is_all) {
       return step_velocity<Integrator>(known, robot.stiff_shape_, has_coulomb, tau, pull, robot.last(m),
-                                       damping, robot.tool_);
+                                       robot.tool_);
     } else {
       return step_velocity_of<Integrator, Stiff>(known, robot.stiff_shape_, has_coulomb, Stiff::of(tau),
-                                                 Stiff::of(pull), Stiff::of(robot.last(m)), damping,
-                                                 robot.tool_, &swing);
+                                                 Stiff::of(pull), Stiff::of(robot.last(m)), robot.tool_,
+                                                 &swing);
     }
   }
   /// The tank pays for what the law does beside contacts and gravity, as far as it can.

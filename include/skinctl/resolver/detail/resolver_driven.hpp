@@ -14,7 +14,6 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
 
  public:
   using Base::each;
-  using Base::has_damper;
   using Base::has_driven;
   using Base::has_tank;
   using Base::has_virtual;
@@ -116,12 +115,6 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
       load.gravity = gravity_torque(model_, now.q);
       // An old velocity is no basis for braking.
       if (!begun.stale) load.resists = this->friction(now);
-      if constexpr (has_damper) {
-        const auto& damping = m.passivity.template of<ContactDamper<T>>().damping;
-        if (damping.any && !begun.stale)
-          load.resists += detail::held_damping<Driven>(damping, this->real_mass(now.q), now.dq,
-                                                       seconds<T>(this->period()));
-      }
       if constexpr (has_tank) {
         // The stiff joints draw from the same tank afterwards.
         const auto& tank = passivity_.template get<EnergyTank<T>>();
@@ -142,12 +135,10 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
   /// is not finite. Where all joints are driven, its memory advances by `dt`.
   template <class L, class Touch, class Load, class Out>
   [[nodiscard]] SKINCTL_INLINE bool ask(Memory& m, const L& law, typename L::Memory& law_memory,
-                                        const State<joints, T>& now, const Touch& touch, const T& dt,
+                                        const State<joints, T>& now, const Touch& total, const T& dt,
                                         Load& load, Torque& asked, Out& out) const noexcept {
     const T period = seconds<T>(this->period());
-    const auto& total = total_of(touch);
-    const Knows<L, LawTouch<Touch>> known =
-        this->template known<L>(has_virtual ? now : m.measured(), period, total);
+    const Knows<L, Touch> known = this->template known<L>(has_virtual ? now : m.measured(), period, total);
     const auto evaluation = evaluate(law, law_memory, known, has_virtual ? period : dt);
     if (!has_virtual) out.status |= evaluation.status;
     if (!is_finite(evaluation.torque)) [[unlikely]] {

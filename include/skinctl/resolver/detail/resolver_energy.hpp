@@ -18,7 +18,6 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
   using Base = ResolverState<M, T, Sets, Integrator, History, PassivityParts, Tool>;
 
  public:
-  using Base::has_damper;
   using Base::has_driven;
   using Base::has_passivity_observer;
   using Base::has_tank;
@@ -97,10 +96,6 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
   template <class Contacts>
   SKINCTL_INLINE Status observe(Memory& m, Contacts contacts, const T& dt) const noexcept {
     Status status;
-    if constexpr (has_damper)
-      if (passivity_.template get<ContactDamper<T>>().observe(m.passivity.template of<ContactDamper<T>>(),
-                                                              contacts, m.measured().dq, dt))
-        status |= Reason::contact_damped;
     if constexpr (has_passivity_observer) {
       if constexpr (has_driven)
         for (std::size_t k = 0; k < contacts.count; ++k)
@@ -137,13 +132,12 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
       const auto& group = m.template group<k.value>();
       const auto& p = this->template parameters<k.value>();
       constexpr bool by_position = takes_position(Group<k.value>::interface);
-      const T ahead = p.lead + p.cycle;
       for (std::size_t j = 0; j < Group<k.value>::count; ++j) {
         const std::size_t i = Part<k.value>::index[j];
         const T speed = u[i] < T(0) ? T(-u[i]) : u[i];
         const T from = by_position ? group.measured.q[j] : group.under_way.reached[j];
         const T sent = by_position ? group.q.value[j] : group.sent.value[j];
-        dq[i] = sent - from + u[i] * (ahead + T(0.5) * speed / p.limits.acceleration()[j]);
+        dq[i] = sent - from + u[i] * (p.cycle + T(0.5) * speed / p.limits.acceleration()[j]);
       }
     });
     return dq;

@@ -1,6 +1,8 @@
 // A robot in groups of joints as a resolver uses it: its model and numbers, checked.
 #pragma once
 
+#include <span>
+
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/resolver/detail/held_friction.hpp"
 #include "skinctl/resolver/detail/virtual_joints.hpp"
@@ -8,6 +10,7 @@
 #include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/tool_shape.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
+#include "skinctl/tactile/force_lead.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -48,8 +51,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   static constexpr bool one_group = Memory::one_group;
   static constexpr bool has_tank = PassivityParts::template has<EnergyTank<T>>;
   static constexpr bool has_passivity_observer = PassivityParts::template has<PassivityObserver<T>>;
-  static constexpr bool has_damper = PassivityParts::template has<ContactDamper<T>>;
-  static constexpr bool watches_contacts = has_passivity_observer || has_damper;
+  static constexpr bool watches_contacts = has_passivity_observer;
   /// Whether contacts deflect joints from their commands.
   static constexpr bool gives_way = []<class... G>(std::tuple<G...>*) {
     return (G::template Servo<History>::gives_way || ...);
@@ -62,8 +64,8 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   static constexpr bool carries_bias =
       Stiff::is_all && std::same_as<Integrator, CrankNicolson> && std::same_as<Tool, NoToolShape>;
   static_assert(has_virtual || !has_passivity_observer,
-                "by torque no command runs ahead of the robot: its Passivity is an EnergyTank or a "
-                "ContactDamper, leave PassivityObserver out");
+                "by torque no command runs ahead of the robot: its Passivity is an EnergyTank, leave "
+                "PassivityObserver out");
 
   /// The joints of the stiff group `K`.
   template <std::size_t K>
@@ -194,6 +196,28 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
       return out;
     }
   }
+  /// What a law gets of a touch that changes by `change` in a sub-step, `share` sub-steps ahead; null: as it is.
+  template <class Touch>
+  [[nodiscard]] static SKINCTL_INLINE LawTouch<Touch> ahead(const Touch& touch,
+                                                            [[maybe_unused]] const LawTouch<Touch>* change,
+                                                            [[maybe_unused]] const T& share) noexcept {
+    if constexpr (can_be_led<LawTouch<Touch>>)
+      if (change != nullptr) return led_by(total_of(touch), share, *change);
+    return total_of(touch);
+  }
+  /// The same in a cycle of `dt` seconds, for the law at its end: of the joints by torque.
+  template <class Touch>
+  [[nodiscard]] SKINCTL_INLINE LawTouch<Touch> ahead_of_driven(
+      const Touch& touch, [[maybe_unused]] std::span<const LawTouch<Touch>> changes,
+      [[maybe_unused]] const T& dt) const noexcept {
+    if constexpr (has_driven && can_be_led<LawTouch<Touch>>)
+      if (!changes.empty()) {
+        LawTouch<Touch> whole = changes[0];
+        for (std::size_t j = 1; j < changes.size(); ++j) whole = led_by(whole, T(1), changes[j]);
+        return led_by(total_of(touch), T(driven_force_lead_ / dt), whole);
+      }
+    return total_of(touch);
+  }
   [[no_unique_address]] M model_;
   template <class... G>
   [[nodiscard]] static auto virtual_of(const std::tuple<G...>& groups) {
@@ -216,7 +240,8 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   T torque_rate_ = T(50);      ///< of the virtual robot's laws, in torque limits per second
   T driven_torque_rate_ = T(50);
   Nanoseconds driven_delay_{}, driven_lag_{};
-  T driven_lead_ = T(2);  ///< `RobotConfiguration::max_lead` of the driven joints
+  T driven_lead_ = T(2);                            ///< `RobotConfiguration::max_lead` of the driven joints
+  T force_lead_ = T(0), driven_force_lead_ = T(0);  ///< `RobotConfiguration::force_lead`, the longest [s]
   bool has_coulomb_ = false, has_friction_ = false;
   [[no_unique_address]] PassivityParts passivity_;
   [[no_unique_address]] Tool tool_;
@@ -231,7 +256,9 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
     Set::put(c.viscous_friction, shape_.viscous);
     Set::put(c.coulomb_friction, shape_.coulomb);
     Set::put(c.virtual_inertia, shape_.inertia);
-    const T damping = c.virtual_dynamics().damping;
+    const T damping = c.virtual_dynamics().damping, ahead = seconds<T>(c.leads_force_by());
+    T& longest_ahead = Given::interface == Interface::torque ? driven_force_lead_ : force_lead_;
+    if (ahead > longest_ahead) longest_ahead = ahead;
     const auto number = [](const T& x) { return static_cast<double>(x); };
     if constexpr (Given::interface == Interface::torque) {
       for (std::size_t i = 0; i < Given::count; ++i) {

@@ -4,7 +4,6 @@
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/math/detail/block_ldlt.hpp"
-#include "skinctl/passivity/contact_damper.hpp"
 #include "skinctl/resolver/detail/stick_or_slip.hpp"
 #include "skinctl/resolver/integrator.hpp"
 #include "skinctl/robot/tool_shape.hpp"
@@ -27,38 +26,6 @@ SKINCTL_INLINE JointTorque<K::joints, T> bias_at_start(const K& known, const A& 
     return known.coriolis() + known.gravity();
   } else {
     return bias_torque(known.model(), angles, known.dq());
-  }
-}
-
-/// Friction along contacts, by the new velocity: `(M + h b r r') dv = ... - h b r (r . v)`, for the joints of
-/// `S`; `v` is that of all joints.
-template <class S, std::size_t N, Real T>
-SKINCTL_NOINLINE void add_damping(const ContactDamping<N, T>& damping, const T& h,
-                                  const JointVelocity<N, T>& v, MassMatrix<S::count, T>& m,
-                                  JointTorque<S::count, T>& impulse) noexcept {
-  for (std::size_t k = 0; k < damping.count; ++k) {
-    const T b = h * damping.coefficient[k];
-    if (!(b > T(0))) continue;
-    T speed(0);
-    for (std::size_t i = 0; i < N; ++i) speed = speed + damping.row[k][i] * v[i];
-    for (std::size_t i = 0; i < S::count; ++i) {
-      const T r = b * damping.row[k][S::index[i]];
-      impulse[i] = impulse[i] - r * speed;
-      for (std::size_t j = 0; j < S::count; ++j) m(i, j) = m(i, j) + r * damping.row[k][S::index[j]];
-    }
-  }
-}
-
-/// The velocities `v` of all joints, those of `S` changed by `dv`.
-template <class S, std::size_t N, Real T>
-[[nodiscard]] SKINCTL_INLINE JointVelocity<N, T> moved_by(const JointVelocity<N, T>& v,
-                                                          const Row<S::count, T>& dv) noexcept {
-  if constexpr (S::is_all) {
-    return JointVelocity<N, T>(Row<N, T>(v) + dv);
-  } else {
-    JointVelocity<N, T> out = v;
-    S::put(JointVelocity<S::count, T>(Row<S::count, T>(S::of(v)) + dv), out);
-    return out;
   }
 }
 
@@ -184,8 +151,8 @@ template <class Policy, class S, class K, Real T, class Tool>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<S::count, T> step_shaped(
     const K& known, const VirtualDynamics<S::count, T>& shape, bool has_coulomb,
     const JointTorque<S::count, T>& tau, const JointAcceleration<S::count, T>& pull,
-    const JointAcceleration<S::count, T>& last, const ContactDamping<K::joints, T>* damping, const Tool& tool,
-    const MassMatrix<S::count, T>& m, [[maybe_unused]] const JointTorque<S::count, T>& reaction) noexcept {
+    const JointAcceleration<S::count, T>& last, const Tool& tool, const MassMatrix<S::count, T>& m,
+    [[maybe_unused]] const JointTorque<S::count, T>& reaction) noexcept {
   constexpr std::size_t n = S::count;
   const auto& v = S::of(known.dq());
   const T h = known.dt();
@@ -206,8 +173,6 @@ template <class Policy, class S, class K, Real T, class Tool>
                                 impulse -= drag + terms.implicit * JointAcceleration<n, T>(free);
                                 for (std::size_t i = 0; i < n * n; ++i)
                                   mass.data[i] = mass.data[i] + terms.implicit.data[i];
-                                if (damping != nullptr)
-                                  add_damping<S>(*damping, h, moved_by<S>(known.dq(), free), mass, impulse);
                               });
   };
   if constexpr (Policy::midpoint) {
@@ -222,14 +187,12 @@ template <class Policy, class S, class K, Real T, class Tool>
 /// `C v`.
 ///
 /// @param last     acceleration of the last sub-step, for the velocity at the midpoint.
-/// @param damping  friction along contacts, by the new velocity; null: none.
 /// @param tool     virtual dynamics at the tool, or `NoToolShape`.
 template <class Policy, class S, class K, Real T, class Tool = NoToolShape>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<S::count, T> step_velocity_of(
     const K& known, const VirtualDynamics<S::count, T>& shape, bool has_coulomb,
     const JointTorque<S::count, T>& tau, const JointAcceleration<S::count, T>& pull,
-    const JointAcceleration<S::count, T>& last,
-    const ContactDamping<K::joints, typename K::scalar>* damping = nullptr, const Tool& tool = {},
+    const JointAcceleration<S::count, T>& last, const Tool& tool = {},
     [[maybe_unused]] const JointAcceleration<K::joints, typename K::scalar>* driven = nullptr) noexcept {
   constexpr std::size_t n = S::count;
   constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
@@ -244,14 +207,11 @@ template <class Policy, class S, class K, Real T, class Tool = NoToolShape>
   const auto go_on = [&](MassMatrix<n, T>& m) SKINCTL_INLINE_LAMBDA {
     if constexpr (!shares_inertia<Policy, K, shaped>) add_inertia(shape, m);
     if constexpr (shaped) {
-      return step_shaped<Policy, S>(known, shape, has_coulomb, tau, pull, last, damping, tool, m, reaction);
+      return step_shaped<Policy, S>(known, shape, has_coulomb, tau, pull, last, tool, m, reaction);
     } else {
       if constexpr (!S::is_all) bias += reaction;
       return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, h,
-                                [&](auto& mass, auto& impulse, const auto& free) SKINCTL_INLINE_LAMBDA {
-                                  if (damping != nullptr)
-                                    add_damping<S>(*damping, h, moved_by<S>(known.dq(), free), mass, impulse);
-                                });
+                                [](auto&, auto&, const auto&) SKINCTL_INLINE_LAMBDA {});
     }
   };
   if constexpr (S::is_all) {
@@ -267,10 +227,8 @@ template <class Policy, class K, Real T, class Tool = NoToolShape>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
     const K& known, const VirtualDynamics<K::joints, T>& shape, bool has_coulomb,
     const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
-    const JointAcceleration<K::joints, T>& last,
-    const ContactDamping<K::joints, typename K::scalar>* damping = nullptr, const Tool& tool = {}) noexcept {
-  return step_velocity_of<Policy, AllJoints<K::joints>>(known, shape, has_coulomb, tau, pull, last, damping,
-                                                        tool);
+    const JointAcceleration<K::joints, T>& last, const Tool& tool = {}) noexcept {
+  return step_velocity_of<Policy, AllJoints<K::joints>>(known, shape, has_coulomb, tau, pull, last, tool);
 }
 
 }  // namespace detail

@@ -28,8 +28,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
   /// The begin of a cycle.
   struct Begun {
     Correction correction;
-    Velocity before;  ///< the rate of the joints at its begin [rad/s]
-    T dt;             ///< interval of the cycle [s]
+    T dt;  ///< interval of the cycle [s]
     Status status;
   };
 
@@ -50,7 +49,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
         m.v[i] = dq;
         command[i] = measured.q[i] + dq * ahead;
       }
-      m.q.set(i, command[i] - p_.lead * m.v[i]);
+      m.q.set(i, command[i]);
       m.sent.set(i, command[i]);
     }
     m.rate = m.v;
@@ -80,7 +79,6 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
   SKINCTL_INLINE Begun begin(Memory& m, const State<N, T>& measured, const Interval& interval,
                              const Check& check = {}, const Torque& pushed = {}) const noexcept {
     const T dt = seconds<T>(interval.to - interval.from);
-    const Velocity before = m.rate;
     if (interval.clock_set || interval.to - m.command.time > 1s + p_.longest_interval) [[unlikely]] {
       set_clock(m, interval);
     } else if constexpr (takes_velocity(I)) {
@@ -89,7 +87,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
         m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
     }
     const Status status = interval.status | measure(m, measured, interval.to, check, pushed);
-    const Begun out{correct(m, interval.to, dt), before, dt, status};
+    const Begun out{correct(m, interval.to, dt), dt, status};
     m.mode_for = m.mode_for + dt;
     choose_mode(m, out.correction, status.has(Reason::state_stale));
     return out;
@@ -103,7 +101,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
     if (begun.correction.lags) [[unlikely]]
       status |= Reason::lead_limited;
     if (!p_.limits.hold(m.q.value)) status |= Reason::outside_limits;
-    return status | publish(m, begun.correction, begun.before, torque, begun.dt);
+    return status | publish(m, begun.correction, torque, begun.dt);
   }
 
   /// The user agrees to go on. A displaced robot follows again from where it stands: the residual becomes the
@@ -147,10 +145,11 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
     }
     m.rate = command.velocity;
     m.last = {};
-    const T ahead = p_.lead - (takes_velocity(I) ? T(0.5) * seconds<T>(p_.period) : T(0));
+    // A velocity is held for a period, half of which is still to come.
+    const T behind = takes_velocity(I) ? T(0.5) * p_.cycle : T(0);
     for (std::size_t i = 0; i < N; ++i) {
       if constexpr (takes_position(I)) m.sent.set(i, command.position[i]);
-      m.q.set(i, m.sent.value[i] + m.offset.value[i] - ahead * m.v[i]);
+      m.q.set(i, m.sent.value[i] + m.offset.value[i] + behind * m.v[i]);
     }
     servo_.correct(m.under_way, m.sent.value, takes_velocity(I) ? command.velocity : Velocity{});
   }

@@ -34,7 +34,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
   using Base::p_;
   using Base::servo_;
 
-  SKINCTL_INLINE Status publish(Memory& m, const Correction& c, const Velocity& before, const Torque& torque,
+  SKINCTL_INLINE Status publish(Memory& m, const Correction& c, const Torque& torque,
                                 const T& dt) const noexcept {
     Status status;
     auto& command = m.command;
@@ -42,21 +42,19 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
     m.command_span = dt;
     if constexpr (takes_position(I)) {
       const Row moved = Row(m.q.value) - m.sent.value;
-      if (p_.lead == T(0) && !m.behind && (!(dt > p_.cycle) || is_near(moved))) [[likely]] {
+      if (!m.behind && (!(dt > p_.cycle) || is_near(moved))) [[likely]] {
         m.sent.copy(m.q);
         copy_row(m.rate, command.velocity);
       } else {
-        status = follow(m, before, dt);
+        status = follow(m, dt);
       }
     } else {
-      // The command follows the virtual robot's position, `lead` seconds ahead, within the same limits. A
-      // velocity is held for a period, half of which is still to come.
-      const T per_dt = T(1) / dt;
+      // The command follows the virtual robot's position, within the same limits. A velocity is held for a period,
+      // half of which is still to come.
       auto room = p_.limits.room(m.sent.value);
-      const Row rate = m.rate, sent = m.sent.value, steady = rate + p_.lead * (rate - before) * per_dt;
-      const Row goal = m.q.value + T(p_.lead - T(0.5) * p_.cycle) * rate;
+      const Row rate = m.rate, sent = m.sent.value, goal = m.q.value - T(T(0.5) * p_.cycle) * rate;
       const Row target =
-          clamp(steady + p_.catch_up * (goal - sent - m.offset.value), c.speed.least, c.speed.most);
+          clamp(rate + p_.catch_up * (goal - sent - m.offset.value), c.speed.least, c.speed.most);
       room.above = room.below = Position::constant(std::numeric_limits<T>::infinity());
       const auto motion = p_.limits.move(room, Velocity(last), Velocity(target), dt);
       status = motion.status;
@@ -148,19 +146,17 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
     }
     return u;
   }
-  /// The sent position follows the virtual one, `lead` seconds ahead, within the same limits. A position is held
-  /// until the next one comes, so that the robot carries a command out in a period, whatever time has passed:
+  /// The sent position follows the virtual one within the same limits. A position is held until the next one comes, so that the robot carries a command out in a period, whatever time has passed:
   /// after a late cycle the sent position moves as far as in a punctual one at most, and catches up.
-  SKINCTL_NOINLINE Status follow(Memory& m, const Velocity& before, const T& dt) const noexcept {
+  SKINCTL_NOINLINE Status follow(Memory& m, const T& dt) const noexcept {
     const Row last = m.command.velocity, rate = m.rate, sent = m.sent.value, a = p_.limits.acceleration();
-    const Row steady = rate + p_.lead * (rate - before) * (T(1) / dt);
-    const Row ahead = m.q.value + p_.lead * rate - sent, e = sent - m.measured.q, max_lead = p_.max_lead;
+    const Row ahead = m.q.value - sent, e = sent - m.measured.q, max_lead = p_.max_lead;
     auto room = p_.limits.room(m.sent.value);
     smaller(room.above, max_lead - e).store(room.above);
     smaller(room.below, max_lead + e).store(room.below);
     const auto within = [&](const T& h) {
-      const Position left(ahead - T(0.5) * h * (last + steady));
-      const Velocity level(steady);
+      const Position left(ahead - T(0.5) * h * (last + rate));
+      const Velocity level(rate);
       Velocity target;
       for (std::size_t i = 0; i < N; ++i) {
         const T d = left[i] < T(0) ? T(-left[i]) : left[i], brake = T(0.5) * p_.limits.acceleration()[i];
@@ -169,20 +165,17 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
       }
       return p_.limits.move(room, Velocity(last), target, h);
     };
-    if (p_.lead == T(0)) {
-      // The sent position is on the virtual one again, as soon as a motion within the limits leads there.
-      const T h = dt > p_.cycle ? p_.cycle : dt;
-      const Row du = rate - last;
-      const Row aside = T(0.25) * (a * Row(T(h * h)) - du * du / a);
-      m.behind =
-          !all((magnitude(du) <= a * Row(h)) & (magnitude(ahead - T(0.5) * h * (last + rate)) <= aside) &
-               (magnitude(ahead) <= h * Row(p_.limits.velocity())));
-      if (!m.behind) {
-        m.sent = m.q;
-        m.command.velocity = m.rate;
-        m.command_span = h;
-        return {};
-      }
+    // The sent position is on the virtual one again, as soon as a motion within the limits leads there.
+    const T h = dt > p_.cycle ? p_.cycle : dt;
+    const Row du = rate - last;
+    const Row aside = T(0.25) * (a * Row(T(h * h)) - du * du / a);
+    m.behind = !all((magnitude(du) <= a * Row(h)) & (magnitude(ahead - T(0.5) * h * (last + rate)) <= aside) &
+                    (magnitude(ahead) <= h * Row(p_.limits.velocity())));
+    if (!m.behind) {
+      m.sent = m.q;
+      m.command.velocity = m.rate;
+      m.command_span = h;
+      return {};
     }
     auto motion = within(dt);
     if (dt > p_.cycle && !is_near(Row(motion.displacement))) {
