@@ -30,7 +30,8 @@ inline skinctl::JointLimits<6> limits(const Settings& s) {
                          .torque = JointTorque<6>(ur5::Description::max_torque)});
 }
 
-/// Gains of the way back to the task: as stiff to a hand whatever the arm's felt mass, `heavier` times that of its links.
+/// Gains of the way back to the task: as stiff to a hand whatever the arm's felt mass, `heavier` times that of
+/// its links.
 template <class Arm>
 skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s, double heavier) {
   auto t = skinctl::tracking_settings(arm);

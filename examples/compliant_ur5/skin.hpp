@@ -18,8 +18,9 @@ using UrSkin = skinctl::SkinOf<skinctl::ur5::Model, double, max_cells>;
 
 inline constexpr std::uint32_t palm_cell = 60000;  ///< id of the cell of a carried hand's palm
 
-/// The patches of `ur5_skin<260>` with the gains of the settings, or those of the file `Settings::skin`. On a
-/// rigid arm all gains are 0; otherwise they are divided by `heavier`. The palm of a carried hand is one more. Throws `skinctl::ConfigurationError`.
+/// The patches of `ur5_skin<260>` with the gains of the settings, or those of the file `Settings::skin`, divided by
+/// `heavier`. On a rigid arm all gains are 0. The palm of a carried hand is one more. Throws
+/// `skinctl::ConfigurationError`.
 std::vector<skinctl::SkinPatch> skin_patches(const Settings& settings, double heavier = 1);
 
 /// Which of these cells are neighbours: as the file says, else those near by.

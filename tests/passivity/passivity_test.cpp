@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <optional>
+
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
@@ -154,4 +156,41 @@ TEST_CASE("Passivity: an arm whose law holds its weight rests, whether or not a 
   };
   CHECK(moved(by_position(ur5::Model{}, c)) < 1e-9);
   CHECK(moved(by_position(ur5::Model{}, c, EnergyTank<>({.start = 1, .max = 2}))) < 1e-9);
+}
+
+TEST_CASE("Passivity: the tank pays for the force lead, whose port is the touch as it is") {
+  // A push that grows: the lead drives the arm ahead of it, and that work is the controller's own.
+  const auto left = [](std::optional<Nanoseconds> lead) {
+    RobotConfiguration<6> c{
+        .limits = limits_of<ur5::Description>(20.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4};
+    c.force_lead = lead;
+    using Tanked = Passivity<EnergyTank<>>;
+    const ResolverBy<Interface::position, ur5::Model, double, CrankNicolson, 32, Tanked> robot(
+        ur5::Model{}, c, Tanked(EnergyTank<>({.start = 50, .max = 100})));
+    State<6> measured;
+    measured.q = {0.1, -1.5, 1.2, -1, -1.5, 0.3};
+    auto memory = robot.start(measured);
+    RandomSkills law;
+    law.skills = {{}};
+    RandomSkills::Memory law_memory;
+    TouchChange<SceneTouch>::Memory touch{};
+    for (int k = 1; k <= 50; ++k) {
+      measured.time = 8ms * k;
+      const auto interval = robot.interval(memory, measured.time);
+      SceneTouch parts[max_substeps], changes[max_substeps];
+      for (unsigned j = 0; j < interval.substeps; ++j) {
+        parts[j].contacts.count = 1;
+        auto& contact = parts[j].contacts.list[0];
+        contact.row[1] = 0.5, contact.force = 0.5 * (k - 1) + 0.125 * j;
+        changes[j] = TouchChange<SceneTouch>::next(touch, parts[j]);
+      }
+      const auto out = robot.step(memory, law, law_memory, measured, interval,
+                                  std::span<const SceneTouch>(parts, interval.substeps), AnyState{},
+                                  PressedUnknown{}, std::span<const SceneTouch>(changes, interval.substeps));
+      measured.q = out.command.position;
+    }
+    return memory.passivity.template of<EnergyTank<>>().energy;
+  };
+  MESSAGE("left without lead " << left(0ns) << " J, with it " << left(std::nullopt) << " J");
+  CHECK(left(std::nullopt) < left(0ns) - 0.01);
 }

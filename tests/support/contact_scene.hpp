@@ -202,6 +202,7 @@ Energies run(const RandomScene& scene, const PassivityParts& passivity, const Sh
   Energies out;
   out.least_tank = out.least_ledger = 1e9;
   double given = 0, given_virtual = 0, force[2] = {};
+  TouchChange<SceneTouch>::Memory touch{};
   auto last = joints.q();
   for (Nanoseconds now = scene.period; now < 3100ms; now += scene.period) {
     const double t = seconds<double>(now);
@@ -245,8 +246,12 @@ Energies run(const RandomScene& scene, const PassivityParts& passivity, const Sh
     measured.q = JointPosition<6>(joints.q());
     measured.dq = JointVelocity<6>(joints.dq());
     const auto before = memory.group().q.value;
+    SceneTouch changes[max_substeps];
+    for (unsigned j = 0; j < interval.substeps; ++j)
+      changes[j] = TouchChange<SceneTouch>::next(touch, parts[j]);
     const auto result = robot.step(memory, law, law_memory, measured, interval,
-                                   std::span<const SceneTouch>(parts, interval.substeps));
+                                   std::span<const SceneTouch>(parts, interval.substeps), AnyState{},
+                                   PressedUnknown{}, std::span<const SceneTouch>(changes, interval.substeps));
     for (std::size_t i = 0; i < 6; ++i) {
       double tau = 0;
       for (unsigned j = 0; j < interval.substeps; ++j)

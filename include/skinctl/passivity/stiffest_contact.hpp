@@ -46,8 +46,8 @@ struct StiffestContact {
   std::optional<double> margin_of_two = {};
   int poses = 8;  ///< 1 to 10 000
 
-  /// How many times heavier the virtual robot has to be felt so that all contacts have the required margins; less than 1
-  /// where it may be lighter. At least 1/64.
+  /// How many times heavier the virtual robot has to be felt so that all contacts have the required margins;
+  /// less than 1 where it may be lighter. At least 1/64.
   template <DescribedRobot R, class Skin>
   [[nodiscard]] SKINCTL_COLD double heavier(const R& robot, const Skin& skin) const {
     const auto all = contacts(robot, skin);
@@ -60,7 +60,8 @@ struct StiffestContact {
     return high;
   }
 
-  /// The least felt mass of all contacts [kg]: of the virtual robot along a contact, by newtons that a law gets for one.
+  /// The least felt mass of all contacts [kg]: of the virtual robot along a contact, over the newtons that a law
+  /// gets for one.
   template <DescribedRobot R, class Skin>
   [[nodiscard]] SKINCTL_COLD double lightest(const R& robot, const Skin& skin) const {
     double mobility = 0;

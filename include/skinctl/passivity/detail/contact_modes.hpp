@@ -128,7 +128,8 @@ struct ContactLoops {
   }
 };
 
-/// How many times too stiff contacts of `k` [N/m] are that are to rest with a gain margin `margin`: at most 1 if they do.
+/// How many times too stiff contacts of `k` [N/m] are that are to rest with a gain margin `margin`: at most 1
+/// if they do.
 /// Behind the contact is a wall (`body` 0), or a free body of that mass [kg], which gives way with the robot;
 /// `k (1 + i loss)` is the stiffness with what the cover loses. `1/(k (1 + i loss)) + 1/(body s^2) + margin g(s)` must
 /// not turn round zero.

@@ -86,7 +86,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
 
   /// `h` seconds of the virtual robot from `now` on. One function for the sub-steps and for a blocked robot: the law
   /// is the largest part of a cycle's code.
-  /// @param total  the touch that the law gets, see `ForceLead`.
+  /// @param total  the touch that the law gets, see `TouchChange`.
   /// @param touch  the mean of the same time, for the tank.
   template <class L, class Touch>
   SKINCTL_NOINLINE Moved<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,

@@ -146,8 +146,9 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
     }
     return u;
   }
-  /// The sent position follows the virtual one within the same limits. A position is held until the next one comes, so that the robot carries a command out in a period, whatever time has passed:
-  /// after a late cycle the sent position moves as far as in a punctual one at most, and catches up.
+  /// The sent position follows the virtual one within the same limits. A position is held until the next one
+  /// comes, so that the robot carries a command out in a period, whatever time has passed: after a late cycle the
+  /// sent position moves as far as in a punctual one at most, and catches up.
   SKINCTL_NOINLINE Status follow(Memory& m, const T& dt) const noexcept {
     const Row last = m.command.velocity, rate = m.rate, sent = m.sent.value, a = p_.limits.acceleration();
     const Row ahead = m.q.value - sent, e = sent - m.measured.q, max_lead = p_.max_lead;
