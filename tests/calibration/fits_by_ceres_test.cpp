@@ -1,5 +1,10 @@
 // not sanitized: the fits of Eigen take this compiler minutes; least_squares_test holds a sample
 // The fits of sightings and of patches against Ceres.
+//
+// Promise: sightings and patches are fitted where Ceres ends
+// Tried: a fifth of the sightings wrong: every number of five poses within 5e-6; 14 cells with their
+// sensors' errors: 2 um, 5e-5 rad; skipped, and said, without Ceres
+
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,4 +1,14 @@
 // not sanitized: the fits of Eigen take this compiler minutes; least_squares_test holds a sample
+//
+// Promise: a robot's masses, friction and rotors come from its torques, and its bodies can exist
+// Tried: 30 s within the limits, gears that ripple, friction that grows with load, torques up to 30 ms
+// late: M(q) within 1.0 % and better than least squares (worst of 8 arms, 0.7 % median; within 5 % from
+// 10 s within 0.35 rad, positive definite in 100 000 postures), following by torque 3.9 mrad rms where
+// the maker's numbers, without rotors, give 8.1 (study `robot_dynamics_fit`); recordings too short,
+// damaged or without motion are refused. Over the protocol of a simulated UR5, with axes that were found:
+// M within 2 %, following at least three times better. Also: `calibration/excitation_test.cpp`,
+// `examples/calibrate_skin`
+
 #include "skinctl/calibration/inertial_fit.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,18 @@
 // not sanitized: the fits of Eigen take this compiler minutes; least_squares_test holds a sample
+//
+// Promise: a skin's cells find their places, and the robot its axes, from a motion that accelerometers
+// feel, from nothing
+// Tried: UR5, 60 s within its limits and announced, sensors as bought (9 mg, 40 mg, 1.5 %, cross-axis,
+// vibration, labels 7 ms late), joints that give way by 5e-5 rad/(N m): cells of links 2 to 6 within 0.18
+// mm rms in the median of 8 seeds (worst 0.20; single cells 0.37, worst 0.40), 0.72 where cross-axis
+// sensitivity is not fitted; axes 0.013 degrees and 0.13 mm (0.017, 0.17), lateness 0.005 ms; the single
+// largest sample of each pose 21.9 mm where the same motion gives 0.55; 260 cells in 2.0 s of one
+// processor. Also: study `skin_kinematics`
+//
+// Promise: what such a motion cannot show is named, and no cell is placed by a guess
+// Tried: links that turn about the vertical only, a joint that never moves, cells that are silent, stuck
+// or not numbers; a joint that moves, but never alone, is refused
+
 #include "skinctl/calibration/joint_lines.hpp"
 
 #include <doctest/doctest.h>

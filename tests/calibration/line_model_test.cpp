@@ -1,4 +1,8 @@
 // not sanitized: the fits of Eigen take this compiler minutes; least_squares_test holds a sample
+//
+// Promise: a robot model from lines moves as KDL does, parallel axes or not
+// Tried: a UR5 and axes off by 0.006 to 1 degree: 1e-9 m
+
 #include "skinctl/calibration/line_model.hpp"
 
 #include <doctest/doctest.h>

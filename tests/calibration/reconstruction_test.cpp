@@ -1,4 +1,12 @@
 // not sanitized: the fits of Eigen take this compiler minutes; least_squares_test holds a sample
+//
+// Promise: a patch's shape comes from gravity, with a covariance that is true; what the poses do not show
+// is named and not guessed
+// Tried: worst of 8 seeds: 494 cells to 0.13 mm and 0.31 deg (misalignment 0.2 deg), 20 to 494 cells to
+// 0.46 mm and 1.33 deg (0.7 deg), NEES / 6 0.6 to 1.1, 2.0 s; turned about gravity only: 0 of 100 cells
+// known; cells that lie, are silent, broken or on another link are named
+// (`bench/studies/skin_reconstruction.cpp`). Also: `calibration/least_squares_test.cpp`
+
 #include "skinctl/calibration/reconstruction.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,11 @@
 // not sanitized: the fits of Eigen take this compiler minutes; least_squares_test holds a sample
+//
+// Promise: a patch is placed on its link by a camera, and what its uncertainty does to the torque is told
+// Tried: 12 views, a fifth of the sightings wrong, a fifth of the lights not found, patches placed by
+// hand 30 mm and 15 deg off: within 1 mm and 0.5 deg; an arm that moves no joint, or one only, is said
+// not to show it; covariance of the torque within 6 % of 10 000 drawn patches; beyond 30 % a cell is
+// masked with the reason. Also: `calibration/pose_uncertainty_test.cpp`
+
 #include "skinctl/calibration/sighting.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,7 @@
+// Promise: the distance of two capsules is exact to 8 units in the last place of 1 m
+// Tried: 4000 pairs, nearly parallel ones and points among them, against 50 digits, float and double
+// (differences of squares: 0.8 mm in float)
+
 #include "skinctl/clearance/capsule.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,10 @@
+// Promise: a cell does not flee from its own robot
+// Tried: 1390 views of other links, up to 10 mm off: none counted, 10 % of all views predicted
+// needlessly; forces always count
+//
+// Promise: the own view is that from where the robot was when a sample was taken
+// Tried: samples 20 and 41 ms late at 1 rad/s: equal to the view from there, to 1 of 65536
+
 #include <doctest/doctest.h>
 
 #include <algorithm>

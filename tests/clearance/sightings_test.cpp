@@ -1,3 +1,7 @@
+// Promise: what cells see has its place, and what is known is no sighting
+// Tried: 200 poses: where it is to 1e-12 m; a ball that is known explains its own reading, one behind it
+// does not; the strongest find room
+
 #include "skinctl/clearance/sightings.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,7 @@
+// Promise: an internal grasp force moves nothing but the fingers, and the object feels it as asked
+// Tried: 22 joints, three fingertips, with and without weights, any pose: the arm's torque below 1e-12;
+// contact forces of an Allegro hand within 1 %
+
 #include <doctest/doctest.h>
 
 #include <limits>

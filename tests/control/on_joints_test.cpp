@@ -1,3 +1,7 @@
+// Promise: an arm's law leaves its fingers alone
+// Tried: a finger that follows its own law is as late as that law makes it (0.060 rad; 0.131 under the
+// whole law)
+
 #include "skinctl/control/on_joints.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,7 @@
+// Promise: a goal that is moved a little on the way does not stop the motion
+// Tried: a joint's spline of 1 rad, moved by 0.01: goes on at 0.55 rad/s and more, no torque steps by
+// 0.02 N m; never beyond the goal. Also: `trajectory/quintic_test.cpp`
+
 #include "skinctl/control/spline_joint.hpp"
 
 #include <doctest/doctest.h>

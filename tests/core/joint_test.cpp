@@ -1,3 +1,6 @@
+// Promise: durations, frames, joint quantities cost nothing
+// Tried: size and instructions of the bare types. Also: `frames/`, `bench/core/joint_bench.cpp`
+
 #include "skinctl/core/joint.hpp"
 
 #include <doctest/doctest.h>

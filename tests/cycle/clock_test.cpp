@@ -1,3 +1,6 @@
+// Promise: a clock that leaps, once or for good, stops the scene for two cycles
+// Tried: 200 ms to 30 years, forth and back, with and without the skin's, every interface
+
 #include <doctest/doctest.h>
 
 #include <memory>

@@ -1,4 +1,11 @@
 // Scenes of robots in groups of joints: a skin that falls silent, and links that stay clear of each other.
+//
+// Promise: the same of a robot in groups, and its links stay clear of objects
+// Tried: joints by velocity, position and torque in one robot: never heard: 1e-6 rad (by torque 1e-5); a
+// silent patch stops all of them until consent; slowed to 5 % above what is declared; five drives at a
+// post: never nearer than 19 of 20 mm, also with limits of jerk and tool speed and an empty tank; through
+// it without
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -106,20 +113,24 @@ TEST_CASE("Groups: a patch that falls silent stops arm and finger, until consent
   CHECK(speed(bare.measured) > 0.3);
 }
 
-TEST_CASE("Groups: with few cells missing it is as slow as declared, by position, velocity and torque") {
-  Run run{Cycle(robot(), skin_of_four(), pull)
-              .with(SkinWatch{.enough = 0.5, .incomplete = SkinReaction::slow_down, .slow = 0.1})};
+TEST_CASE("Groups: what leads with a place that feels nothing waits, by position, velocity and torque") {
+  // Cells 1 and 2 on the two sides of the arm, 3 and 4 on those of the finger.
+  FeltPlaces<4> felt{.places = {}, .stiffness = 3e3, .newtons = 20};
+  for (const std::size_t link : {1u, 2u})
+    for (const double side : {1.0, -1.0}) felt.places.push_back({link, link - 1, {0.1, 0, 0}, {0, side, 0}});
+  Run run{Cycle(robot(), skin_of_four(), pull).with(felt)};
   cycles(run, 150, {1, 2, 3, 4});
   CHECK(speed(run.measured) > 0.3);
-  cycles(run, 400, {1, 2, 3});
+  CHECK_FALSE(run.out.status.has(Reason::skin_slowed));
+  cycles(run, 400, {1, 2});
   CHECK(run.out.status.has(Reason::skin_slowed));
   run.fastest = {};
-  cycles(run, 300, {1, 2, 3});
-  for (std::size_t i = 0; i < 3; ++i) {
-    CAPTURE(i);
-    CHECK(run.fastest[i] < 0.1 * 1.05);
-  }
-  CHECK(std::max(run.fastest[0], run.fastest[1]) > 0.05);
+  cycles(run, 300, {1, 2});
+  for (std::size_t i = 0; i < 3; ++i) CHECK(run.fastest[i] < 0.02);
+  // Without it nobody waits.
+  Run bare{Cycle(robot(), skin_of_four(), pull)};
+  cycles(bare, 550, {1, 2});
+  CHECK(speed(bare.measured) > 0.3);
 }
 
 TEST_CASE("Groups: arm and finger stay clear of a post, whoever drives them at it") {

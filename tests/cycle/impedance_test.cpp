@@ -1,3 +1,9 @@
+// Promise: springs that a push deflects are no gap, and the arm gives way beside as configured
+// Tried: a UR5 on springs of 500 N m/rad with its own dynamics: 40 and 60 N m that come within 8 ms to
+// 0.5 s, held and yielded to, deflect 80 and 120 mrad, of which at most a quarter is unexplained for a
+// while; told wrong by a fifth 16 mrad stay, within the dead band; commands are those of a robot that
+// nothing deflects, to 1e-9; the same arm by position is displaced
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -179,17 +185,19 @@ TEST_CASE("by impedance: pushes of all speeds, held and yielded to, open no gap"
       }
 }
 
-TEST_CASE("by position the same arm is displaced by the same push") {
+TEST_CASE("by position the same push is a gap of the same arm") {
   const auto c = without_springs();
   Run run(by_position(ur5::Model{}, c), {{}, 0, 400});
   run.push(40, 3, 0.5);
-  CHECK((run.said.has(Reason::displaced) || run.said.has(Reason::blocked)));
+  CHECK(std::abs(run.memory.robot.group().gap[0]) > 0.02);
 }
 
 TEST_CASE("by impedance: a push told wrong by a fifth stays within the dead band") {
   for (const double told : {0.8, 1.2}) {
     CAPTURE(told);
-    Run run(arm(), {{}, 0, 400});
+    auto c = configuration();
+    c.dead_band = JointPosition<6>::constant(0.05);
+    Run run(by_impedance(ur5::Model{}, c), {{}, 0, 400});
     run.told = told;
     run.hold(40, 3);
     CHECK(run.residual() == doctest::Approx((1 - told) * 0.080).epsilon(0.05));

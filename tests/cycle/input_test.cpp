@@ -1,3 +1,9 @@
+// Promise: the command never steps: acceleration, velocity and position limits hold
+// Tried: any bits in any input field, skipped or late cycles; by velocity a robot that holds its last
+// velocity through a pause longer than `longest_interval` leaves its limits, and needs a watchdog of its
+// own; one that lags by 10, 20, 30 ms more than is declared keeps its position limits
+// (`resolver/displaced_test.cpp`). Also: `limits/`, `guard/`, `resolver/`
+
 #include "skinctl/cycle/input.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,9 @@
 // Goals that cannot be meant: what comes from outside is refused with a status, in debug and in release builds.
+//
+// Promise: a goal that cannot be meant is refused in debug and in release builds, and the last one stands
+// Tried: joints beyond their limits by one unit in the last place, in degrees, no numbers; poses of
+// zeros, mirrored, scaled, skew, no numbers; by position, velocity and torque, float and double
+
 #include <doctest/doctest.h>
 
 #include <Eigen/Core>

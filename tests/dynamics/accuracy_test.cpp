@@ -1,4 +1,8 @@
 // not sanitized: the compiler takes minutes for so many models and digits
+//
+// Promise: errors are stated, next to singular, at q = 1e6 rad, masses from 1e-6 to 1e6 kg, 64 joints
+// Tried: the table. Also: program `accuracy`
+
 #include "tests/support/digits.hpp"
 #if SKINCTL_MANY_DIGITS
 

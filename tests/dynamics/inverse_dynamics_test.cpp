@@ -1,3 +1,6 @@
+// Promise: `Y_r Theta` holds Christoffel's C: dM/dt - 2C is skew
+// Tried: to 1e-13, against the definition in 50 digits
+
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 
 #include <doctest/doctest.h>

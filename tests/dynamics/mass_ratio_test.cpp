@@ -15,6 +15,15 @@ using Arm = Loaded<ur5::Model, 5>;
 Arm carrying(double mass) {
   return Arm(ur5::Model{}, {.mass = mass, .c = {0, 0, 0.1}, .xx = 0.01, .yy = 0.01, .zz = 0.01});
 }
+/// A bar that swings about a horizontal axis.
+struct Bar {
+  static constexpr std::size_t joints = 1;
+  static constexpr auto parents = chain_parents<1>();
+  static constexpr auto kinds = all_of_kind<1>(JointKind::revolute);
+  static constexpr double gravity[3] = {0, -9.81, 0};
+  static constexpr std::array<LinkParameters<double>, 1> links = {
+      make_link({.p = {0, 0, 0}}, {2, {0.25, 0, 0}, 0.01, 0.05, 0.05})};
+};
 }  // namespace
 
 TEST_CASE("mass_ratio: the largest eigenvalue over its poses, as Eigen finds it") {
@@ -57,7 +66,45 @@ TEST_CASE("mass_ratio: 1 for the same robot and for one that is heavier than tol
                  mass_ratio(Arm(ur5::Model{}, {.mass = 2, .c = {0, 0, 0.1}}), ur5::Model{}, rotors)) < 0.02);
 }
 
+TEST_CASE("gravity_rate: of a bar with a load, both by hand; nothing for the same robot") {
+  const StaticModel<Bar> bar;
+  using Loaded1 = Loaded<StaticModel<Bar>, 0>;
+  const Loaded1 heavy(bar, {.mass = 3, .c = {0.5, 0, 0}, .xx = 0, .yy = 0.01, .zz = 0.01});
+  const double M = 0.05 + 2 * 0.25 * 0.25 + 0.01 + 3 * 0.25;
+  const JointTorque<1> rotors = JointTorque<1>::constant(0.2);
+  // Of 64 poses one is nearly hanging or upright.
+  const double found = gravity_rate(heavy, Loaded1(bar, {}), rotors), by_hand = 3 * 9.81 * 0.5 / (M + 0.2);
+  CHECK(found <= 1.002 * by_hand);
+  CHECK(found >= 0.98 * by_hand);
+  CHECK(gravity_rate(heavy, heavy, rotors) < 2e-3);
+  // The other way round the torque is made for the light arm.
+  const double light = 0.05 + 2 * 0.25 * 0.25;
+  CHECK(gravity_rate(Loaded1(bar, {}), heavy, rotors) ==
+        doctest::Approx(found * (M + 0.2) / (light + 0.2)).epsilon(3e-3));
+  const JointTorque<6> six = JointTorque<6>::constant(0.1);
+  CHECK(gravity_rate(carrying(5), ur5::Model{}, six) > gravity_rate(carrying(2), ur5::Model{}, six));
+  CHECK(gravity_rate(Loaded<ur5::Model, 5, float>(ur5::Model{}, {.mass = 2, .c = {0, 0, 0.1}}), ur5::Model{},
+                     JointTorque<6, float>::constant(0.1f)) ==
+        doctest::Approx(gravity_rate(Arm(ur5::Model{}, {.mass = 2, .c = {0, 0, 0.1}}), ur5::Model{}, six))
+            .epsilon(1e-2));
+}
+
 TEST_CASE("mass_ratio: infinite where the light robot has no inertia, or nothing is a number") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(std::isinf(mass_ratio(ur5::Model{}, ur5::Model{}, JointTorque<6>::constant(nan))));
+}
+
+TEST_CASE("largest_inertia: that of the same poses and of the rotors; a load adds to it") {
+  const auto of = [](const auto& arm, double rotor) {
+    return largest_inertia(arm, JointTorque<6>::constant(rotor));
+  };
+  const auto bare = of(ur5::Model{}, 0), with_rotors = of(ur5::Model{}, 0.1), loaded = of(carrying(3), 0);
+  // All links stretched, by hand: the shoulder about its vertical axis has no less than folded.
+  const auto stretched = mass_matrix(ur5::Model{}, JointPosition<6>{});
+  for (std::size_t i = 0; i < 6; ++i) {
+    CAPTURE(i);
+    CHECK(with_rotors[i] == doctest::Approx(bare[i] + 0.1));
+    CHECK(loaded[i] > bare[i]);
+    CHECK(bare[i] > 0.9 * stretched(i, i));
+  }
 }

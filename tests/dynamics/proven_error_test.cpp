@@ -1,5 +1,11 @@
 // by night: rounding proofs
 // The rounding errors that docstrings promise for a UR5: a sample of what bench/studies/bounds proves.
+//
+// Promise: rounding errors of a UR5 are bounded at every state
+// Tried: poses, Jacobian, G, inverse dynamics, Y_r Theta, M, forward dynamics as torque, float and
+// double; rates within 3 rad/s, 3 rad/s^2: the docstrings' numbers, proven by interval adjoints over
+// boxes. Also: `math/bound_test.cpp`, `math/enclosure_test.cpp`, study `bounds` proves them in one minute
+
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// Promise: a scene pays for what it asks for, and for nothing else
+// Tried: operations counted
+
 #include "skinctl/dynamics/quantities.hpp"
 
 #include <doctest/doctest.h>

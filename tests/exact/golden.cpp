@@ -5,6 +5,12 @@
 //
 // A file holds a hash over each commanded number and status of the run, and every 50th command. Where only the hash
 // differs, the largest difference of those commands is printed: an operation that rounds otherwise.
+//
+// Promise: a change of the code that is to change nothing changes nothing
+// Tried: 15 scenes of 4000 cycles: each interface, groups, passivity, limits, clearances, configurations,
+// skills, faults; commands and statuses to the bit, or within 1e-10 where only rounding differs, which is
+// printed
+
 #include <bit>
 #include <cmath>
 #include <cstdint>

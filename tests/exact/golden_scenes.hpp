@@ -238,8 +238,8 @@ inline auto all_limits() {
       .reach = 0.5,
       .reaction = 20ms};
   contact.newton = 10;
-  return std::tuple(MaxToolSpeed<5>{.speed = 0.25, .point = {0.0, 0.0, 0.1}, .reach = 1.0},
-                    SkinWatch{.enough = 0.5}, contact);
+  return std::tuple(MaxToolSpeed<5>{.speed = 0.25, .point = {0.0, 0.0, 0.1}, .reach = 1.0}, SkinWatch{},
+                    contact);
 }
 
 /// Calls `tell(name, scene, interfaces, period, home, own)` with each.

@@ -1,4 +1,15 @@
 // More functions at the ends of what a number holds: each row says what comes of it, exact, bounded or refused.
+//
+// Promise: rotation vectors, ZYZ angles, sums, clocks, blends, a tank's share, allowed speeds, centres of
+// mass, singular directions and small systems of equations at the ends of what a number holds
+// Tried: exact, bounded or refused, a row each; a tank's share overspent from 1e19 J on in float, where a
+// square left the range
+//
+// Promise: a function's result at the ends of what a number holds is exact, bounded or refused
+// Tried: rotations, braking speeds, wrapped angles, pursuits: 0, denormal numbers, every tenth of the
+// exponents, the largest; defaults at periods of 0.1 ms to 1 s, delays and lags to 1 s; float and double.
+// Also: `extremes/`
+
 #include <doctest/doctest.h>
 
 #include <cmath>

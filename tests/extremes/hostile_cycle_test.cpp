@@ -1,4 +1,10 @@
 // Whole cycles whose inputs hold any bits: no command that is not finite or beyond a limit, whatever comes.
+//
+// Promise: no bits in a cycle's input give a command that is not finite or above a limit
+// Tried: 9000 cycles, every third attacked: states, stamps from INT64's ends, samples, goals, requests;
+// with skin and gravity in float and double, and with goals and every limit; three joints in groups.
+// Also: `cycle/group_cycle_test.cpp`
+
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// Every number of a robot's description, of its limits and of what it feels: refused where it is no number, see rows.hpp.
+// Every number of a robot's description, of its limits and of what it feels: refused where it is no number,
+// see rows.hpp.
 #include <doctest/doctest.h>
 
 #include "skinctl/clearance/sightings.hpp"
@@ -6,6 +7,7 @@
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_limits.hpp"
 #include "skinctl/control/spline_joint.hpp"
+#include "skinctl/limits/felt_places.hpp"
 #include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
@@ -64,12 +66,12 @@ TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float
   const C c{.limits = limits<T>(), .period = 8ms, .delay = 8ms, .virtual_damping = T(4)};
   const auto by = [](const C& x) { static_cast<void>(by_position(Arm{}, x)); };
   check_refusals("RobotDescription, by_position", c, by, &C::period, &C::delay, &C::lag, &C::virtual_damping,
-                 &C::force_lead, &C::max_lead, &C::substep, &C::retry, &C::torque_rate, &C::largest_gap);
+                 &C::force_lead, &C::undeclared_lag, &C::substep, &C::torque_rate, &C::largest_gap);
   check_joints("RobotDescription: joints", c, by, &C::viscous_friction, &C::coulomb_friction,
                &C::virtual_inertia);
   check_refusals(
       "by_velocity", c, [](const C& x) { static_cast<void>(by_velocity(Arm{}, x)); }, &C::period,
-      &C::max_lead);
+      &C::undeclared_lag);
   check_refusals(
       "by_torque", c, [](const C& x) { static_cast<void>(by_torque(Arm{}, x, FrictionUncompensated{})); },
       &C::period, &C::delay);
@@ -80,9 +82,7 @@ TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float
     CHECK(refused([&] { static_cast<void>(FollowingMonitor<6, T>(c, wrong)); }));
   for (const T wrong : not_numbers<T>) {
     C other = c;
-    other.observer = wrong;
-    CHECK(refused([&] { by(other); }));
-    other = c, other.drift = wrong;
+    other.drift = wrong;
     CHECK(refused([&] { by(other); }));
     other = c, other.dead_band = JointPosition<6, T>::constant(wrong);
     CHECK(refused([&] { by(other); }));
@@ -103,9 +103,14 @@ TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float
       [](const Fast& v) { static_cast<void>(ToolSpeed<Arm, 5, T>(Arm{}, limits<T>(), v)); }, &Fast::speed,
       &Fast::reach);
   check_refusals(
-      "CoverageLimits", SkinWatch{},
-      [](const SkinWatch& w) { static_cast<void>(CoverageLimits<6, T>(limits<T>(), w)); }, &SkinWatch::enough,
-      &SkinWatch::slow, &SkinWatch::settle);
+      "CoverageLimits", SkinWatch{}, [](const SkinWatch& w) { static_cast<void>(CoverageLimits<T>(w)); },
+      &SkinWatch::settle);
+  using Felt = FeltPlaces<2>;
+  check_refusals(
+      "FeltPlaces", Felt{.places = {CellPlace{}}, .stiffness = 3e3, .newtons = 20},
+      [](const Felt& f) { static_cast<void>(PlaceSpeed<Arm, 2, T>(Arm{}, f)); }, &Felt::force,
+      &Felt::stiffness, &Felt::speed, &Felt::deceleration, &Felt::newtons, &Felt::reaction,
+      &Felt::wrist_force);
   using Shape = ToolShape<5, 3, T>;
   typename Shape::Settings shape;
   shape.mass = Shape::diagonal({T(3), T(3), T(3)}), shape.damping = Shape::diagonal({T(30), T(30), T(30)});
@@ -129,9 +134,9 @@ TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float
   const auto law_of = [](const JointControlSettings<6, T>& s) { static_cast<void>(SplineJoint<6, T>(s)); };
   using S = JointControlSettings<6, T>;
   check_refusals("JointControlSettings", law, law_of, &S::dt, &S::loop_delay, &S::mass_ratio, &S::lambda,
-                 &S::kappa, &S::K_i1, &S::K_i2, &S::mu, &S::integral_limit, &S::tb, &S::K_c, &S::settle,
-                 &S::bumpless_transfer, &S::target_age, &S::max_acceleration, &S::max_jerk);
-  check_joints("max_velocity", law, law_of, &S::max_velocity);
+                 &S::kappa, &S::K_i1, &S::K_i2, &S::mu, &S::integral_speed, &S::gravity_rate, &S::tb, &S::K_c,
+                 &S::settle, &S::bumpless_transfer, &S::target_age, &S::max_acceleration, &S::max_jerk);
+  check_joints("max_velocity", law, law_of, &S::max_velocity, &S::integral_limit);
   const auto by_torque_arm = by_torque(Arm{}, c, FrictionUncompensated{});
   for (const T x : not_numbers<T>) {
     CAPTURE(x);
@@ -205,7 +210,7 @@ TEST_CASE(
   const Half c{.limits = some, .period = 8ms, .virtual_damping = 4};
   for (const double wrong : not_numbers<double>) {
     Half other = c;
-    other.max_lead = wrong;
+    other.torque_rate = wrong;
     CHECK(refused([&] {
       static_cast<void>(by_groups(Arm{}, position_joints<0b000111>(other), velocity_joints<0b111000>(c)));
     }));
@@ -215,7 +220,7 @@ TEST_CASE(
     }));
     HybridConfiguration<3, 3> both{.stiff = c, .limits = some};
     CHECK_NOTHROW(static_cast<void>(by_velocity_and_torque<0b111000>(Arm{}, both)));
-    both.stiff.max_lead = wrong;
+    both.stiff.torque_rate = wrong;
     CHECK(refused([&] { static_cast<void>(by_velocity_and_torque<0b111000>(Arm{}, both)); }));
     const Stand away{{}, {0, wrong, 0}};
     CHECK(refused([&] { static_cast<void>(ur5_allegro::arm_with_hand(allegro::Side::right, away)); }));

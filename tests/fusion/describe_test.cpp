@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "skinctl/skinctl.hpp"
+#include "tests/support/comma_locale.hpp"
 
 using namespace skinctl;
 
@@ -21,13 +22,14 @@ TEST_CASE("describe: an expression reads as it was written") {
   CHECK(describe(skin + 0.5 * task_priority<5>(reach, follow)) ==
         "skin_joint + 0.5 (spline_joint over joint)");
   std::ostringstream out;
+  const testing::CommaLocale comma;  // in every locale
   out << describe(0.1 * reach + gravity) << '!';
   CHECK(out.str() == "0.1 spline_joint + gravity!");
 }
 
 TEST_CASE("describe: what does not fit is cut off") {
-  const SkinJointControl skin;
-  const auto four = skin + skin + skin + skin;
+  const SplineJoint<6> law({.dt = 2ms});
+  const auto four = law + law + law + law;
   const auto many = four + four + four + four + four + four;
   CHECK(describe(many).view().size() == 255);
   CHECK(describe(many).c_str()[255] == '\0');

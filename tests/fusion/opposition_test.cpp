@@ -1,3 +1,7 @@
+// Promise: skin and tracking count as opposed by the share of a joint's largest torque: a shoulder, a
+// wrist and a finger alike
+// Tried: 1 % of 150, 28 and 0.7 N m
+
 #include "skinctl/fusion/opposition.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,8 @@
+// Promise: every fault has a reason, a reaction and a way back; a stop waits for your `resume`
+// Tried: one table; 100 280 faults put into ten skills, also as they change, by position, velocity and
+// torque: no command outside a limit, none not finite, no step above the bound. Also: study
+// `fault_injection`
+
 #include "skinctl/guard/faults.hpp"
 
 #include <doctest/doctest.h>

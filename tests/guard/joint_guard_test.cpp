@@ -386,9 +386,9 @@ TEST_CASE_TEMPLATE("Guard: a position far from the robot does not go further", T
   c.delay = 20ms, c.lag = 10ms;
   GuardSettings<1, T> s;
   s.lead = JointPosition<1, T>::constant(T(0.15));
-  // By default the largest lead, 2 v_max T, the dead band, a third of it, and v_max^2/(2 a).
+  // By default B0 + A d (tau + d/2) + V (T + t_u), and v_max^2/(2 a).
   for (const auto& a_case : {std::pair{GuardAlone<Interface::position, 1, T>(c, s), 0.15},
-                             {GuardAlone<Interface::position, 1, T>(c), 0.08 * 4 / 3 + 0.05}})
+                             {GuardAlone<Interface::position, 1, T>(c), 0.02 + 0.0075 + 0.09 + 0.05}})
     for (const double side : {-1.0, 1.0}) {
       const auto& guard = a_case.first;
       const double most = a_case.second;
@@ -429,24 +429,24 @@ TEST_CASE_TEMPLATE("Guard: nothing leaves before a good state shows the robot wh
                    MOTIONS, Case<Interface::torque, double>) {
   using T = typename C::scalar;
   const GuardAlone<C::interface, 1, T> guard(configuration<T>(), {.consent = Reason::state_out_of_range});
-  // T is 10 ms: the largest lead and the dead band are 26.7 mrad, of a start beyond an end 6.7 mrad; speeds
-  // may differ by 0.1 + 0.133 rad/s.
+  // T is 10 ms: a robot at full speed is 80.5 mrad behind, of a start beyond an end 20 mrad count; speeds may
+  // differ by 0.1 + 0.067 rad/s.
   struct Start {
     double q, dq, seen_q, seen_dq;
     bool good;
   };
-  for (const auto& s : {Start{0, 0, 0.026, 0, true},
-                        {0, 0, -0.028, 0, false},
+  for (const auto& s : {Start{0, 0, 0.080, 0, true},
+                        {0, 0, -0.082, 0, false},
                         {0, 0, 1.8, 0, false},
                         {1.99, 0, 2.01, 0, true},
                         {2.01, 0, 2.005, 0, true},
-                        {2.01, 0, 1.99, 0, false},
+                        {2.01, 0, 1.98, 0, false},
                         {2.5, 0, 2.5, 0, true},
                         {9, 0, 9, 0, false},
                         {0, 0.5, 0.005, 0.5, true},
-                        {0, 0.5, 0.005, 0.3, true},
-                        {0, 0.5, 0.005, 0.2, false},
-                        {0, 0, 0, 0.3, false},
+                        {0, 0.5, 0.005, 0.35, true},
+                        {0, 0.5, 0.005, 0.3, false},
+                        {0, 0, 0, 0.2, false},
                         {0, 11, 0, 11, false}}) {
     CAPTURE(s.q);
     CAPTURE(s.dq);

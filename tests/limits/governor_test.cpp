@@ -1,3 +1,6 @@
+// Promise: the tool's speed is kept next to the ends of the joints, with a limit of jerk and without
+// Tried: 300 arms with six ends within 0.3 rad each, driven at them: at most 0.2493 of 0.25 m/s
+
 #include "skinctl/limits/governor.hpp"
 
 #include <doctest/doctest.h>
@@ -358,7 +361,7 @@ TEST_CASE("governor: a contact lasts by the clock, whatever time its command has
   int cycles = 0;
   for (bool stopped = false; !stopped && cycles < 50; ++cycles) {
     const auto out = g.Alone::Base::step(
-        memory, {.last = last, .measured = measured, .spans = {0.008}, .dt = 0.04}, last, {}, seen);
+        memory, {.last = last, .measured = measured, .span = 0.008, .dt = 0.04}, last, {}, seen);
     stopped = out.status.has(Reason::contact_force);
   }
   CHECK(cycles == 3);
@@ -400,7 +403,7 @@ TEST_CASE("governor: what is no command, or comes from none, passes to the bit: 
     const LinkWrenches<Arm, link_bit<forearm>> untouched{};
     const std::array<double, 1> near{1};
     const auto out = g.Alone::Base::step(
-        memory, {.last = last, .measured = measured, .spans = {span}, .dt = 0.008}, wish, {},
+        memory, {.last = last, .measured = measured, .span = span, .dt = 0.008}, wish, {},
         TouchOf<LinkWrenches<Arm, link_bit<forearm>>, std::array<double, 1>>{untouched, near});
     CHECK_FALSE(out.altered);
     CHECK(out.command.velocity == wish.velocity);
@@ -412,13 +415,27 @@ TEST_CASE("governor: what is no command, or comes from none, passes to the bit: 
   passes();
 }
 
+namespace {
+// A limit that slows every motion a little: the governor makes all of them.
+template <class T>
+struct SlowsAlways {
+  using Kind = SlowsAlways;
+  struct Memory {};
+  static constexpr Precedence precedence = Precedence::free;
+  template <class Going, class Seen, class U>
+  SpeedShare<T> share(Memory&, const Going&, const Seen&, const U&) const noexcept {
+    return {T(0.999), {}};
+  }
+};
+}  // namespace
+
 TEST_CASE_TEMPLATE("governor: a slow motion arrives, and none goes past an end, not by a rounding", T, float,
                    double) {
   static constexpr T h = T(0.002);
   const auto drive = [](const JointLimits<6, T>& limits, JointCommand<6, T>& last, const T& target,
                         int cycles, auto&& each) {
     const auto g = governor_alone<Interface::position, Arm>(
-        limits, JerkLimits<6, T>(limits, JointJerk<6, T>::constant(T(400))));
+        limits, SlowsAlways<T>{}, JerkLimits<6, T>(limits, JointJerk<6, T>::constant(T(400))));
     typename std::remove_cvref_t<decltype(g)>::Memory memory{};
     for (int k = 0; k < cycles; ++k) {
       JointCommand<6, T> wish = last;
@@ -434,7 +451,7 @@ TEST_CASE_TEMPLATE("governor: a slow motion arrives, and none goes past an end, 
   last.position = JointPosition<6, T>::constant(T(2));
   const auto free = ur5_test_limits<T>();
   // 4e-8 rad a cycle is a sixth of what a float at 2 rad can resolve.
-  drive(free, last, T(2e-5), 5000, [] {});
+  drive(free, last, T(2e-5 / 0.999), 5000, [] {});
   for (const T q : last.position) CHECK(std::abs(double(q) - 2.0002) <= 5e-7);
   oracle::Random random(4);
   int beyond = 0, at_ends = 0;

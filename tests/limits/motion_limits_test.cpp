@@ -1,3 +1,12 @@
+// Promise: a robot by torque keeps the position and speed limits of its joints, whatever its law drives
+// Tried: UR5 without friction, each joint and all together driven at its ends, 250 to 1000 Hz: 1 mrad
+// beyond an end, 5 % above a speed; to the bit as without where no limit is near
+//
+// Promise: only a joint that would break a limit loses torque, and only towards the inside
+// Tried: random states and torques of a UR5, the accelerations asked of forward dynamics;
+// `nearest_in_box` against random velocities of the box for up to 16 joints with masses down to a
+// millionth. Also: `limits/nearest_in_box_test.cpp`
+
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // by night: a study
+//
+// Promise: fixed point gives poses, G, inverse dynamics and M where there is no floating point, with the
+// error that its header states; forward dynamics do not compile
+// Tried: 10 000 states of a UR5 at 3 rad/s, 10 rad/s^2, three formats; sines to 0.52 steps at any angle;
+// on a Cortex-M3 a tenth of float's instructions. Also: `bare_metal/fixed.cpp`, `compile_fail/dynamics/`
+
 #include "bench/studies/fixed_point/fixed.hpp"
 
 #include <doctest/doctest.h>

@@ -1,5 +1,10 @@
 // compiled alone: it runs Gappa and Sollya
 // by night: rounding proofs
+//
+// Promise: the errors of sincos and tanh are proven, fused or not
+// Tried: scripts for Gappa and Sollya written from the kernels' tables: sines and cosines 2.1e-16 (float
+// 1.13e-7) up to the limit, tanh 2.9e-16 (1.54e-7); skipped, loudly, without the provers
+
 #include <doctest/doctest.h>
 
 #include <algorithm>

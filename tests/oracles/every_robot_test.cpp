@@ -1,6 +1,12 @@
 // not sanitized: the compiler takes minutes for so many models and digits
 // Every robot that ships against KDL and MuJoCo at 10 000 random states each. The sanitizers need minutes to
 // compile so many models; what runs here runs there in the tests of each function.
+//
+// Promise: poses, Jacobians, inverse dynamics, G, M agree with KDL and MuJoCo
+// Tried: 10 000 random states of every robot shipped, 22 and 44 joints too: poses and Jacobians to 1e-14
+// of their scale, torques to 1e-13 (22 and 44 joints: 1e-12), M to 2e-14. Also:
+// `robots/ur5_allegro_test.cpp`
+
 #include "tests/support/digits.hpp"
 #if SKINCTL_MANY_DIGITS
 

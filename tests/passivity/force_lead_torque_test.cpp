@@ -1,4 +1,9 @@
 // Contacts that ring, of joints by torque.
+//
+// Promise: a contact of joints by torque comes to rest by the force lead
+// Tried: a finger on 3 kN/m, answered a cycle late: swings by 112 N alone and 115 N in groups, with the
+// lead below 0.01 N
+
 #include <doctest/doctest.h>
 
 #include "skinctl/resolver/resolver_of.hpp"

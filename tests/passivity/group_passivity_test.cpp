@@ -1,4 +1,13 @@
 // Energy of a robot whose arm takes positions and whose wrist takes torques.
+//
+// Promise: what watches over energy, contact, speed and jerk goes with groups of joints
+// Tried: a UR5 whose arm takes positions and whose wrist takes torques, 40 random scenes, with friction
+// in the wrist and without: active torques do no more than one tank of 3 J held: at most 2.90 and 2.997 J
+// (35 and 36 scenes do more without), contacts get no more from the arm's joints than the account held;
+// limits of tool speed (1.01), jerk (1.001), a finger's speed (1.02) and end (1 mrad); a contact above
+// its limit stops all; a change of gains moves no command. Also: `cycle/group_cycle_test.cpp`,
+// `cycle/group_parts_test.cpp`, `guard/guard_test.cpp`
+
 #include <doctest/doctest.h>
 
 #include "skinctl/limits/governor.hpp"
@@ -36,7 +45,6 @@ Given run_groups(const RandomScene& scene, bool friction, const Parts&... parts)
   arm.substep = period;
   arm.lag = 4ms;
   arm.virtual_damping = scene.configuration.virtual_damping;
-  arm.max_lead = 5;
   RobotConfiguration<3> hand{.limits = part(Wrist{}), .period = period};
   if (friction) hand.viscous_friction = Wrist::of(scene.configuration.viscous_friction);
   const auto robot = resolver_of(
@@ -108,8 +116,8 @@ EnergyTank<> tank(double energy) {
 }
 }  // namespace
 
-// Without friction nothing takes up what a prediction leaves out: recoil of an arm that moves in jerks, limits that
-// cut a motion.
+// Without friction nothing takes up what a prediction leaves out: recoil of an arm that moves in jerks,
+// limits that cut a motion.
 TEST_CASE(
     "Resolver in groups: one tank pays for an arm by position and a wrist by torque, with friction or "
     "without") {

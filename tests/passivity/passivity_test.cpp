@@ -1,3 +1,13 @@
+// Promise: no energy from nowhere, behind a delay
+// Tried: `Passivity(EnergyTank, PassivityObserver)`, for torques `Passivity(EnergyTank)`: 0 of 10 000
+// random scenes, half of whose obstacles are seen before they are touched, give more than they had by
+// position, by velocity, by torque; 335, 393 and 2324 without; a hand at 4 mm is paid for. Also: study
+// `energy`
+//
+// Promise: an arm whose account of energy is empty gives way, and can be led on
+// Tried: pushed with 20 N after each of these scenes, it moves; from an account of 0 J at least a third
+// as far as with 10 J, and gives nothing. Also: `passivity/passivity_observer_test.cpp`, study `energy`
+
 #include "skinctl/passivity/passivity.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,10 @@
 // Stiff contacts of an arm that feels by a wrist sensor, or by its motors.
+//
+// Promise: a tool behind a wrist sensor rests on a table with the felt mass that the check of stiff
+// contacts asks for
+// Tried: UR5, 5 kN/m, 8 ms of delay, led against it by 20 N: swings by less than 0.5 N; as it is, without
+// force lead, by more than 5 N, and such a scene is refused
+
 #include <doctest/doctest.h>
 
 #include <Eigen/Eigenvalues>

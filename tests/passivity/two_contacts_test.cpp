@@ -1,4 +1,9 @@
 // Two hands on one link are two contacts.
+//
+// Promise: two hands on one link are two contacts
+// Tried: squeezed from both sides, each counts; the account of the passivity observer is that of both.
+// Also: `tactile/pressed_area_test.cpp`
+
 #include <doctest/doctest.h>
 
 #include "skinctl/control/gravity_control.hpp"

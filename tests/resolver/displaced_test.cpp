@@ -1,3 +1,23 @@
+// Promise: a robot that is not as declared does not run away, one fault at a time
+// Tried: encoders off by 5 mrad to 2 pi, servos of 500 N m/rad that droop, lag 10 to 50 ms longer than
+// declared: untouched, no joint moves by more than the gap; a gap that comes while it stands moves
+// nothing; the scene waits for consent beyond 0.15 rad; taken over where it was told to be, it does not
+// step at all; a finger is pressed at most 1.5 times as hard as with the lag declared
+//
+// Promise: an arm that is held fast and let go leaps by no more than its command owes, however long and
+// hard one pushed; held, it does not swing, and no other joint is led away
+// Tried: lag 8 and 38 ms, 5 to 60 N m, 0.3 to 20 s, noise of 0.3 mrad: the dead band after 5 T (before:
+// 0.26 and 0.39 rad, growing); gap below 5 deviations of the noise
+//
+// Promise: a late cycle is not caught up
+// Tried: positions: at most the speed limit times the period from one to the next, five periods late and
+// at any speed; the tool at most at 1.02 times its limit in any period. Also: `cycle/stop_test.cpp`,
+// `guard/`
+//
+// Promise: friction of a servo that gives way is no obstacle where the dead band holds it
+// Tried: servos of 600 to 1100 N m/rad with 20 to 28 N m of friction, dead band 0.05 rad: a hand feels at
+// most 3.2 times the force of a robot with a dead band of 0.1
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -50,7 +70,7 @@ class Loop {
 
   State<6> measure(Nanoseconds stamp) {
     const auto m = joints.measured();
-    return {stamp, JointPosition<6>(m.q), JointVelocity<6>(m.dq)};
+    return {stamp, JointPosition<6>(m.q), says_speeds ? JointVelocity<6>(m.dq) : JointVelocity<6>{}};
   }
   void step(const World& touch) { step(touch, now + period); }
   void step(const World& touch, Nanoseconds to) {
@@ -84,6 +104,7 @@ class Loop {
     for (const Nanoseconds end = now + nanoseconds(seconds_); now < end;) step(touch);
   }
 
+  bool loaded = false, says_speeds = true;
   Robot robot;
   Joints joints;
   Nanoseconds period, now{};
@@ -94,18 +115,17 @@ class Loop {
   Row sent{};
   Status status;
   double furthest = 0, step_of_command = 0;
-  bool loaded = false;
 };
 
 }  // namespace
 
 TEST_CASE("Displaced robot: untouched, it moves by no more than the gap of its encoders") {
   for (const double gap : {0.005, 0.025, -0.025, 0.049, 0.06, 0.1, -0.1, 2 * M_PI})
-    for (const double band : {0.01, 0.02, 0.0})
+    for (const double band : {0.01, 0.02, 0.05})
       for (const double spring : {0.0, 100.0})
         for (const std::size_t joint : {0u, 1u, 5u}) {
           auto c = declared();
-          if (band > 0) c.dead_band = JointPosition<6>::constant(band);
+          c.dead_band = JointPosition<6>::constant(band);
           JointTruth<6> truth;
           truth.delay = truth.lag = 0.008;
           truth.gap[joint] = gap;
@@ -117,71 +137,73 @@ TEST_CASE("Displaced robot: untouched, it moves by no more than the gap of its e
           CAPTURE(band);
           CAPTURE(spring);
           CHECK(loop.furthest <= std::abs(gap) + 1e-9);
-          const double r_tol = band > 0 ? band : loop.robot.parameters().dead_band[joint];
-          CHECK(loop.status.has(Reason::displaced) == (std::abs(gap) > r_tol));
+          CHECK(loop.status.has(Reason::displaced) == (std::abs(gap) - band > c.largest_gap));
         }
 }
 
-TEST_CASE("Displaced robot: a gap that comes while it stands moves it by no more than that") {
-  for (const double gap : {0.055, -0.06, 0.1, 0.149, 2 * M_PI}) {
+TEST_CASE("Displaced robot: a gap that comes while it stands moves nothing") {
+  for (const double gap : {0.009, 0.03, 0.055, -0.06, 0.1, 0.149, 2 * M_PI}) {
     JointTruth<6> truth;
     truth.delay = truth.lag = 0.008;
     Loop<Interface::position> loop(declared(), truth);
+    loop.law.spring = 100;
     loop.run(1);
     loop.joints.truth().gap[1] = gap;
     loop.run(5);
     CAPTURE(gap);
-    CHECK(loop.status.has(Reason::displaced));
-    CHECK(loop.furthest <= 0.6 * std::abs(gap) + 1e-3);
+    CHECK(loop.status.has(Reason::displaced) == (gap > 1));
+    CHECK(loop.furthest < 1e-9);
   }
 }
 
-TEST_CASE("Displaced robot: with consent it gives way again, from where it stands") {
+TEST_CASE("Displaced robot: what a robot moved by itself is its gap; commands and laws go on") {
   for (const double gap : {0.06, -0.1}) {
     JointTruth<6> truth;
     truth.delay = truth.lag = 0.008;
     truth.gap[1] = gap;
     Loop<Interface::position> loop(declared(), truth);
     loop.run(1);
-    REQUIRE(loop.status.has(Reason::displaced));
-    loop.run(1, [](double, const Row&) { return Row{0, 20}; });
-    CHECK(loop.furthest <= std::abs(gap) + 1e-9);  // it waits
-    loop.robot.resume(loop.memory);
-    const double rest = loop.joints.q()[1];
-    loop.run(1);
     CHECK(loop.status == Status{});
-    CHECK(std::abs(loop.joints.q()[1] - rest) < 1e-6);
+    const double band = loop.robot.parameters().dead_band[1], booked = loop.memory.group().gap[1];
+    CHECK(std::abs(booked) <= std::abs(gap));
+    CHECK(std::abs(booked) >= std::abs(gap) - band);
+    const double rest = loop.joints.q()[1];
     loop.run(1, [](double, const Row&) { return Row{0, 20}; });
     CHECK(std::abs(loop.joints.q()[1] - rest) > 0.1);
-    CHECK_FALSE(loop.status.has(Reason::displaced));
+    CHECK(loop.memory.group().gap[1] == doctest::Approx(booked).epsilon(1e-6));
   }
 }
 
-TEST_CASE("Displaced robot: to a gap of more than 0.15 rad nobody can agree") {
+TEST_CASE("Displaced robot: beyond the largest gap it holds until it has been mended and somebody agreed") {
   JointTruth<6> truth;
   truth.delay = truth.lag = 0.008;
   truth.gap[4] = 2 * M_PI;
   Loop<Interface::position> loop(declared(), truth);
+  const auto push = [](double, const Row&) { return Row{0, 20}; };
   loop.run(1);
   loop.robot.resume(loop.memory);
-  loop.run(1, [](double, const Row&) { return Row{0, 20}; });
+  loop.run(1, push);
   CHECK(loop.status.has(Reason::displaced));
   CHECK(std::abs(loop.joints.q()[1] - pose[1]) < 1e-9);
+  loop.joints.truth().gap[4] = 0;
+  loop.run(1, push);
+  CHECK(loop.status.has(Reason::displaced));
+  loop.robot.resume(loop.memory);
+  loop.run(1, push);
+  CHECK_FALSE(loop.status.has(Reason::displaced));
+  CHECK(std::abs(loop.joints.q()[1] - pose[1]) > 0.1);
 }
 
-TEST_CASE("Displaced robot: the largest gap to which a user can agree is a number of its description") {
+TEST_CASE("Displaced robot: the largest gap is a number of its description") {
   JointTruth<6> truth;
   truth.delay = truth.lag = 0.008;
   truth.gap[1] = 0.1;
-  for (const double most : {0.0, 0.08, 0.12, 0.5}) {
+  for (const double most : {0.0, 0.07, 0.12, 0.5}) {
     auto c = declared();
     c.largest_gap = most;
     Loop<Interface::position> loop(c, truth);
     loop.run(1);
-    REQUIRE(loop.status.has(Reason::displaced));
-    loop.robot.resume(loop.memory);
-    loop.run(1);
-    CHECK(loop.status.has(Reason::displaced) == (most < 0.1));
+    CHECK(loop.status.has(Reason::displaced) == (most < 0.1 - 0.02));
     Loop<Interface::position> fresh(c, truth);
     CHECK(fresh.robot.start(fresh.measure(0ns), JointPosition<6>(pose)).started == (most >= 0.1));
   }
@@ -233,62 +255,114 @@ TEST_CASE("Displaced robot: lag beyond the declared one is no gap and no obstacl
   }
 }
 
-TEST_CASE("Displaced robot: a gap within the dead band is met before anything moves") {
-  for (const double gap : {0.045, -0.045, 0.03}) {
-    JointTruth<6> truth;
-    truth.delay = truth.lag = 0.008;
-    truth.gap[0] = gap;
-    Loop<Interface::position> loop(declared(), truth);
-    loop.run(2.5);
-    CHECK(loop.furthest <= std::abs(gap) + 1e-9);
-    CHECK(loop.status == Status{});
-    CHECK(loop.memory.group().gap[0] == doctest::Approx(gap).epsilon(1e-3));
-  }
+TEST_CASE(
+    "Displaced robot: what holds it is no gap, and it leaps by no more than it owes when it is let go") {
+  for (const double lag : {0.008, 0.038})
+    for (const double held : {0.3, 1.0, 20.0})
+      for (const double torque : {5.0, 25.0, -60.0}) {
+        auto c = declared();
+        c.lag = nanoseconds(lag);
+        JointTruth<6> truth;
+        truth.delay = 0.008;
+        truth.lag = lag;
+        truth.noise = 3e-4;
+        Loop<Interface::position> loop(c, truth);
+        const auto push = [&](double, const Row&) { return Row{torque}; };
+        loop.run(0.1, push);
+        loop.joints.hold_fast(0, true);
+        loop.run(held - 0.1, push);
+        Status seen;
+        for (const auto end = loop.now + 100ms; loop.now < end; seen |= loop.status) loop.step(push);
+        CAPTURE(lag);
+        CAPTURE(held);
+        CAPTURE(torque);
+        if (held >= 1) {
+          CHECK(seen.has(Reason::blocked));
+          CHECK(seen.has(Reason::lead_limited));
+        }
+        CHECK_FALSE(loop.status.has(Reason::displaced));
+        CHECK(std::abs(loop.memory.group().gap[0]) <= 5 * truth.noise);
+        const double owed = loop.robot.parameters().dead_band[0] +
+                            (held < 1 ? 0.5 : 0) * c.limits.velocity()[0] * lag +
+                            loop.robot.parameters().owed[0] + 8 * truth.noise;
+        CHECK(std::abs(loop.command.position[0] - loop.joints.q()[0]) <= owed);
+        if (held >= 1)
+          CHECK(std::abs(loop.command.position[0] - loop.joints.q()[0]) <=
+                loop.robot.parameters().dead_band[0] + 8 * truth.noise);
+      }
 }
 
-TEST_CASE("Displaced robot: what stops commands soon after the start is an obstacle, and no gap") {
-  for (const double at : {0.0, 0.3, 1.0}) {
-    JointTruth<6> truth;
-    truth.delay = truth.lag = 0.008;
-    Loop<Interface::position> loop(declared(), truth);
-    loop.run(at);
-    loop.joints.hold_fast(0, true);
-    loop.run(3, [](double, const Row&) { return Row{25}; });
-    CAPTURE(at);
-    CHECK(loop.status.has(Reason::blocked));
-    CHECK(std::abs(loop.memory.group().gap[0]) < 1e-5);
-    // A hand that holds an arm aside for a while, and lets it go: nothing moves for it.
-    Loop<Interface::position> held(declared(), truth);
-    held.run(0.2);
-    held.joints.truth().gap[0] = 0.02;
-    held.run(at);
-    held.joints.truth().gap[0] = 0;
-    held.run(3);
-    CHECK(held.furthest <= 0.02 + 1e-9);
-    CHECK(held.status == Status{});
-  }
-}
-
-TEST_CASE("Displaced robot: an obstacle is no gap") {
+TEST_CASE("Displaced robot: let go, it goes on with what pushes it") {
   JointTruth<6> truth;
   truth.delay = truth.lag = 0.008;
-  Loop<Interface::position> loop(declared(), truth);
-  loop.run(0.5, [](double, const Row&) { return Row{25}; });
-  loop.joints.hold_fast(0, true);
-  Status seen;
-  double lead = 0;
-  for (const auto end = loop.now + 2s; loop.now < end;) {
-    loop.step([](double, const Row&) { return Row{25}; });
-    seen |= loop.status;
-    lead = std::max(lead, std::abs(loop.command.position[0] - loop.joints.q()[0]));
+  const auto goes_on = [](auto loop) {
+    const auto push = [](double, const Row&) { return Row{25}; };
+    loop.run(0.5, push);
+    loop.joints.hold_fast(0, true);
+    loop.run(2, push);
+    CHECK(loop.status.has(Reason::blocked));
+    loop.joints.hold_fast(0, false);
+    loop.run(2, push);
+    CHECK_FALSE(loop.status.has(Reason::blocked));
+    CHECK(std::abs(loop.joints.dq()[0]) > 0.5);
+  };
+  goes_on(Loop<Interface::position>(declared(), truth));
+  goes_on(Loop<Interface::velocity>(declared(), truth));
+}
+
+TEST_CASE(
+    "Displaced robot: a joint gets as fast as its leash says, whether or not the robot tells its speed") {
+  for (const double acceleration : {5.0, 15.0, 100.0})
+    for (const bool says_speeds : {true, false}) {
+      auto c = declared();
+      c.limits = limits_of<ur5::Description>(acceleration);
+      JointTruth<6> truth;
+      truth.delay = truth.lag = 0.008;
+      Loop<Interface::position> loop(c, truth);
+      loop.says_speeds = says_speeds;
+      double fastest = 0;
+      while (loop.now < 3s) {
+        loop.step([](double, const Row&) { return Row{60}; });
+        fastest = std::max(fastest, std::abs(loop.command.velocity[0]));
+      }
+      const double d = 0.016, t_u = 0.05, rest = 0.02 + acceleration * d * (0.008 + d / 2);
+      const double most =
+          std::min(M_PI, acceleration * (t_u + std::sqrt(t_u * t_u + 2 * rest / acceleration)));
+      CAPTURE(acceleration);
+      CAPTURE(says_speeds);
+      MESSAGE("at " << acceleration << " rad/s^2 a joint gets " << fastest << " rad/s fast");
+      // Between positions that this robot holds, its speed dips, and is measured then.
+      CHECK(fastest <= 1.06 * most);
+      CHECK(fastest >= 0.97 * most);
+    }
+}
+
+TEST_CASE("Displaced robot: held fast and pushed, nothing swings, and the other joints stay") {
+  JointTruth<6> truth;
+  truth.delay = truth.lag = 0.008;
+  const auto rests = [](auto loop, double side) {
+    const auto push = [&](double, const Row&) { return Row{0, side * 25}; };
+    loop.joints.hold_fast(1, true);
+    loop.run(3, push);
+    double fastest = 0, led = 0;
+    for (const auto end = loop.now + 2s; loop.now < end;) {
+      loop.step(push);
+      for (const double u : loop.command.velocity) fastest = std::max(fastest, std::abs(u));
+      for (const std::size_t i : {0u, 2u, 3u, 4u, 5u})
+        led = std::max(led, std::abs(loop.joints.q()[i] - pose[i]));
+    }
+    CAPTURE(side);
+    return std::pair(fastest, led);
+  };
+  for (const double side : {1.0, -1.0}) {
+    const auto position = rests(Loop<Interface::position>(declared(), truth), side);
+    CHECK(position.first < 1e-3);
+    CHECK(position.second < 0.05);
+    const auto velocity = rests(Loop<Interface::velocity>(declared(), truth), side);
+    // It is tried with the drift of the dead band.
+    CHECK(velocity.first < 0.02);
+    CHECK(velocity.second < 0.15);
   }
-  CHECK(seen.has(Reason::blocked));
-  CHECK_FALSE(seen.has(Reason::displaced));
-  CHECK(lead <= loop.robot.max_lead(0) * (1 + 1e-9));
-  loop.joints.hold_fast(0, false);
-  loop.run(2, [](double, const Row&) { return Row{25}; });
-  CHECK(loop.status == Status{});
-  CHECK(std::abs(loop.joints.dq()[0]) > 0.5);
 }
 
 TEST_CASE(
@@ -319,7 +393,7 @@ TEST_CASE(
     const double as_declared = peak(lag, lag);
     CAPTURE(lag);
     CAPTURE(as_declared);
-    for (const double gap : {0.0, -0.045, 0.045}) {
+    for (const double gap : {0.0, -0.018, 0.018}) {
       CAPTURE(gap);
       CHECK(peak(0.008, lag, gap) <= 1.5 * as_declared);
     }
@@ -345,9 +419,6 @@ TEST_CASE("Resolver: a late cycle is not caught up in one servo cycle") {
       last = loop.command.velocity[0];
     }
     CHECK(loop.step_of_command <= M_PI * 0.008 * (1 + 1e-9));
-    if (v < 2)
-      CHECK(loop.memory.group().sent.value[0] ==
-            doctest::Approx(loop.memory.group().q.value[0]).epsilon(1e-12));
   }
 }
 
@@ -409,133 +480,42 @@ Led lead_sticky(const RobotConfiguration<6>& c, double stiffness, double frictio
 }  // namespace
 
 TEST_CASE(
-    "Displaced robot: friction of a servo that gives way is no obstacle, as soon as it has shown itself") {
+    "Displaced robot: friction of a servo that gives way is no obstacle, where the dead band holds it") {
   for (const auto& servo : {std::pair{600.0, 20.0}, {800.0, 25.0}, {1100.0, 28.0}})
     for (const double lag : {0.001, 0.008, 0.03}) {
       const double stiffness = servo.first, friction = servo.second;
-      auto wide = declared();
+      auto c = declared(), wide = declared();
+      c.dead_band = JointPosition<6>::constant(0.05);
       wide.dead_band = JointPosition<6>::constant(0.1);
-      const auto r = lead_sticky(declared(), stiffness, friction, lag),
+      const auto r = lead_sticky(c, stiffness, friction, lag),
                  known = lead_sticky(wide, stiffness, friction, lag);
       CAPTURE(stiffness);
       CAPTURE(friction);
       CAPTURE(lag);
       CAPTURE(r.early);
       CAPTURE(known.late);
-      CHECK(r.late <= 1.5 * known.late);
-      CHECK_FALSE(r.late_status.has(Reason::blocked));
+      CHECK(r.late <= 3.2 * known.late);
       CHECK_FALSE(r.late_status.has(Reason::displaced));
     }
 }
 
-TEST_CASE("Displaced robot: after it has shown friction it still meets obstacles, and leads by no more") {
-  JointTruth<6> truth;
-  truth.delay = truth.lag = 0.008;
-  truth.stiffness = truth.all(500);
-  truth.stiction[0] = truth.coulomb[0] = 30;
-  Loop<Interface::position> loop(declared(), truth);
-  loop.run(10, [](double t, const Row&) { return Row{20 * std::sin(1.5 * t)}; });
-  CHECK(loop.memory.group().watch[0].slack > 0);
-  CHECK(loop.memory.group().watch[1].slack == 0);
-  loop.joints.hold_fast(0, true);
-  double lead = 0;
-  Status seen;
-  for (const auto end = loop.now + 6s; loop.now < end;) {
-    loop.step([](double, const Row&) { return Row{25}; });
-    seen |= loop.status;
-    lead = std::max(lead, std::abs(loop.command.position[0] - loop.memory.measured().q[0]));
-  }
-  CHECK(lead <= loop.robot.max_lead(0) * (1 + 1e-9));
-  CHECK(seen.has(Reason::blocked));
-  CHECK_FALSE(seen.has(Reason::displaced));
-}
-
-TEST_CASE("Displaced robot: what lets a blocked joint go on is no obstacle") {
-  JointTruth<6> truth;
-  truth.delay = truth.lag = 0.008;
-  truth.stiffness = truth.all(2000);
-  Loop<Interface::position> loop(declared(), truth);
-  const auto push = [](double, const Row&) { return Row{25}; };
-  loop.run(0.5, push);
-  loop.joints.hold_fast(0, true);
-  while (loop.now < 3s && !loop.status.has(Reason::blocked)) loop.step(push);
-  loop.run(0.2, push);
-  REQUIRE(loop.status.has(Reason::blocked));
-  loop.joints.hold_fast(0, false);
-  loop.joints.external({40});  // a hand takes it along
-  loop.run(0.3, push);
-  CHECK_FALSE(loop.status.has(Reason::blocked));
-}
-
-TEST_CASE(
-    "Displaced robot: slack is what friction has shown beyond the dead band, and a quarter of the band, not "
-    "more") {
-  for (const auto& servo : {std::pair{500.0, 26.0}, {500.0, 40.0}, {2000.0, 115.0}}) {
-    JointTruth<6> truth;
-    truth.delay = truth.lag = 0.008;
-    truth.stiffness = truth.all(servo.first);
-    truth.stiction[0] = truth.coulomb[0] = servo.second;
-    Loop<Interface::position> loop(declared(), truth);
-    const double band = loop.robot.parameters().dead_band[0];
-    double shown = 0, slack = 0;
-    while (loop.now < 10s) {
-      loop.step([](double t, const Row&) { return Row{20 * std::sin(1.5 * t)}; });
-      shown = std::max(shown, std::abs(loop.memory.group().residual[0]) - band);
-      slack = std::max(slack, loop.memory.group().watch[0].slack);
+TEST_CASE("Displaced robot: by velocity, with lag that is not declared, it keeps its position limits") {
+  for (const double more : {0.01, 0.02, 0.03})
+    for (const double side : {-1.0, 1.0}) {
+      const auto c = declared();
+      JointTruth<6> truth;
+      truth.delay = 0.008;
+      truth.lag = 0.008 + more;
+      Loop<Interface::velocity> loop(c, truth);
+      double beyond = -1;
+      while (loop.now < 4s) {
+        loop.step([&](double, const Row&) { return Row{side * 40}; });
+        const double q = loop.joints.q()[0];
+        beyond = std::max({beyond, q - c.limits.upper()[0], c.limits.lower()[0] - q});
+      }
+      CAPTURE(side);
+      CAPTURE(more);
+      CHECK(beyond > -0.05);  // it came there
+      CHECK(beyond <= 0);
     }
-    CAPTURE(servo.first);
-    CAPTURE(servo.second);
-    CHECK(slack > shown);
-    CHECK(slack <= shown + 0.25 * band + 1e-12);
-    CHECK(band + slack <= 2.0 / 3 * loop.robot.max_lead(0) + 1e-12);
-  }
-}
-
-TEST_CASE(
-    "Displaced robot: by velocity, with lag that is not declared, it passes a limit by a fifth of that lag's "
-    "way at most") {
-  for (const double side : {-1.0, 1.0}) {
-    const auto c = declared();
-    JointTruth<6> truth;
-    truth.delay = 0.008;
-    truth.lag = 0.038;
-    Loop<Interface::velocity> loop(c, truth);
-    double beyond = -1;
-    while (loop.now < 4s) {
-      loop.step([&](double, const Row&) { return Row{side * 40}; });
-      const double q = loop.joints.q()[0];
-      beyond = std::max({beyond, q - c.limits.upper()[0], c.limits.lower()[0] - q});
-    }
-    CAPTURE(side);
-    CHECK(beyond > -0.05);  // it came there
-    CHECK(beyond <= 0.2 * c.limits.velocity()[0] * 0.03);
-  }
-}
-
-TEST_CASE(
-    "Displaced robot: blocked, the virtual robot comes back to where the real one stood, and not beyond") {
-  JointTruth<6> truth;
-  truth.delay = truth.lag = 0.008;
-  const auto comes_back = [](auto loop, double side) {
-    const auto push = [&](double, const Row&) { return Row{side * 25}; };
-    loop.run(0.5, push);
-    loop.joints.hold_fast(0, true);
-    while (loop.now < 3s && !loop.status.has(Reason::blocked)) loop.step(push);
-    REQUIRE(loop.status.has(Reason::blocked));
-    const auto ahead = [&] { return side * (loop.memory.group().q.value[0] - loop.memory.group().back[0]); };
-    const double begins = ahead();
-    CHECK(begins > 0.05);
-    double least = begins;
-    for (int k = 0; k < 40; ++k) {
-      loop.step(push);
-      least = std::min(least, ahead());
-    }
-    CHECK(std::abs(ahead()) < 1e-3 * begins);
-    CHECK(least > -1e-9);
-  };
-  for (const double side : {1.0, -1.0}) {
-    CAPTURE(side);
-    comes_back(Loop<Interface::position>(declared(), truth), side);
-    comes_back(Loop<Interface::velocity>(declared(), truth), side);
-  }
 }

@@ -1,3 +1,8 @@
+// Promise: a robot says by itself how much later it is than declared
+// Tried: lag and gap while it works: within 1.5 ms and 2 mrad for lags of 4 to 58 ms where 8 are
+// declared, noise, obstacles; from a log: delay and lag together within 1 ms, gap within 1 mrad,
+// stiffness within its deviation. Also: `calibration/robot_response_test.cpp`, `examples/identify_robot`
+
 #include "skinctl/resolver/following_monitor.hpp"
 
 #include <doctest/doctest.h>
@@ -21,7 +26,8 @@ struct Outcome {
   Status seen;
 };
 
-// An arm that is led to and fro for `time` seconds; from `blocked_from` on, joint 0 is held fast now and then.
+// An arm that is led to and fro for `time` seconds; from `blocked_from` on, joint 0 is held fast now and
+// then.
 Outcome lead(const JointTruth<6>& truth, double time, double swing = 1, double blocked_from = 1e9,
              std::uint64_t seed = 1) {
   RobotConfiguration<6> c{
@@ -172,15 +178,13 @@ TEST_CASE("Following: what came up to 10 T before it stopped to follow does not 
   joints.gap = 0.01;
   for (int k = 0; k < 5; ++k) {
     joints.run(49);
-    joints.robot.mode = ResolverMode::blocked;
+    joints.robot.brakes = true;
     joints.cycle();
-    joints.robot.mode = ResolverMode::following;
+    joints.robot.brakes = false;
   }
-  for (const auto mode : {ResolverMode::blocked, ResolverMode::displaced, ResolverMode::braking}) {
-    joints.robot.mode = mode;
-    joints.run(400);
-  }
-  joints.robot.mode = ResolverMode::following;
+  joints.robot.brakes = true;
+  joints.run(400);
+  joints.robot.brakes = false;
   joints.gap = 0;
   // Beside its commands by more than the dead band, it does not move with them.
   joints.held = true;
@@ -198,7 +202,8 @@ TEST_CASE("Following: a state that comes again, or after a pause, tells nothing"
   for (int k = 0; k < 200; ++k) joints.monitor.step(joints.watched, joints.robot);
   CHECK(joints.found().lag == before.lag);
   CHECK(joints.found().observed == before.observed);
-  // A second in which nobody measured, and in which it came and went: seven cycles are longer than the longest interval.
+  // A second in which nobody measured, and in which it came and went: seven cycles are longer than the
+  // longest interval.
   for (int k = 0; k < 200; ++k) joints.cycle(7ms);
   CHECK(joints.found().observed == before.observed);
   joints.run(500);

@@ -1,4 +1,10 @@
 // Joints of several interfaces against the equations of motion of the whole robot.
+//
+// Promise: joints by position, velocity and torque, in any mixture and order, move as the equations of
+// motion of the whole robot say; an arm takes the recoil of its finger, and the finger feels the arm
+// Tried: three joints in six mixtures, pushed at arm and finger, every integrator: within 2 % of the way,
+// 1 mrad and 2 ms (by position 5 ms); the recoil is 11.7 mrad
+
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -28,7 +28,7 @@ TEST_CASE("ResolverMemory: a fresh one has not been started, and gives no comman
                     {.limits = limits_of<ur5::Description>(), .period = 8ms, .virtual_damping = 4});
   Robot::Memory fresh{};
   CHECK_FALSE(fresh.started);
-  CHECK(fresh.group().mode == ResolverMode::following);
+  CHECK_FALSE(fresh.group().brakes);
   GravityControl::Memory law{};
   State<6> state;
   const NoTouch nobody[1]{};
@@ -56,9 +56,10 @@ TEST_CASE("ResolverMemory: a copy by its bytes goes on as the original does") {
   const auto cycle = [&](Memory& m, Nanoseconds now) {
     const Interval interval{now - 8ms, now, 1, {}};
     const auto begun = joints.begin(m, {now, m.under_way.reached, {}}, interval);
-    static_cast<void>(joints.move(m, begun.correction, JointVelocity<6>::constant(0.2), 0.008));
+    static_cast<void>(joints.take(
+        m, begun, joints.plan(m, begun, JointVelocity<6>::constant(0.2), 0.008, Abrupt{}), 0.008));
     m.time = now;
-    static_cast<void>(joints.end(m, begun, {}));
+    static_cast<void>(joints.end(m, begun, {}, false));
     return m.command.velocity;
   };
   for (Nanoseconds now = 8ms; now < 400ms; now += 8ms) cycle(a, now);

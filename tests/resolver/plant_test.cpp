@@ -1,4 +1,11 @@
 // A part of bench/studies/plant.cpp: an arm that we did not write, MuJoCo under stiff servos.
+//
+// Promise: a stiff contact rests: a configuration that would ring is refused with the felt mass it lacks
+// Tried: UR5 in MuJoCo under position servos, leaning on a wall of 1e6 N/m under a cover of 30 kN/m: calm
+// with that mass, rings without; with ideal joints the stiffest stable contact is that predicted within
+// 2.5 %, at any delay, with lag and force lead or without; in MuJoCo within 7 %. Also:
+// `passivity/contact_stability_test.cpp`, study `plant`
+
 #include <doctest/doctest.h>
 
 #include <Eigen/Eigenvalues>

@@ -1,4 +1,9 @@
 // The torque that laws ask for by themselves turns at a bounded rate, what answers touch at once.
+//
+// Promise: the torque that laws ask for by themselves turns at a bounded rate; what answers touch is not
+// delayed
+// Tried: by position, velocity, torque: 50 torque limits a second, reported as `torque_limited`
+
 #include "skinctl/resolver/detail/torque_rate.hpp"
 
 #include <doctest/doctest.h>

@@ -190,7 +190,7 @@ TEST_CASE_TEMPLATE("Resolver for torques: a push moves a robot that obeys, frict
     const auto out = step(robot, m, law, s, now, {push, T(0), T(0), T(0), T(0), T(0)});
     JointAcceleration<6, T> last;
     const Quantities<ur5::Model, CrankNicolson::needs, T> known(ur5::Model{}, s, T(0.002), none);
-    const auto next = detail::step_velocity<CrankNicolson>(known, ideal, false, out.command.torque, {}, last);
+    const auto next = detail::step_velocity<CrankNicolson>(known, ideal, false, out.command.torque, last);
     for (std::size_t i = 0; i < 6; ++i) s.q[i] += T(0.001) * (s.dq[i] + next.velocity[i]);
     s.dq = next.velocity;
   }

@@ -46,21 +46,17 @@ TEST_CASE("RobotConfiguration: refuses that cannot work, with the number and the
         "skinctl: delay / period = 37.5, allowed: <= History - 2: commands under way");
   CHECK(refusal([](auto& c) { c.lag = -1ms; }).find("lag = -1, allowed: 0 to 1000 ms") != std::string::npos);
   CHECK(refusal([](auto& c) { c.lag = 2s; }).find("lag = 2000") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.observer = 13; }).find("observer w = 13") !=
-        std::string::npos);  // 0.3/0.024 = 12.5
-  CHECK(refusal([](auto& c) { c.observer = 12.5; }).empty());
+  CHECK(refusal([](auto& c) { c.drift = 13; }).find("drift = 13") != std::string::npos);  // 0.3/0.024 = 12.5
+  CHECK(refusal([](auto& c) { c.drift = 12.5; }).empty());
   CHECK(refusal([](auto& c) { c.dead_band = JointPosition<6>::constant(0); }).find("dead band = 0") !=
         std::string::npos);
-  CHECK(refusal([](auto& c) { c.dead_band = JointPosition<6>::constant(0.2); }).find("max_lead") !=
-        std::string::npos);
-  CHECK(refusal([](auto& c) { c.max_lead = 1; }).find("max_lead = 1") != std::string::npos);
+  CHECK(refusal([](auto& c) { c.undeclared_lag = 2s; }).find("undeclared lag = 2000") != std::string::npos);
   CHECK(refusal([](auto& c) { c.force_lead = 100ms; }).find("skinctl: force lead = 100") !=
         std::string::npos);
   CHECK(refusal([](auto& c) { c.drift = -1; }).find("drift") != std::string::npos);
   CHECK(refusal([](auto& c) { c.substep = 50ms; }).find("sub-step") != std::string::npos);
   CHECK(refusal([](auto& c) { c.longest_interval = 1ms; }).find("longest interval") != std::string::npos);
   CHECK(refusal([](auto& c) { c.stale_after = 0ns; }).find("stale after") != std::string::npos);
-  CHECK(refusal([](auto& c) { c.retry = 0s; }).find("retry") != std::string::npos);
   CHECK(refusal([](auto& c) { c.viscous_friction[2] = -3; }).find("viscous friction = -3") !=
         std::string::npos);
   CHECK(refusal([&](auto& c) { c.coulomb_friction[2] = nan; }).find("Coulomb friction") != std::string::npos);

@@ -217,8 +217,8 @@ TEST_CASE("ToolShape: a free tool of one mass flies straight on, without frictio
   for (int k = 0; k < 500; ++k) {
     const State<6> state{0ns, q, v};
     const Quantities<ur5::Model, CrankNicolson::needs | Needs{.gravity = true}> known(model, state, h, none);
-    const auto next = detail::step_velocity<CrankNicolson>(
-        known, VirtualDynamics<6>{}, false, known.gravity(), JointAcceleration<6>{}, last, shape);
+    const auto next = detail::step_velocity<CrankNicolson>(known, VirtualDynamics<6>{}, false,
+                                                           known.gravity(), last, shape);
     REQUIRE_FALSE(next.singular);
     for (std::size_t i = 0; i < 6; ++i) last[i] = (next.velocity[i] - v[i]) / h;
     for (std::size_t i = 0; i < 6; ++i) q[i] += 0.5 * h * (v[i] + next.velocity[i]);

@@ -1,5 +1,11 @@
 // Laws that project, damp or hold a posture act on the robot that they move: a virtual one with its own
 // inertia.
+//
+// Promise: projections, postures and dampers act on the inertia of the robot that they move, virtual
+// inertia and tool shape included
+// Tried: null space and posture: the tool stays to 1e-7 m per rad of joint motion; by position and
+// velocity, two integrators
+
 #include "skinctl/robot/virtual_mass.hpp"
 
 #include <doctest/doctest.h>

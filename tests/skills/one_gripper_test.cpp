@@ -1,4 +1,11 @@
 // A gripper as a part of a set of skills: goals in requests, states in the cycle's input.
+//
+// Promise: a skill with a gripper ends when it holds something, and fails when it is empty, broken or
+// silent; replayed to the bit
+// Tried: UR5 by position, a gripper that answers 24 ms late
+//
+// Promise: a goal is reached as near as its request asks
+// Tried: 2 and 50 mrad, and at rest
 
 #include <doctest/doctest.h>
 

@@ -1,3 +1,6 @@
+// Promise: a request's ticket tells what has become of it, and why it failed
+// Tried: refused, replaced, in a sequence, in a fallback, other goals for the same skill
+
 #include "skinctl/skills/skill_set.hpp"
 
 #include <doctest/doctest.h>

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "skinctl/control/joint_control.hpp"
+
 using namespace skinctl;
 
 namespace {
@@ -88,12 +90,15 @@ TEST_CASE("JointControlSettings: numbers that mean nothing are refused, NaN as w
     CHECK_THROWS_AS(accept({.K_i1 = bad}), ConfigurationError);
     CHECK_THROWS_AS(accept({.K_i2 = bad}), ConfigurationError);
     CHECK_THROWS_AS(accept({.mu = bad}), ConfigurationError);
-    CHECK_THROWS_AS(accept({.integral_limit = bad}), ConfigurationError);
+    CHECK_THROWS_AS(accept({.integral_speed = bad}), ConfigurationError);
     CHECK_THROWS_AS(accept({.K_c = bad}), ConfigurationError);
     CHECK_THROWS_AS(accept({.settle = bad}), ConfigurationError);
     S s;
     s.max_velocity[4] = bad;
     CHECK_THROWS_AS(accept(s), ConfigurationError);
+    S limited;
+    limited.integral_limit[5] = bad;
+    CHECK_THROWS_AS(accept(limited), ConfigurationError);
   }
   for (const Nanoseconds bad : {nanoseconds(-1), Nanoseconds::min(), Nanoseconds::max(),
                                 nanoseconds(std::numeric_limits<double>::infinity())}) {
@@ -109,4 +114,24 @@ TEST_CASE("JointControlSettings: numbers that mean nothing are refused, NaN as w
   CHECK_THROWS_AS(accept({.target_age = nanoseconds(nan)}), ConfigurationError);
   CHECK_THROWS_WITH_AS(accept({.dt = 0s}), "skinctl: dt = 0, allowed: > 0 and <= 1000 ms",
                        ConfigurationError);
+}
+
+TEST_CASE(
+    "JointControlSettings: gains that do not hold the gravity of another payload are refused by the law") {
+  S s{.dt = 2ms, .loop_delay = 11ms, .lambda = 20, .K_i1 = 0, .K_i2 = 0, .tb = 0s, .K_c = 5};
+  const auto law = [](const S& settings) { static_cast<void>(JointControl<6>(settings)); };
+  s.gravity_rate = 99.9;  // lambda K_c = 100 1/s^2
+  CHECK_NOTHROW(law(s));
+  s.gravity_rate = 100.1;
+  CHECK_THROWS_WITH_AS(
+      law(s),
+      "skinctl: lambda (K_c + K_i1) + K_c K_i1 - lambda K_c K_i1 / (lambda + K_c + K_i1) = 100 "
+      "1/s^2, allowed: >= 100, or a lost payload's gravity carries a joint away: declare the "
+      "rotors' inertia, shorten the delay or tell the payload",
+      ConfigurationError);
+  s.K_i1 = 5;  // 20 (5 + 5) + 25 - 500 / 30 = 208.3
+  s.gravity_rate = 208;
+  CHECK_NOTHROW(law(s));
+  s.gravity_rate = 209;
+  CHECK_THROWS_AS(law(s), ConfigurationError);
 }

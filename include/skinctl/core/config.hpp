@@ -1,9 +1,16 @@
 // Macros that every header needs: the namespace, inlining, and the unsupported compiler settings.
 #pragma once
 
+#include "skinctl/core/version.hpp"
+
 #if !defined(__cplusplus) || __cplusplus < 202002L
 #error "skinctl: needs C++20. Compile with -std=c++20, or ask CMake for cxx_std_20."
 #include "skinctl: stops here without -std=c++20"  // a missing include ends the list of errors
+#endif
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ < 12
+#error \
+    "skinctl: needs GCC 12 or Clang 14, as GCC 11 has no __builtin_shufflevector. Ubuntu 22.04 has both: g++-12, clang-14."
+#include "skinctl: stops here without GCC 12 or Clang 14"
 #endif
 
 // Range reduction and compensated sums need each operation rounded to its type, in the order in which it is
@@ -18,14 +25,21 @@
 #error "skinctl: 80-bit registers break range reduction. Compile with -mfpmath=sse (32 bits: -msse2 as well)."
 #endif
 
-/// Files compiled for different instruction sets hold different code under the same name, and a linker would
-/// keep either of them. The inline namespace is named after the instruction set, so that such files do not
-/// merge; and after `exact` (see SKINCTL_NO_CONTRACT), whose results differ in their last bits.
-#if defined(SKINCTL_NO_CONTRACT)
-#define SKINCTL_ABI_OF(set) set##_exact
+/// Files compiled for different instruction sets, versions, or without exceptions hold different code under the same
+/// name, and a linker, or a loader of plug-ins, would keep either of them. The inline namespace is named after all of
+/// these, `v0_1_avx2_fma`, so that such files do not merge; and after `exact` (see SKINCTL_NO_CONTRACT), whose results
+/// differ in their last bits.
+#if defined(SKINCTL_NO_CONTRACT) && defined(__cpp_exceptions)
+#define SKINCTL_ABI_JOINED(major, minor, set) v##major##_##minor##_##set##_exact
+#elif defined(SKINCTL_NO_CONTRACT)
+#define SKINCTL_ABI_JOINED(major, minor, set) v##major##_##minor##_##set##_exact_nothrow
+#elif defined(__cpp_exceptions)
+#define SKINCTL_ABI_JOINED(major, minor, set) v##major##_##minor##_##set
 #else
-#define SKINCTL_ABI_OF(set) set
+#define SKINCTL_ABI_JOINED(major, minor, set) v##major##_##minor##_##set##_nothrow
 #endif
+#define SKINCTL_ABI_EXPANDED(major, minor, set) SKINCTL_ABI_JOINED(major, minor, set)
+#define SKINCTL_ABI_OF(set) SKINCTL_ABI_EXPANDED(SKINCTL_VERSION_MAJOR, SKINCTL_VERSION_MINOR, set)
 #if defined(__AVX512F__)
 #define SKINCTL_ABI SKINCTL_ABI_OF(avx512)
 #elif defined(__AVX2__) && defined(__FMA__)
@@ -34,6 +48,8 @@
 #define SKINCTL_ABI SKINCTL_ABI_OF(avx2)
 #elif defined(__AVX__)
 #define SKINCTL_ABI SKINCTL_ABI_OF(avx)
+#elif defined(__SSE4_1__)
+#define SKINCTL_ABI SKINCTL_ABI_OF(sse4)
 #elif defined(__SSE2__)
 #define SKINCTL_ABI SKINCTL_ABI_OF(sse2)
 #elif defined(__ARM_NEON)

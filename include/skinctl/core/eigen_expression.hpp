@@ -13,6 +13,8 @@ template <int Outer, int Inner>
 class Stride;
 template <typename Scalar, int Dim, int Mode, int Options>
 class Transform;
+template <typename Scalar, int Options>
+class Quaternion;
 template <typename Matrix>
 class SelfAdjointEigenSolver;
 template <typename Matrix>

@@ -63,6 +63,7 @@ enum class Reason : std::uint8_t {
   skin_held,
   skin_stopped,
   start_refused,
+  push_without_life,
   count
 };
 

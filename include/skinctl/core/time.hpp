@@ -5,7 +5,7 @@
 #include <limits>
 #include <version>
 
-#if defined(__GLIBCXX__)
+#if defined(__GLIBCXX__) && __has_include(<bits/chrono.h>)
 #include <bits/chrono.h>  // durations only: <chrono> costs 0.2 s and 40 MB a file
 #else
 #include <chrono>

@@ -117,9 +117,10 @@ class Configurations {
   };
 
   /// Number 0, which is active first, and the others. Throws `ConfigurationError` with both numbers where
-  /// they differ in limits, period, longest interval, delay, lag or Coulomb friction, where a skin's
-  /// cells are not the same, and by torque where the gains of a tracking law are too large for a robot as light as
-  /// another configuration says: see `mass_ratio` and `tracking_settings(robot, lightest)`.
+  /// they differ in limits, period, longest interval, delay, lag or Coulomb friction, where a skin's cells
+  /// are not the same, and by torque where the gains of a tracking law are too large for a robot as light as
+  /// another configuration says, or too small for its gravity: see `mass_ratio`, `gravity_rate` and
+  /// `tracking_settings(robot, lightest)`.
   template <std::same_as<C>... Others>
   explicit Configurations(const C& first, const Others&... others)
       : Configurations(Ramp<scalar>(), first, others...) {}
@@ -218,21 +219,24 @@ class Configurations {
       refuse("skinctl: the skins of two configurations have other cells, or the same elsewhere");
   }
 
-  // The active configuration may be another than the payload: by torque each law's gains are checked for the lightest.
+  // The active configuration may be another than the payload: by torque each law's gains are checked for the
+  // lightest.
   SKINCTL_COLD static void check_masses(const std::array<const C*, Count>& all) {
     using Robot = std::remove_cvref_t<decltype(all[0]->resolver())>;
     if constexpr (Robot::is_one_group) {
       if constexpr (Robot::interface == Interface::torque) {
-        for (const C* told : all) {
-          const auto& shape = told->resolver().shape();
-          LawTerms<joints, scalar> terms{told->resolver().period(), shape};
-          for (const C* real : all)
-            if (const scalar ratio =
-                    mass_ratio(told->resolver().model(), real->resolver().model(), shape.inertia);
-                ratio > terms.mass_ratio)
-              terms.mass_ratio = ratio;
-          LawTable<typename C::law_type>::check_for(told->law(), terms);
-        }
+        const auto higher = [](scalar& x, const scalar& other) { x = other > x ? other : x; };
+        for (const bool weigh : {false, true})  // first the masses: more inertia of rotors helps both
+          for (const C* told : all) {
+            const auto& shape = told->resolver().shape();
+            LawTerms<joints, scalar> terms{told->resolver().period(), shape};
+            for (const C* real : all) {
+              const auto &here = told->resolver().model(), &there = real->resolver().model();
+              higher(terms.mass_ratio, mass_ratio(here, there, shape.inertia));
+              if (weigh && real != told) higher(terms.gravity_rate, gravity_rate(here, there, shape.inertia));
+            }
+            LawTable<typename C::law_type>::check_for(told->law(), terms);
+          }
       }
     }
   }

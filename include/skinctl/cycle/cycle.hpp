@@ -111,6 +111,9 @@ class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin>,
   SKINCTL_NOINLINE Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
     return this->run(m, input, watch, detail::NoChange{});
   }
+  // clang-format off
+  Output step(const Memory&, const Input&) const = delete;  // a step changes its memory: no const one, no temporary
+  // clang-format on
   /// Brings the code and the data of the next step into the processor's caches, from which other programs push them
   /// while a loop waits for a state: makes a step on a copy of `memory` in `scratch`, as if the next state came `after`
   /// later than `input`, and throws its output away. Only `scratch` changes. A step with another type of stopwatch is
@@ -132,13 +135,26 @@ class Cycle<detail::SkinBehindLaw, L, Skin, Parts> {
  public:
   constexpr Cycle(const auto&...) noexcept {}
 };
+/// For a model that was given as the robot: the only constructor is deleted.
+template <class L, class Skin, class Parts>
+class Cycle<detail::ModelAsRobot, L, Skin, Parts> {
+ public:
+  // clang-format off
+  constexpr Cycle(const auto&...) = delete;  // a model is no robot yet: by_position(model, {.limits = ..., .period = ...}), by_velocity, by_torque
+  // clang-format on
+};
+template <RobotModel M, class X>
+Cycle(const M&, const X&) -> Cycle<detail::ModelAsRobot, X, NoSkin, std::tuple<>>;
+template <RobotModel M, detail::SkinLike S, class L>
+Cycle(const M&, const S&, const L&) -> Cycle<detail::ModelAsRobot, L, S, std::tuple<>>;
 template <class R, class L, detail::SkinLike S>
   requires(!detail::SkinLike<L>)
 Cycle(const R&, const L&, const S&) -> Cycle<detail::SkinBehindLaw, L, S, std::tuple<>>;
 template <class R, detail::SkinLike S, class L>
+  requires(!RobotModel<R>)
 Cycle(const R&, const S&, const L&) -> Cycle<detail::ResolverFor<R>, L, S>;
 template <class R, class L>
-  requires(!detail::SkinLike<L>)
+  requires(!detail::SkinLike<L> && !RobotModel<R>)
 Cycle(const R&, const L&) -> Cycle<detail::ResolverFor<R>, L>;
 
 SKINCTL_END_NAMESPACE

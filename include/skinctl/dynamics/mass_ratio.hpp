@@ -1,24 +1,20 @@
-// How many times lighter a robot may be than its model says.
+// How much lighter a robot may be than its model says, and how firmly its joints must hold a payload that is
+// lost.
 #pragma once
 
 #include <cstdint>
 #include <limits>
 
+#include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/math/ldlt.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The largest eigenvalue of `(M_b(q) + diag(rotors))^-1 (M_a(q) + diag(rotors))` over 64 poses within +-pi, at least 1:
-/// a torque made for model `a` accelerates a robot like model `b` up to so many times faster. To 0.1 %; infinite beyond
-/// 1e6 and where M_b is not positive definite. For configuration, not for the loop.
-///
-/// @param rotors  inertia of the motors, seen at the joints, the same in both [kg m^2].
-template <RobotModel A, RobotModel B, Real T>
-  requires(A::joints == B::joints)
-[[nodiscard]] SKINCTL_COLD T mass_ratio(const A& a, const B& b, const JointTorque<A::joints, T>& rotors) {
-  constexpr std::size_t N = A::joints;
-  T ratio(1);
+namespace detail {
+/// Calls `f` with 64 poses within +-pi.
+template <std::size_t N, Real T, class F>
+SKINCTL_COLD void each_of_64_poses(F&& f) {
   std::uint64_t bits = 1;
   for (int pose = 0; pose < 64; ++pose) {
     JointPosition<N, T> q;
@@ -26,27 +22,98 @@ template <RobotModel A, RobotModel B, Real T>
       bits = bits * 6364136223846793005u + 1442695040888963407u;
       angle = T((static_cast<double>(bits >> 32) / 4294967296.0 - 0.5) * 6.2832);
     }
-    const auto heavy = mass_matrix(a, q), light = mass_matrix(b, q);
-    // x light - heavy is positive definite exactly above the largest eigenvalue.
-    const auto is_above = [&](const T& x) {
+    f(q);
+  }
+}
+/// The smallest x, at least `from`, for which `matrices_of(q)(x)`, true above some x, is true in all of them;
+/// to 0.1 %, infinite beyond 1e6.
+template <std::size_t N, Real T, class F>
+[[nodiscard]] SKINCTL_COLD T smallest_in_all_poses(const T& from, const F& matrices_of) {
+  T found = from;
+  each_of_64_poses<N, T>([&](const JointPosition<N, T>& q) {
+    if (!(found <= T(1e6))) return;
+    const auto is_enough = matrices_of(q);
+    T low = found, high = T(1.001) * found;
+    while (!is_enough(high)) {
+      low = high;
+      high = T(2) * high;
+      if (low > T(1e6)) {
+        found = std::numeric_limits<T>::infinity();
+        return;
+      }
+    }
+    while (high > T(1.001) * low) {
+      const T middle = T(0.5) * (low + high);
+      (is_enough(middle) ? high : low) = middle;
+    }
+    found = low > found ? high : found;
+  });
+  return found;
+}
+}  // namespace detail
+
+/// The largest inertia of each joint over the same poses as in `mass_ratio`, that of its motor included [kg
+/// m^2].
+template <RobotModel M, Real T>
+[[nodiscard]] SKINCTL_COLD JointTorque<M::joints, T> largest_inertia(
+    const M& model, const JointTorque<M::joints, T>& rotors) {
+  auto largest = rotors;
+  detail::each_of_64_poses<M::joints, T>([&](const JointPosition<M::joints, T>& q) {
+    const auto mass = mass_matrix(model, q);
+    for (std::size_t i = 0; i < M::joints; ++i)
+      if (mass(i, i) + rotors[i] > largest[i]) largest[i] = mass(i, i) + rotors[i];
+  });
+  return largest;
+}
+
+/// The largest eigenvalue of `(M_b(q) + diag(rotors))^-1 (M_a(q) + diag(rotors))` over 64 poses within +-pi,
+/// at least 1: a torque made for model `a` accelerates a robot like model `b` up to so many times faster. To
+/// 0.1 %; infinite beyond 1e6 and where M_b is not positive definite. For configuration, not for the loop.
+///
+/// @param rotors  inertia of the motors, seen at the joints, the same in both [kg m^2].
+template <RobotModel A, RobotModel B, Real T>
+  requires(A::joints == B::joints)
+[[nodiscard]] SKINCTL_COLD T mass_ratio(const A& a, const B& b, const JointTorque<A::joints, T>& rotors) {
+  constexpr std::size_t N = A::joints;
+  return detail::smallest_in_all_poses<N>(T(1), [&](const JointPosition<N, T>& q) {
+    return [&, heavy = mass_matrix(a, q), light = mass_matrix(b, q)](const T& x) {
       T rest[N * N];
       for (std::size_t i = 0; i < N * N; ++i) rest[i] = x * light.data[i] - heavy.data[i];
       for (std::size_t i = 0; i < N; ++i) rest[i * N + i] = rest[i * N + i] + (x - T(1)) * rotors[i];
       return math::Ldlt<N, T>(rest).positive_definite();
     };
-    T low = ratio, high = T(1.001) * ratio;
-    while (!is_above(high)) {
-      if (!(high <= T(1e6))) return std::numeric_limits<T>::infinity();
-      low = high;
-      high = T(2) * high;
+  });
+}
+
+/// The largest eigenvalue, in size, of `(M_a(q) + diag(rotors))^-1 d(G_a - G_b)/dq` over the same poses
+/// [1/s^2], at least 0.001: with a stiffness of `x (M_a + diag(rotors))` about a pose, x below it, a robot
+/// like model `b` falls away from the pose under the gravity that a torque made for model `a` compensates
+/// wrongly. As `mass_ratio` otherwise.
+template <RobotModel A, RobotModel B, Real T>
+  requires(A::joints == B::joints)
+[[nodiscard]] SKINCTL_COLD T gravity_rate(const A& a, const B& b, const JointTorque<A::joints, T>& rotors) {
+  constexpr std::size_t N = A::joints;
+  return detail::smallest_in_all_poses<N>(T(1e-3), [&](const JointPosition<N, T>& q) {
+    constexpr T step = T(0.01);  // [rad]: rounding in float and curvature are below 0.1 %
+    MassMatrix<N, T> slope = mass_matrix(a, q);
+    const auto mass = slope;
+    for (std::size_t j = 0; j < N; ++j) {
+      auto there = q, here = q;
+      there[j] = there[j] + step, here[j] = here[j] - step;
+      const auto change = (gravity_torque(a, there) - gravity_torque(b, there)) -
+                          (gravity_torque(a, here) - gravity_torque(b, here));
+      for (std::size_t i = 0; i < N; ++i) slope(i, j) = change[i] / (T(2) * step);
     }
-    while (high > T(1.001) * low) {
-      const T middle = T(0.5) * (low + high);
-      (is_above(middle) ? high : low) = middle;
-    }
-    ratio = low > ratio ? high : ratio;
-  }
-  return ratio;
+    return [&, mass, slope](const T& x) {
+      const auto holds = [&](const T& sign) {
+        T rest[N * N];
+        for (std::size_t i = 0; i < N * N; ++i) rest[i] = x * mass.data[i] + sign * slope.data[i];
+        for (std::size_t i = 0; i < N; ++i) rest[i * N + i] = rest[i * N + i] + x * rotors[i];
+        return math::Ldlt<N, T>(rest).positive_definite();
+      };
+      return holds(T(1)) && holds(T(-1));
+    };
+  });
 }
 
 SKINCTL_END_NAMESPACE

@@ -1,6 +1,7 @@
 // Pose of one frame in another; the type names both frames.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "skinctl/core/contract.hpp"
@@ -52,6 +53,14 @@ class Transform {
   explicit Transform(const Eigen::Transform<T, 3, 1, Options>& X_AB) noexcept
       : Transform(X_AB.linear(), X_AB.translation()) {}
   // clang-format off
+  template <class S, int O>
+  Transform(const Eigen::Quaternion<S, O>&, const Xyz<T>&) = delete;  // axes, not a quaternion: q.toRotationMatrix() and an Eigen vector
+  template <class S, int O, VectorExpression V>
+  Transform(const Eigen::Quaternion<S, O>&, const V&) = delete;  // axes, not a quaternion: q.toRotationMatrix()
+  template <class S, std::size_t N, class P>
+  Transform(const std::array<S, N>&, const P&) = delete;  // axes, not an array: Rotation<double>{{x axis}, {y axis}, {z axis}}, {x, y, z}
+  template <class S, std::size_t N>
+  Transform(const Rotation<T>&, const std::array<S, N>&) = delete;  // an origin, not an array: {p[0], p[1], p[2]}
   template <class S, int D, int M, int O>
   Transform(const Eigen::Transform<S, D, M, O>&) = delete;  // an Eigen pose has no frames: name them, Transform<A, B>(isometry)
   template <class S, int D, int M, int O>

@@ -1,7 +1,7 @@
 // An expression of laws in words: `0.6 skin_joint + 0.4 spline_joint + gravity`.
 #pragma once
 
-#include <cstdio>
+#include <charconv>
 #include <iosfwd>
 #include <string_view>
 
@@ -24,8 +24,8 @@ class LawText {
   /// Six digits.
   LawText& operator<<(double x) noexcept {
     char number[32];
-    std::snprintf(number, sizeof number, "%.6g", x);
-    return *this << std::string_view(number);
+    const auto written = std::to_chars(number, number + sizeof number, x, std::chars_format::general, 6);
+    return *this << std::string_view(number, static_cast<std::size_t>(written.ptr - number));
   }
   friend bool operator==(const LawText& a, std::string_view b) noexcept { return a.view() == b; }
   template <class Traits>

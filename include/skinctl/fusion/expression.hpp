@@ -32,6 +32,21 @@ auto join(const Fused<P, A...>& a, const Fused<Q, B...>& b) {
   for (std::size_t i = 0; i < sizeof...(B); ++i) weights[sizeof...(A) + i] = b.weights()[i];
   return Fused<Sum::normalised, A..., B...>(std::tuple_cat(a.laws(), b.laws()), weights);
 }
+/// Whether `A` is, or has, a law of the skin without settings that `B` has too.
+template <class A, class B>
+constexpr bool repeats_touch() noexcept {
+  if constexpr (!MeantAsLaw<A> || !MeantAsLaw<B>) {
+    return false;
+  } else if constexpr (is_fused<A>) {
+    return []<Sum P, class... L>(const Fused<P, L...>*) {
+      return (repeats_touch<L, B>() || ...);
+    }(static_cast<const A*>(nullptr));
+  } else if constexpr (is_fused<B>) {
+    return repeats_touch<B, A>();
+  } else {
+    return std::is_same_v<A, B> && std::is_empty_v<A> && LawTable<A>::answers_touch;
+  }
+}
 template <class W, class L>
 constexpr bool weighs() noexcept {
   if constexpr (std::is_arithmetic_v<W> && MeantAsLaw<L>) {
@@ -44,10 +59,15 @@ template <class A, class B>
 constexpr bool adds(std::size_t least, std::size_t most) noexcept {
   if constexpr (MeantAsLaw<A> && MeantAsLaw<B>) {
     const auto count = LawTable<A>::gravity_laws + LawTable<B>::gravity_laws;
+    if (repeats_touch<A, B>()) return false;
     return count >= least && count <= most && !LawTable<A>::is_complete_sum && !LawTable<B>::is_complete_sum;
   } else {
     return false;
   }
+}
+template <class A, class B>
+constexpr bool holds_twice() noexcept {
+  return adds<A, B>(2, 99) || repeats_touch<A, B>();
 }
 }  // namespace detail
 
@@ -85,8 +105,8 @@ template <class A, class B>
 template <class A, class B>
 void operator*(const A&, const B&) = delete;  // gravity keeps weight 1, and only numbers are weights
 template <class A, class B>
-  requires(detail::adds<A, B>(2, 99))
-void operator+(const A&, const B&) = delete;  // gravity twice: keep one gravity law
+  requires(detail::holds_twice<A, B>())
+void operator+(const A&, const B&) = delete;  // gravity twice: keep one gravity law; a law of the skin twice: keep one
 template <class A, class B>
 void operator+(const A&, const B&) = delete;  // a law adds to laws only: a torque comes from law.torque(memory, known), a blend of the whole sum
 // clang-format on

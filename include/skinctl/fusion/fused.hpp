@@ -14,8 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// reactive law with its own weight.
 enum class Sum : unsigned char {
   normalised,  ///< divided by their sum, for feedback and feed-forward alike
-  weighted,    ///< feedback with the weights as given, feed-forward with the normalised ones: no part
-               ///< of `Y_r Theta` remains as a disturbance
+  weighted,    ///< feedback as given, feed-forward normalised: no part of `Y_r Theta` is a disturbance
   plain        ///< the paper's sum: everything but gravity with the weights as given
 };
 
@@ -82,8 +81,7 @@ class Fused : public Composable,
       if (roles[i] == LawRole::tracking) sum += weights[i];
     std::array<LawShare<double>, terms> out{};
     for (std::size_t i = 0; i < terms; ++i) {
-      const double w = weights[i];
-      const double part = roles[i] == LawRole::tracking && sum > 0 ? w / sum : w;
+      const double w = weights[i], part = roles[i] == LawRole::tracking && sum > 0 ? w / sum : w;
       out[i] = {Policy == Sum::normalised ? part : w, Policy == Sum::plain ? w : part};
     }
     return out;
@@ -248,10 +246,8 @@ class Fused : public Composable,
       if (given == Opposition::none) opposition = found.opposition;
       if (opposition == Opposition::lasting) status |= Reason::opposed;
     }
-    // Each memory is written once, in place: a copy right after the writes would stall on store forwarding.
     return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
       using Row = detail::Row<K::joints, T>;
-      // Some laws write number by number, what follows reads rows: see `copy_row`.
       const auto row = [](const Torque& torque) SKINCTL_INLINE_LAMBDA {
         return Torque(Row::of([&](auto i) SKINCTL_INLINE_LAMBDA { return torque[i.value]; }));
       };

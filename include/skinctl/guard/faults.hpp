@@ -42,8 +42,8 @@ struct Fault {
   const char* text;  ///< for logs
 };
 
-/// A row for each reason, in the order of `Reason`. `describe`, the guard, the documentation and the tests read
-/// this table.
+/// A row for each reason, in the order of `Reason`. `describe`, the guard, the documentation and the tests
+/// read this table.
 inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faults{{
     {Reason::state_not_finite, "state_not_finite", FaultFinder::guard, Reaction::refuse, Reaction::refuse,
      WayBack::at_once, "the joint state is NaN or infinite: the last good one stands"},
@@ -81,9 +81,9 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
     {Reason::outside_limits, "outside_limits", FaultFinder::guard, Reaction::brake, Reaction::limit,
      WayBack::by_itself, "beyond a position limit, or too fast to stop before it: only motion inward"},
     {Reason::blocked, "blocked", FaultFinder::resolver, Reaction::hold, Reaction::none, WayBack::by_itself,
-     "the robot does not follow: the virtual robot went back to it"},
+     "a joint is held fast: the command stays near it, and laws wait"},
     {Reason::displaced, "displaced", FaultFinder::resolver, Reaction::stop, Reaction::none,
-     WayBack::on_request, "measured and commanded positions differ by a gap that moves along: holds"},
+     WayBack::on_request, "the robot moved away from its commands by more than the largest gap: holds"},
     {Reason::lead_limited, "lead_limited", FaultFinder::resolver, Reaction::limit, Reaction::none,
      WayBack::at_once, "the virtual robot was kept near the measured one"},
     {Reason::opposed, "opposed", FaultFinder::law, Reaction::wait, Reaction::wait, WayBack::by_itself,
@@ -100,10 +100,10 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
      "a matrix could not be factorised: no acceleration in this sub-step"},
     {Reason::slowed, "slowed", FaultFinder::law, Reaction::limit, Reaction::limit, WayBack::by_itself,
      "near a singularity, or at the greatest joint speed: the tool moves slower"},
-    {Reason::jerk_limited, "jerk_limited", FaultFinder::governor, Reaction::limit, Reaction::none,
+    {Reason::jerk_limited, "jerk_limited", FaultFinder::resolver, Reaction::limit, Reaction::none,
      WayBack::at_once, "the jerk of a joint was cut to its limit"},
     {Reason::jerk_exceeded, "jerk_exceeded", FaultFinder::governor, Reaction::report, Reaction::none,
-     WayBack::at_once, "the jerk limit gave way: to another limit, to a stop, or while a joint is held"},
+     WayBack::at_once, "the jerk limit gave way to another limit"},
     {Reason::tool_speed_limited, "tool_speed_limited", FaultFinder::governor, Reaction::limit,
      Reaction::limit, WayBack::at_once, "all joints were slowed for the speed of the tool"},
     {Reason::clearance_kept, "clearance_kept", FaultFinder::governor, Reaction::limit, Reaction::limit,
@@ -140,17 +140,19 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
     {Reason::skin_unheard, "skin_unheard", FaultFinder::skin, Reaction::report, Reaction::report,
      WayBack::by_itself, "the skin has not been heard yet: see its watch"},
     {Reason::skin_blind, "skin_blind", FaultFinder::skin, Reaction::report, Reaction::report,
-     WayBack::by_itself, "too few cells of a patch report, or none near one of its places: see its watch"},
+     WayBack::by_itself, "no cell of a patch counts: see its watch"},
     {Reason::skin_incomplete, "skin_incomplete", FaultFinder::skin, Reaction::report, Reaction::report,
      WayBack::by_itself, "some cells do not report: see its watch"},
     {Reason::skin_slowed, "skin_slowed", FaultFinder::governor, Reaction::limit, Reaction::limit,
-     WayBack::by_itself, "all joints are slowed, for cells that do not report"},
+     WayBack::by_itself, "all joints are slowed, for a place that would lead and feels badly"},
     {Reason::skin_held, "skin_held", FaultFinder::governor, Reaction::brake, Reaction::fade,
      WayBack::by_itself, "brakes and holds until cells report again"},
     {Reason::skin_stopped, "skin_stopped", FaultFinder::governor, Reaction::stop, Reaction::stop,
      WayBack::on_request, "cells do not report: stops"},
     {Reason::start_refused, "start_refused", FaultFinder::guard, Reaction::stop, Reaction::stop,
      WayBack::on_request, "the robot does not stand where it was started: nothing is commanded"},
+    {Reason::push_without_life, "push_without_life", FaultFinder::skin, Reaction::fade, Reaction::fade,
+     WayBack::by_itself, "a push without life, as of a bias: what it reads counts as rest"},
 }};
 static_assert(
     [] {

@@ -17,9 +17,9 @@ struct GuardPart {};
 template <std::size_t N, Real T = double>
 struct GuardSettings {
   using Kind = GuardPart;
-  /// Largest distance [rad] of a start from the first measured position, and by position of every command from the
-  /// measured one. Default: the largest lead and the dead band, e_max + r_tol; for commands, which have to be able to
-  /// stop within it, the way of a stop from top speed more.
+  /// Largest distance [rad] of a start from the first measured position, and by position of every command
+  /// from the measured one. Default: that of a robot at full speed, `RobotConfiguration::largest_distance`;
+  /// for commands, which have to be able to stop within it, the way of a stop from top speed more.
   std::optional<JointPosition<N, T>> lead = {};
   /// Torque interface: fastest change of a torque, in units of the torque limit per second; also the rate of
   /// the change to the fallback.
@@ -45,14 +45,6 @@ struct GuardSettings {
                                      .consent = consent};
     if (lead) out.lead = Set::of(*lead);
     return out;
-  }
-};
-
-/// Nothing but the limits of the joints decides how a guard brakes.
-struct Abrupt {
-  template <class Set>
-  [[nodiscard]] Abrupt set() const noexcept {
-    return {};
   }
 };
 

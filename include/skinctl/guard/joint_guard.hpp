@@ -13,25 +13,26 @@ SKINCTL_BEGIN_NAMESPACE
 /// Passes a command unchanged if it is finite, if the robot's state is fresh, if no stage found a fault, and
 /// if a motion from the last command to it exists within the limits of acceleration and velocity, after which
 /// the joint can still stop before its end. Otherwise it reacts in the same cycle, as the table `faults`
-/// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback. A torque beside
-/// positions keeps its limits and its rate, and ramps to zero while it brakes.
+/// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback. A torque
+/// beside positions keeps its limits and its rate, and ramps to zero while it brakes.
 ///
-/// With `Smooth` the guard brakes as it says, such as `JerkLimits`: a motion that can be stopped within its jerk
-/// keeps it (a governor with the same limits sends no other); for others the limits give way as that class
-/// documents (`jerk_exceeded`). Whether a command keeps its jerk is left to the governor: the guard checks
-/// acceleration, velocity and position.
+/// With `Smooth` the guard brakes as it says, such as `JerkLimits`: a motion that can be stopped within its
+/// jerk keeps it (a governor with the same limits sends no other); for others the limits give way as that
+/// class documents (`jerk_exceeded`). Whether a command keeps its jerk is left to the governor: the guard
+/// checks acceleration, velocity and position.
 ///
 /// Most reactions end by themselves, once the given command can be reached within the limits; the resolver
 /// goes on from the command that was sent. After a `stop` the guard waits for `acknowledge`
 /// (`consent_awaited`). It never steps and never gives a number that is not finite, whatever the input.
 ///
-/// A start is not believed: no command is valid before the first good and fresh state of the robot, which decides. The
-/// start is refused (`start_refused`), and no command is valid until a guard is started again, if a joint
+/// A start is not believed: no command is valid before the first good and fresh state of the robot, which
+/// decides. The start is refused (`start_refused`), and no command is valid until a guard is started again,
+/// if a joint
 ///
-/// - is further than e_max + r_tol (`GuardSettings::lead`) from where it was started, or than r_tol if that is beyond a
-///   position limit;
-/// - has another speed than that of the start, by more than its acceleration changes in T and what counts as rest
-///   (`RobotConfiguration::resting_speed`).
+/// - is further than `GuardSettings::lead` from where it was started, or than the dead band if that is beyond
+///   a position limit;
+/// - has another speed than that of the start, by more than its acceleration changes in T and what counts as
+///   rest (`RobotConfiguration::resting_speed`).
 template <Interface I, std::size_t N, Real T = double, class Smooth = Abrupt>
 class JointGuard : public detail::GuardReach<I, N, T> {
   using Reach = detail::GuardReach<I, N, T>;
@@ -58,7 +59,7 @@ class JointGuard : public detail::GuardReach<I, N, T> {
         stale_after_(robot.stale()),
         settings_(c),
         start_distance_(c.lead.value_or(robot.largest_distance())),
-        dead_band_(robot.tolerance_of_lag()),
+        dead_band_(robot.dead_band),
         speed_change_(
             integrate(robot.resting_speed(), robot.limits.acceleration(), seconds<T>(robot.total_delay()))),
         torque_rate_(c.torque_rate),
@@ -85,7 +86,8 @@ class JointGuard : public detail::GuardReach<I, N, T> {
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
 
   /// Takes over a robot with the command `command` in the state `measured`. For a command that is not valid
-  /// or not plausible, or a state that this robot cannot have, nothing passes until a guard is started with good ones.
+  /// or not plausible, or a state that this robot cannot have, nothing passes until a guard is started with
+  /// good ones.
   [[nodiscard]] SKINCTL_COLD Memory start(const JointCommand<N, T>& command,
                                           const State<N, T>& measured) const noexcept {
     Memory m;
@@ -130,8 +132,9 @@ class JointGuard : public detail::GuardReach<I, N, T> {
     if constexpr (I == Interface::torque) {
       return let_out(m, interval.to, turn_torque(m, wish, measured, good && finite, fallback, dt, status));
     } else {
-      if (good && finite && wish.time == interval.to && this->can_send(m.command, wish, measured, dt, status))
-          [[likely]] {
+      const T given = seconds<T>(status.has(Reason::time_backwards) ? period_ : interval.given(period_));
+      if (good && finite && wish.time == interval.to &&
+          this->can_reach(m.command, wish, measured, given, status)) [[likely]] {
         if constexpr (beside_motion) {
           const Row beside = m.command.torque;
           m.command.assign(wish);
@@ -141,7 +144,7 @@ class JointGuard : public detail::GuardReach<I, N, T> {
         m.command.assign(wish);
         return {wish.copy(), status, false};
       }
-      Guarded<N, T> out = brake(m, measured, dt, status);
+      Guarded<N, T> out = brake(m, measured, given, status);
       if constexpr (beside_motion)
         out.status |= turn_beside(m.command.torque, {}, measured, dt, out.command.torque);
       return let_out(m, interval.to, out);
@@ -209,10 +212,8 @@ class JointGuard : public detail::GuardReach<I, N, T> {
     return out;
   }
 
-  SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const State<N, T>& measured, const T& elapsed,
+  SKINCTL_COLD Guarded<N, T> brake(const Memory& m, const State<N, T>& measured, const T& dt,
                                    Status status) const noexcept {
-    const T cycle = seconds<T>(period_);
-    const T dt = takes_position(I) && elapsed > cycle ? cycle : elapsed;
     Guarded<N, T> out{m.command, status, true};
     const auto& last = m.command;
     if constexpr (smooth) {
@@ -240,8 +241,8 @@ class JointGuard : public detail::GuardReach<I, N, T> {
     return out;
   }
 
-  /// The torque beside a motion, into `out`: from the last one towards `wish`, within its limits, at most at the
-  /// allowed rate.
+  /// The torque beside a motion, into `out`: from the last one towards `wish`, within its limits, at most at
+  /// the allowed rate.
   SKINCTL_INLINE Status turn_beside(const Row& last, const JointTorque<N, T>& wish,
                                     const State<N, T>& measured, const T& dt,
                                     JointTorque<N, T>& out) const noexcept {

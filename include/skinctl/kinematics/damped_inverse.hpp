@@ -272,10 +272,9 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   SKINCTL_NOINLINE void apply_factors(const Velocity& v, T* out) const noexcept {
     if constexpr (by_joints) {
       T b[order], x[order];
-      std::size_t k = 0;
-      J_.for_each([&](auto, const auto& c) { b[k++] = along(c, v); });
+      std::size_t row = 0, k = 0;
+      J_.for_each([&](auto, const auto& c) { b[row++] = along(c, v); });
       factors_->solve(b, x);
-      k = 0;
       J_.for_each([&](auto i, const auto&) { out[i.value] = x[k++]; });
     } else {
       const Velocity y = outer(v);

@@ -5,10 +5,10 @@
 
 #include "skinctl/clearance/clearances.hpp"
 #include "skinctl/core/command.hpp"
-#include "skinctl/core/state.hpp"
 #include "skinctl/limits/detail/clearance_ways.hpp"
 #include "skinctl/limits/detail/towards.hpp"
 #include "skinctl/limits/limit.hpp"
+#include "skinctl/math/greatest_share.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -47,7 +47,6 @@ class ClearanceLimits {
   static constexpr Reason reason = Reason::clearance_kept;
   using Velocity = JointVelocity<joints, T>;
   using Position = JointPosition<joints, T>;
-
   using Near = typename Clearances<M, T, Around>::Near;
   using Here = detail::ClearanceWays<ClearanceLimits>;  ///< the distances at a position, for several queries
   /// Where the robot is beside its commands. Trivially copyable.
@@ -67,14 +66,17 @@ class ClearanceLimits {
 
   /// Throws `ConfigurationError` as `Clearances` does.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits, const Clearance& given)
-      : clearances_(model, given), limits_(limits), margin_(T(given.margin + 1e-4)), reach_(T(given.reach)) {}
+      : clearances_(model, given),
+        limits_(limits),
+        margin_(T(given.margin + spare)),
+        reach_(T(given.reach)) {}
   /// The same, and for times that are out of their range.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits,
                                const ClearanceAround<Around>& given)
     requires(Around > 0)
       : clearances_(model, given.own, given.exposed),
         limits_(limits),
-        margin_(T(given.own.margin + 1e-4)),
+        margin_(T(given.own.margin + spare)),
         reach_(T(given.own.reach)),
         late_(seconds<T>(given.late)),
         max_age_(given.max_age) {
@@ -116,7 +118,7 @@ class ClearanceLimits {
     T sum(0);
     for (std::size_t i = 0; i < joints; ++i) sum = sum + Here::size(off[i]);
     m.off = off;
-    m.is_off = reach_ * sum > T(0.1) * margin_ && sum - sum == T(0);
+    m.is_off = reach_ * sum > T(off_from) * margin_ && sum - sum == T(0);
   }
   /// What the exposed capsules may fill from now on until the robot stands, if it brakes: along the way from
   /// `measured` to the last command, and from there to where all joints are at rest, however they brake together.
@@ -222,14 +224,15 @@ class ClearanceLimits {
     };
     if (keeps(T(1))) [[likely]]
       return T(1);
-    T good(0), part(0.5);
-    for (int k = 0; k < 12; ++k, part = T(0.5) * part)
-      if (keeps(good + part)) good = good + part;
-    return good;
+    return math::greatest_share<halvings, T>(keeps);
   }
 
  private:
   friend Here;
+  static constexpr double spare = 1e-4;  ///< distance kept beyond the margin: braking is planned in steps [m]
+  static constexpr double off_from = 0.1;  ///< share of the margin by which robot and command differ at most
+  static constexpr int halvings = 12;      ///< questions for a share of a motion: known to 2^-12
+
   /// The rate of braking that is planned, a little less than that of braking itself, for rounding.
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
@@ -263,7 +266,7 @@ class ClearanceLimits {
 
   Clearances<M, T, Around> clearances_;
   JointLimits<joints, T> limits_;
-  T margin_, reach_;  ///< a tenth of a millimetre more than asked for: braking is planned in steps
+  T margin_, reach_;  ///< the margin with what is kept beyond [m]
   T late_ = T(0);
   Nanoseconds max_age_{0};
 };

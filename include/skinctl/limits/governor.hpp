@@ -4,6 +4,7 @@
 #include "skinctl/core/detail/plausible.hpp"
 #include "skinctl/limits/detail/drive.hpp"
 #include "skinctl/limits/detail/limits_of_scene.hpp"
+#include "skinctl/math/greatest_share.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -20,24 +21,24 @@ struct GovernedTorque : Governed<N, T> {
   JointTorque<N, T> hold;
 };
 
-/// The stage between resolver and guard of a scene: its limits in the order of their precedence. It knows what a limit
-/// is (`limits/limit.hpp`), and names none.
+/// The stage between resolver and guard of a scene: its limits in the order of their precedence. It knows
+/// what a limit is (`limits/limit.hpp`), and names none.
 ///
-/// **Joints by position and velocity.** A command within the limits passes to the bit. Otherwise all joints are slowed
-/// alike or turned aside as the limits say, a motion from the last command to that velocity is computed within the
-/// limits of the joints (or as the limit says that decides how joints move), and the resolver learns what was sent: its
-/// virtual robot goes on from there, so nothing is caught up later. Where one limit decides how joints move, every
-/// command is computed anew, except while the robot stops or is held: then the resolver's own braking passes.
+/// **Joints by position and velocity.** A command within the limits passes to the bit. Otherwise all joints
+/// are slowed alike or turned aside as the limits say, a motion from the last command to that velocity is
+/// computed within the limits of the joints, of jerk too where the scene has them, and the resolver learns
+/// what was sent: its virtual robot goes on from there, so nothing is caught up later.
 ///
-/// Where limits conflict, the joints' acceleration, position and velocity hold; then the later in the order wins. A
-/// smooth motion that would break another limit gives way.
+/// Where limits conflict, the joints' acceleration, position and velocity hold; then the later in the order
+/// wins. Between a smooth motion and the smooth stop the largest share is taken that breaks no other limit;
+/// where the stop does too, jerk gives way.
 ///
-/// **Joints by torque.** The motion under external forces is unknown, so the speed is braked: `braking_cycles` cycles
-/// ahead, after T, the torque leads to `u = dq + T M^-1 (tau - hold)`, of which the limits leave u'. `tau - M (u - u') / T`
-/// leads to u': drive that would make the robot too fast, or press harder than a region allows, is removed, and a robot
-/// that is pushed too fast is damped; what pushes it (the `resistance` of `MotionLimits`) counts as well, but not for a
-/// contact, whose force it would hide. It sets in without a jump (u' = u leaves the torque to the bit), and never exceeds
-/// the joints' torques.
+/// **Joints by torque.** The motion under external forces is unknown, so the speed is braked:
+/// `braking_cycles` cycles ahead, after T, the torque leads to `u = dq + T M^-1 (tau - hold)`, of which the
+/// limits leave u'. `tau - M (u - u') / T` leads to u': drive that would make the robot too fast, or press
+/// harder than a region allows, is removed, and a robot that is pushed too fast is damped; what pushes it
+/// (the `resistance` of `MotionLimits`) counts as well, but not for a contact, whose force it would hide. It
+/// sets in without a jump (u' = u leaves the torque to the bit), and never exceeds the joints' torques.
 ///
 /// @tparam Sets    `JointGroups` of the robot.
 /// @tparam Limits  in the order of their precedence.
@@ -60,16 +61,19 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
 
   /// The command in place of `wish`.
   ///
-  /// @param hold  the torque that holds the joints by torque: gravity compensation, with friction if it has some.
-  /// @param seen  the touch of this cycle: `pressed()` (`PressedAreas`, or wrenches on the links), `nearest<I>()` (the
-  ///              strongest proximity reading of a link) and `coverage()`, as far as limits ask.
+  /// @param hold  the torque that holds the joints by torque: gravity compensation, with friction if it has
+  ///               some.
+  /// @param seen  the touch of this cycle: `pressed()` (`PressedAreas`, or wrenches on the links),
+  ///              `nearest<I>()` (the strongest proximity reading of a link) and `coverage()`, as far as
+  ///              limits ask.
+  ///
   /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.
   template <class Seen>
   SKINCTL_INLINE Output step(Memory& m, const Input& in, const Command& wish,
                              const JointTorque<joints, T>& hold, const Seen& seen) const noexcept {
     Output out = passed(wish, hold);
     if (!usable(in, wish, hold)) {
-      forget(m);
+      this->forget_torque(m);
       return out;
     }
     if constexpr (has_driven) {
@@ -84,15 +88,9 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
     return out;
   }
 
-  /// The guard sent `command` instead.
-  SKINCTL_INLINE void sent(Memory& m, const Command& command) const noexcept {
-    if constexpr (smooth)
-      each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
-        detail::element<K>(m.groups).acceleration = Set<K>::of(command.acceleration);
-      });
-  }
-
  private:
+  /// Steps between a wish and the quickest stop: a share to 4e-3.
+  static constexpr int sharing_steps = 8;
   using Base::each_group;
   using Base::each_limit;
   using Base::holds_on;
@@ -122,64 +120,77 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   }
   [[nodiscard]] static SKINCTL_INLINE bool usable(const Input& in, const Command& wish,
                                                   const JointTorque<joints, T>& hold) noexcept {
-    bool good = wish.valid && detail::is_plausible(wish) && in.dt > T(0);
-    for (const T& span : in.spans) good = good && span > T(0);
-    return good && (!has_motion || in.last.valid) && (!has_driven || detail::is_finite(hold));
+    return wish.valid && detail::is_plausible(wish) && in.dt > T(0) && (!has_motion || in.span > T(0)) &&
+           (!has_motion || in.last.valid) && (!has_driven || detail::is_finite(hold));
   }
-  SKINCTL_INLINE void forget(Memory& m) const noexcept {
-    each_group([&]<std::size_t K>()
-                   SKINCTL_INLINE_LAMBDA { detail::element<K>(m.groups).acceleration = {}; });
-    this->forget_torque(m);
+  /// The velocity of a command that limits judge: of smooth joints that to which they go on by themselves.
+  [[nodiscard]] SKINCTL_INLINE Velocity leads_to(const Command& wish) const noexcept {
+    Velocity u = wish.velocity;
+    if constexpr (smooth)
+      each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+        Set<K>::put(
+            std::get<K>(motions_).mover().leads_to(Set<K>::of(wish.velocity), Set<K>::of(wish.acceleration)),
+            u);
+      });
+    return u;
   }
   /// The command of the joints by position and velocity.
   SKINCTL_INLINE void move(Memory& m, const Input& in, const Going& going, const Slowed& left,
                            Output& out) const noexcept {
-    if constexpr (smooth) {
-      if (in.hard) [[unlikely]] {
-        // It is smooth again from no acceleration on: that of hard braking would lead beyond rest.
-        if (left.slowed) move_hard(m, in, left.velocity, out);
-        each_group([&]<std::size_t K>()
-                       SKINCTL_INLINE_LAMBDA { detail::element<K>(m.groups).acceleration = {}; });
-      } else {
+    if constexpr (!smooth) {
+      if (left.slowed) move_hard(m, in, left.velocity, out);
+    } else {
+      const Velocity ahead = leads_to(out.command);
+      const Position moved = out.command.position - in.last.position;
+      if (left.slowed || this->broken(m, going, ahead, moved).any())
         move_smoothly(m, in, going, left.velocity, out);
-      }
       each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
-        out.status |= std::get<K>(motions_).exceeded(part_of<Set<K>>(in.last), part_of<Set<K>>(out.command),
-                                                     in.spans[K]);
+        out.status |=
+            std::get<K>(motions_).exceeded(part_of<Set<K>>(in.last), part_of<Set<K>>(out.command), in.span);
       });
-    } else if (left.slowed) {
-      move_hard(m, in, left.velocity, out);
     }
   }
   SKINCTL_INLINE void move_hard(Memory& m, const Input& in, const Velocity& u, Output& out) const noexcept {
     each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
       auto command = part_of<Set<K>>(out.command);
       out.status |= std::get<K>(motions_).move(detail::element<K>(m.groups), part_of<Set<K>>(in.last),
-                                               Set<K>::of(u), in.spans[K], command);
+                                               Set<K>::of(u), in.span, command);
       put_part<Set<K>>(command, out.command);
     });
     out.altered = true;
   }
-  SKINCTL_INLINE void move_smoothly(Memory& m, const Input& in, const Going& going, const Velocity& u,
-                                    Output& out) const noexcept {
+  /// Towards `u` within limits of jerk, with as much of the quickest stop as the other limits need: a smooth
+  /// stop that breaks one gives way.
+  SKINCTL_COLD void move_smoothly(Memory& m, const Input& in, const Going& going, const Velocity& u,
+                                  Output& out) const noexcept {
     [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
-      const std::tuple motions(std::get<K>(motions_).smoothed(
-          detail::element<K>(m.groups), part_of<Set<K>>(in.last), Set<K>::of(u), in.spans[K])...);
-      Position moved = going.half_way(u);
-      Velocity v = u;
-      (Set<K>::put(std::get<K>(motions).displacement, moved), ...);
-      (Set<K>::put(std::get<K>(motions).velocity, v), ...);
-      if (const Status breaks = this->broken(m, going, v, moved); breaks.any()) {
-        out.status |= breaks;
-        move_hard(m, in, u, out);
-        return;
+      const std::tuple wish(
+          std::get<K>(motions_).smoothed(part_of<Set<K>>(in.last), Set<K>::of(u), in.span)...);
+      const std::tuple stop(std::get<K>(motions_).stopped(part_of<Set<K>>(in.last), in.span)...);
+      const auto breaks = [&](const T& share) {
+        Position moved = going.half_way(u);
+        Velocity v = u, ahead = u;
+        const auto mix = [&]<std::size_t G>() {
+          const auto motion = mixed(std::get<G>(stop), std::get<G>(wish), share);
+          Set<G>::put(motion.displacement, moved);
+          Set<G>::put(motion.velocity, v);
+          Set<G>::put(std::get<G>(motions_).mover().leads_to(motion.velocity, motion.acceleration), ahead);
+        };
+        (mix.template operator()<K>(), ...);
+        return this->broken(m, going, v, moved) | this->broken(m, going, ahead, moved);
+      };
+      T share(1);
+      if (const Status broken = breaks(share); broken.any()) {
+        out.status |= broken;
+        if (breaks(T(0)).any()) return move_hard(m, in, u, out);
+        share = math::greatest_share<sharing_steps, T>([&](const T& s) { return !breaks(s).any(); });
       }
       const auto follow = [&]<std::size_t G>() SKINCTL_INLINE_LAMBDA {
         auto command = part_of<Set<G>>(out.command);
         std::get<G>(motions_).follow(detail::element<G>(m.groups), part_of<Set<G>>(in.last),
-                                     std::get<G>(motions), command);
+                                     mixed(std::get<G>(stop), std::get<G>(wish), share), command);
         put_part<Set<G>>(command, out.command);
-        out.status |= std::get<G>(motions).status;
+        out.status |= std::get<G>(wish).status;
       };
       (follow.template operator()<K>(), ...);
       out.altered = true;
@@ -203,7 +214,7 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
       }
       return;
     }
-    const Drive drive(model_, limits_, in.measured, out.command.torque, going.ahead);
+    const Drive drive(model_, in.motors, limits_, in.measured, out.command.torque, going.ahead);
     const auto acted = Driven::of(in.last.torque);
     auto braked = drive.asked;
     if constexpr (of_torque < count)
@@ -226,8 +237,8 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
     if (out.altered) out.command.torque = drive.with(out.command.torque, braked);
     if (waits) out.hold = drive.with(out.hold, Driven::of(out.hold) - drive.that_takes(in.measured.dq));
   }
-  /// What the limits leave of the velocity to which the torques lead, and the torque that leads there; false if that
-  /// cannot be predicted.
+  /// What the limits leave of the velocity to which the torques lead, and the torque that leads there; false
+  /// if that cannot be predicted.
   template <class Seen>
   SKINCTL_INLINE bool slow(Memory& m, const Input& in, const Going& going, const Drive& drive,
                            const Seen& seen, typename Drive::Torque& braked, Slowed& left,
@@ -259,8 +270,9 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
     }
     return predicted;
   }
-  /// The velocity `u` with which joints by torque count. Beside joints that are commanded to move, and that all slow
-  /// alike, it is what the joints' own limits will leave of it: a finger that is pressed against its end slows no arm.
+  /// The velocity `u` with which joints by torque count. Beside joints that are commanded to move, and that
+  /// all slow alike, it is what the joints' own limits will leave of it: a finger that is pressed against its
+  /// end slows no arm.
   [[nodiscard]] SKINCTL_INLINE JointVelocity<Driven::count, T> counted(
       const Input& in, const Going& going, JointVelocity<Driven::count, T> u) const noexcept {
     if constexpr (has_motion && of_torque < count) {

@@ -17,6 +17,18 @@ struct SmoothMotion {
   Status status;
   std::uint64_t braked = 0;  ///< bit i: joint i was slowed because its room was too small
 };
+/// The part `share` of `b`, and the rest of `a`: within limits that both keep, where they begin alike.
+template <std::size_t N, Real T>
+[[nodiscard]] SmoothMotion<N, T> mixed(const SmoothMotion<N, T>& a, const SmoothMotion<N, T>& b,
+                                       const T& share) noexcept {
+  SmoothMotion<N, T> out;
+  for (std::size_t i = 0; i < N; ++i) {
+    out.displacement[i] = a.displacement[i] + share * (b.displacement[i] - a.displacement[i]);
+    out.velocity[i] = a.velocity[i] + share * (b.velocity[i] - a.velocity[i]);
+    out.acceleration[i] = a.acceleration[i] + share * (b.acceleration[i] - a.acceleration[i]);
+  }
+  return out;
+}
 
 /// What `MaxJerk` limits: for `Cycle::without`.
 struct JerkLimit {};
@@ -51,11 +63,12 @@ class JerkLimits {
     for (std::size_t i = 0; i < N; ++i) {
       require(jerk[i] > T(0) && jerk[i] <= T(1e9), "jerk limit", static_cast<double>(jerk[i]),
               "> 0, <= 1e9 rad/s^3");
-      require(jerk[i] * T(1000) >= limits.acceleration()[i], "jerk limit", static_cast<double>(jerk[i]),
-              ">= acceleration limit / 1000 s");
+      require(jerk[i] * T(slowest_rise) >= limits.acceleration()[i], "jerk limit",
+              static_cast<double>(jerk[i]), ">= acceleration limit / 1000 s");
       // No state below the velocity limit travels further than this before it is at rest.
       const T V = limits.velocity()[i], A = limits.acceleration()[i];
-      far_[i] = T(1.01) * (V * A / jerk[i] + detail::Stopping<T>(V, T(0), A, jerk[i]).reach().above);
+      far_[i] = T(1 + rounding_of_ways) *
+                (V * A / jerk[i] + detail::Stopping<T>(V, T(0), A, jerk[i]).reach().above);
     }
   }
 
@@ -66,8 +79,8 @@ class JerkLimits {
   [[nodiscard]] SKINCTL_COLD JerkLimits<Set::count, T> set() const {
     return {limits_.template part<Set>(), Set::of(jerk_)};
   }
-  /// `jerk_exceeded`, if the acceleration has changed from `before` to `now` in `dt` seconds faster than the limit
-  /// allows.
+  /// `jerk_exceeded`, if the acceleration has changed from `before` to `now` in `dt` seconds faster than the
+  /// limit allows.
   [[nodiscard]] SKINCTL_INLINE Status exceeded(const JointAcceleration<N, T>& before,
                                                const JointAcceleration<N, T>& now,
                                                const T& dt) const noexcept {
@@ -77,6 +90,15 @@ class JerkLimits {
     return any(magnitude(change) > most + rounding) ? Status(Reason::jerk_exceeded) : Status();
   }
 
+  /// The velocity that joints reach by themselves from `u` on, until an acceleration `a` in its direction is
+  /// brought to zero, `u + a |a| / (2 J)`: what other limits have to judge.
+  [[nodiscard]] SKINCTL_INLINE JointVelocity<N, T> leads_to(const JointVelocity<N, T>& u,
+                                                            const JointAcceleration<N, T>& a) const noexcept {
+    JointVelocity<N, T> out = u;
+    for (std::size_t i = 0; i < N; ++i)
+      if (a[i] * u[i] >= T(0)) out[i] += a[i] * (a[i] < T(0) ? -a[i] : a[i]) / (T(2) * jerk_[i]);
+    return out;
+  }
   /// The motion over `h` > 0 seconds from velocity `u0` and acceleration `a0` towards the velocity `target`
   /// at its end. Within `room`, see `JointLimits::room`.
   ///
@@ -101,18 +123,54 @@ class JerkLimits {
       return std::pair(Joint::without_dust(detail::Stopping<T>(u, a, joint.A, joint.J).after(h)), Status{});
     });
   }
+  /// Changes a motion that these limits made from `u0` and `a0` such that its rest points are inside `leash`,
+  /// as far as they allow: a joint whose quickest stop ends beyond comes back as hard as they do, if
+  /// `comes_back`. Returns the joints whose motion it changed.
+  ///
+  /// @param leash  distances from the beginning of the motion; negative beyond an end.
+  [[nodiscard]] SKINCTL_INLINE std::uint64_t hold_back(SmoothMotion<N, T>& motion,
+                                                       const JointRoom<N, T>& room,
+                                                       const JointRoom<N, T>& leash,
+                                                       const JointVelocity<N, T>& u0,
+                                                       const JointAcceleration<N, T>& a0, const T& h,
+                                                       bool comes_back) const noexcept {
+    std::uint64_t cut = 0;
+    for (std::size_t i = 0; i < N; ++i) {
+      const Joint joint = joint_of(i, room, h);
+      const detail::Moved<T> wish{motion.displacement[i], motion.velocity[i], motion.acceleration[i]};
+      const auto kept = joint.held_back(wish, u0[i], joint.within_acceleration(a0[i]), h, leash.below[i],
+                                        leash.above[i], comes_back);
+      if (kept.u == wish.u && kept.a == wish.a) continue;
+      cut |= std::uint64_t(1) << i;
+      const auto clean = Joint::without_dust(kept);
+      motion.displacement[i] = clean.s, motion.velocity[i] = clean.u, motion.acceleration[i] = clean.a;
+    }
+    return cut;
+  }
 
  private:
+  static constexpr double slowest_rise = 1000;  ///< longest time to the largest acceleration [s]
+  static constexpr double rounding_of_ways =
+      0.01;  ///< share of the longest way to rest that rounding may take
+
   using Joint = detail::JerkJoint<T>;
 
+  [[nodiscard]] SKINCTL_INLINE Joint joint_of(std::size_t i, const JointRoom<N, T>& room,
+                                              const T& h) const noexcept {
+    return {limits_.velocity()[i],
+            limits_.acceleration()[i],
+            jerk_[i],
+            room.above[i],
+            room.below[i],
+            T(far_[i] + limits_.velocity()[i] * h)};
+  }
   template <class Way>
   SKINCTL_INLINE SmoothMotion<N, T> each(const JointRoom<N, T>& room, const JointVelocity<N, T>& u0,
                                          const JointAcceleration<N, T>& a0, const T& h,
                                          Way&& way) const noexcept {
     SmoothMotion<N, T> out;
     for (std::size_t i = 0; i < N; ++i) {
-      const Joint joint(limits_.velocity()[i], limits_.acceleration()[i], jerk_[i], room.above[i],
-                        room.below[i], T(far_[i] + limits_.velocity()[i] * h));
+      const Joint joint = joint_of(i, room, h);
       const T given = joint.within_acceleration(a0[i]);
       const auto start = joint.bearable(u0[i], given);
       if (start.a != given || !start.rests) [[unlikely]]
@@ -149,8 +207,7 @@ class JerkLimits {
 };
 
 /// For `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the guard's
-/// braking. It gives way (`jerk_exceeded`) while the robot stops, and while a joint is farther from its command than the
-/// dead band, as one that is held: the limits of acceleration, velocity and position are kept.
+/// braking.
 template <std::size_t N, Real T = double>
 struct MaxJerk {
   using Kind = JerkLimit;

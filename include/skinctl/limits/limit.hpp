@@ -55,6 +55,7 @@ enum class Precedence : unsigned char {
   moves,       ///< how joints move: it gives way to all others
   contact,     ///< force and power of contacts
   coverage,    ///< how much of the skin feels
+  places,      ///< speed of places, by what they feel
   free,        ///< limits of users
   tool_speed,  ///< speed of a point of the robot
   clearance,   ///< distance from bodies
@@ -83,7 +84,7 @@ struct NoInput {};
 // | `Input`, `see(m, input, q, now)`         | what it adds to the input of a cycle, and takes from it      | nothing   |
 // | `stand_off(m, off)`                      | the robot stands off its commands by `off`                   | nothing   |
 // | `links`                                  | links whose touch it reads: the scene's skin covers them     | none      |
-// | `reads_coverage`                         | whether it asks how much of the skin feels                   | false     |
+// | `reads_coverage`                         | whether it asks what cells feel: how much, and how well      | false     |
 // | `check(resolver)`                        | throws for a robot that it does not suit                     | nothing   |
 // | `decides_motion`, `set<S>()`             | it decides how the joints of S move: `move`, `brake`, `exceeded` of `JerkLimits` | limits of the joints alone |
 // | `limits_torque`                          | it limits torques: `observe`, `forget`, `resistance`, `box`, `within` of `MotionLimits` | nothing |

@@ -185,6 +185,10 @@ class MotionLimits {
   }
 
  private:
+  static constexpr double slowest = 1.0 / 128;  ///< share of the velocity limit over which resistance sets in
+  static constexpr double past_end =
+      1e-3;  ///< way behind an end that resistance bears, over the speed limit [s]
+
   [[nodiscard]] static SKINCTL_INLINE JointVelocity<joints, T> whole(
       const JointVelocity<n, T>& part) noexcept {
     JointVelocity<joints, T> out;
@@ -207,14 +211,13 @@ class MotionLimits {
   /// What resistance leaves of the drive `d` > 0 of a joint to the side `to`: it can stop it, not turn it.
   ///
   /// Resistance is taken to grow with speed: of a joint that is too fast only the part counts that it would have at
-  /// `may`, or the joint would push on through friction beyond its end; and none of it 1 ms at full speed
-  /// behind the end.
+  /// `may`, or the joint would push on through friction beyond its end; and none of it `deepest` behind the end.
   ///
   /// @param may     the largest speed to that side, `v` the present one, `V` the limit.
   /// @param beyond  the distance behind the end; negative before it.
   [[nodiscard]] static SKINCTL_INLINE T left(const Memory& m, std::size_t i, const T& to, const T& d,
                                              const T& may, const T& v, const T& V, const T& beyond) noexcept {
-    const T excess = v - may, creep = V / T(128), deepest = T(1e-3) * V;
+    const T excess = v - may, creep = T(slowest) * V, deepest = T(past_end) * V;
     const auto [least, most] = spread(m, i, to);
     if (most < T(0))  // it pushes on
       return excess > T(0) ? T(d - most * (excess < creep ? T(excess / creep) : T(1))) : d;

@@ -76,6 +76,11 @@ class Attached : public AttachedTree<A, At, B> {
       return b_.template number<I - Tree::trunk, P, U>();
     }
   }
+  [[nodiscard]] constexpr bool masses_assumed() const noexcept {
+    if constexpr (A::joints > 0)
+      if (has_assumed_masses(a_)) return true;
+    return has_assumed_masses(b_);
+  }
   template <Scalar U>
   SKINCTL_INLINE constexpr auto gravity() const noexcept {
     return a_.template gravity<U>();

@@ -44,6 +44,31 @@ inline constexpr bool computes_in = true;
 template <detail::ModelInScalar M, class T>
 inline constexpr bool computes_in<M, T> = std::is_same_v<typename M::scalar, T>;
 
+namespace detail {
+/// A model, and a description, that say whether their masses are assumed.
+template <class M>
+concept SaysMassesAssumed = requires(const M& model) { model.masses_assumed(); };
+template <class D>
+concept DescribesMassesAssumed = requires { D::masses_assumed; };
+}  // namespace detail
+
+/// Whether a model says that masses of its links are assumed, as a file without `<inertial>` leaves them. Robots by
+/// torque and impedance, and touch from the motors, refuse it.
+template <RobotModel M>
+[[nodiscard]] constexpr bool has_assumed_masses(const M& model) noexcept {
+  if constexpr (detail::SaysMassesAssumed<M>) return model.masses_assumed();
+  return false;
+}
+/// Throws `ConfigurationError` for a model with assumed masses, with the name of `what` needs real ones.
+template <RobotModel M>
+SKINCTL_COLD void require_masses(const M& model, const char* what) {
+  if (has_assumed_masses(model))
+    refuse(std::string("skinctl: ") + what +
+           " needs the robot's masses, and those of this model are assumed: its "
+           "file has no <inertial> for some links; take the maker's, or fit them "
+           "(calibration/inertial_fit.hpp)");
+}
+
 /// All numbers of link `I` of a model that computes in `T`, typed constants included.
 template <std::size_t I, Scalar T, RobotModel M>
 [[nodiscard]] constexpr LinkParameters<double> numbers_of(const M& model) noexcept {
@@ -64,6 +89,10 @@ struct StaticModel {
   static constexpr auto parents = Description::parents;
   static constexpr auto kinds = Description::kinds;
 
+  static constexpr bool masses_assumed() noexcept {
+    if constexpr (detail::DescribesMassesAssumed<Description>) return Description::masses_assumed;
+    return false;
+  }
   template <std::size_t I, LinkParameter P, Scalar T>
   static SKINCTL_INLINE constexpr auto number() noexcept {
     constexpr double x = Description::links[I][P];
@@ -141,6 +170,9 @@ class CalibratedModel {
   }
   /// The numbers of link `i`.
   const LinkParameters<T>& link(std::size_t i) const noexcept { return links_[i]; }
+  /// Marks the masses as assumed: see `has_assumed_masses`.
+  void assume_masses() noexcept { assumed_ = true; }
+  [[nodiscard]] constexpr bool masses_assumed() const noexcept { return assumed_; }
 
  private:
   template <std::size_t I, LinkParameter P>
@@ -174,6 +206,7 @@ class CalibratedModel {
   }
   Links links_;
   Xyz<T> gravity_;
+  bool assumed_ = false;
 };
 
 /// A calibrated model of a static description: same tree, same numbers, as a starting point for a
@@ -182,9 +215,11 @@ template <class Description, Scalar T = double>
 CalibratedModel<Description, T> calibrated_from() {
   typename CalibratedModel<Description, T>::Links links;
   for (std::size_t i = 0; i < Description::joints; ++i) links[i] = Description::links[i].template cast<T>();
-  return CalibratedModel<Description, T>(
+  CalibratedModel<Description, T> model(
       links, {T(Description::gravity[0]), T(Description::gravity[1]), T(Description::gravity[2])},
       makers_density);
+  if constexpr (StaticModel<Description>::masses_assumed()) model.assume_masses();
+  return model;
 }
 
 SKINCTL_END_NAMESPACE

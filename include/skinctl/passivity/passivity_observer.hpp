@@ -138,7 +138,7 @@ class PassivityObserver {
     }
     if (inward && !(cost <= left)) return false;
     const T p = lever(dq), furthest = p > memory.under_way ? p : memory.under_way;
-    const T half = T(0.5) * memory.energy, creep = s_.reserve * s_.start * T(0.0625);
+    const T half = T(0.5) * memory.energy, creep = T(creeping) * s_.reserve * s_.start;
     const T most = left > half ? left : (half > creep ? half : creep);
     return T(0.5) * s_.stiffness * furthest * furthest <= most + taken || !(p > T(0));
   }
@@ -153,12 +153,15 @@ class PassivityObserver {
         const auto& row = memory.felt[k].row;
         const T into = along(row, v), size = along(row, row);
         if (!(into > T(0) && size > T(0))) continue;
-        for (std::size_t j = 0; j < N; ++j) v[j] = v[j] - T(1.001) * into / size * row[j];
+        for (std::size_t j = 0; j < N; ++j) v[j] = v[j] - T(outward_by) * into / size * row[j];
       }
     return v;
   }
 
  private:
+  static constexpr double creeping = 1.0 / 16;  ///< share of the reserve for motions without energy
+  static constexpr double outward_by = 1.001;  ///< for rounding: a motion that leaves a contact does leave it
+
   template <std::size_t N, class Q>
   static SKINCTL_INLINE T along(const T (&row)[N], const Q& dq) noexcept {
     T sum(0);

@@ -31,9 +31,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// flange that turns: it needs virtual inertia of its own.
 struct StiffestContact {
   using RobotPart = detail::StiffestContactPart;
-  double stiffness = 0;  ///< of the environment [N/m], > 0
-  double cover = 0;      ///< of the skin's cover, in series [N/m]; 0: rigid
-  double body = 0;       ///< mass behind the contact [kg], as of a hand that holds it; 0: a wall
+  static constexpr bool repeats = true;  ///< a robot may declare several
+  double stiffness = 0;                  ///< of the environment [N/m], > 0
+  double cover = 0;                      ///< of the skin's cover, in series [N/m]; 0: rigid
+  double body = 0;  ///< mass behind the contact [kg], as of a hand that holds it; 0: a wall
   /// Loss factor of the cover and of what it touches, the tangent of the loss angle, 0 to 1: rubber and foam 0.1,
   /// tissue more. Default: 0.1 before a body, 0 before a wall.
   std::optional<double> loss = {};
@@ -51,9 +52,9 @@ struct StiffestContact {
   template <DescribedRobot R, class Skin>
   [[nodiscard]] SKINCTL_COLD double heavier(const R& robot, const Skin& skin) const {
     const auto all = contacts(robot, skin);
-    double low = 1.0 / 64, high = low;
-    while (worst(all, high).lack > 1 && high < 1e6) low = high, high = 2 * high;
-    for (int n = 0; n < 10 && high > low; ++n) {
+    double low = min_mass, high = low;
+    while (worst(all, high).lack > 1 && high < max_mass) low = high, high = 2 * high;
+    for (int n = 0; n < halvings && high > low; ++n) {
       const double middle = std::sqrt(low * high);
       (worst(all, middle).lack > 1 ? low : high) = middle;
     }
@@ -77,30 +78,29 @@ struct StiffestContact {
   /// Empty if all contacts rest; otherwise what is lacking.
   template <DescribedRobot R, class Skin>
   [[nodiscard]] SKINCTL_COLD std::string warning(const R& robot, const Skin& skin) const {
-    try {
-      check(robot, skin);
-    } catch (const ConfigurationError& e) {
-      return e.what();
-    }
-    return {};
+    static_assert(R::interface != Interface::torque,
+                  "StiffestContact: by torque there is no virtual robot behind a delay; leave it out");
+    if (worst(contacts(robot, skin), 1).lack <= 1) return {};
+    char text[384];
+    std::snprintf(text, sizeof text,
+                  "skinctl: felt mass beside that of a %s = 1, allowed: >= %.3g for a contact of %.4g N/m: "
+                  "divide force gains, "
+                  "virtual damping and friction by it, add virtual inertia, or shorten the delay",
+                  body > 0 ? "body" : "wall", heavier(robot, skin), series());
+    return text;
   }
 
   /// Throws `ConfigurationError` with the felt mass needed unless all contacts rest.
   template <DescribedRobot R, class Skin>
   SKINCTL_COLD void check(const R& robot, const Skin& skin) const {
-    static_assert(R::interface != Interface::torque,
-                  "StiffestContact: by torque there is no virtual robot behind a delay; leave it out");
-    if (worst(contacts(robot, skin), 1).lack <= 1) return;
-    char text[192];
-    std::snprintf(
-        text, sizeof text,
-        ">= %.3g for a contact of %.4g N/m: divide force gains, virtual damping and friction by it, add "
-        "virtual inertia, or shorten the delay",
-        heavier(robot, skin), series());
-    require(false, body > 0 ? "felt mass beside that of a body" : "felt mass beside that of a wall", 1, text);
+    if (const std::string lacking = warning(robot, skin); !lacking.empty()) refuse(lacking);
   }
 
  private:
+  static constexpr double min_mass = 1.0 / 64;  ///< lightest mass of the search, over the felt one
+  static constexpr double max_mass = 1e6;       ///< heaviest mass of the search, over the felt one
+  static constexpr int halvings = 10;           ///< of the ratio of two masses: known to 0.1 %
+
   /// The contacts at one pose.
   template <std::size_t N>
   struct Pose {

@@ -19,14 +19,15 @@ struct Following {
   T observed = T(0);                  ///< time that counts [s]
 };
 
-/// Estimates lag and gap of a robot by position or velocity while it works: the line `r = gap - lag u` through
-/// the residuals r of the resolver and the measured velocities u of the joints, by least squares with a
-/// forgetting time. Of a lag of first order that is exact, of a delay d at the frequency w it is `sin(w d)/w`. It reports, and proposes a configuration; it does not steer.
+/// Estimates lag and gap of a robot by position or velocity while it works: the line `r = gap - lag u`
+/// through the residuals r of the resolver and the measured velocities u of the joints, by least squares with
+/// a forgetting time. Of a lag of first order that is exact, of a delay d at the frequency w it is
+/// `sin(w d)/w`. It reports, and proposes a configuration; it does not steer.
 ///
-/// Only a robot that follows counts: cycles in which a joint is beside its commands by more than the dead band
-/// and does not move with them are left out, and so are those up to 10 T before, in which it may have met an
-/// obstacle already. A lag of which the robot
-/// shows nothing (it does not move) is not known: `lag_deviation` says so.
+/// Only a robot that follows counts: cycles in which a joint is beside its commands by more than the dead
+/// band and does not move with them are left out, and so are those up to 10 T before, in which it may have
+/// met an obstacle already. A lag of which the robot shows nothing (it does not move) is not known:
+/// `lag_deviation` says so.
 ///
 /// ```
 /// const FollowingMonitor monitor(arm.configuration());
@@ -68,8 +69,8 @@ class FollowingMonitor {
   ///
   /// @param forgets  time constant of forgetting, 1 s to 1 h.
   SKINCTL_COLD explicit FollowingMonitor(const RobotConfiguration<N, T>& robot, Nanoseconds forgets = 30s)
-      : band_(robot.tolerance_of_lag()),
-        part_(T(5) * seconds<T>(robot.total_delay())),
+      : band_(robot.dead_band),
+        part_(T(delays) * seconds<T>(robot.total_delay())),
         correlated_(seconds<T>(robot.total_delay())),
         forgets_(seconds<T>(forgets)),
         longest_(robot.longest()) {
@@ -84,7 +85,7 @@ class FollowingMonitor {
     if (passed <= 0ns) return;  // nothing new was measured
     const JointPosition<N, T> expected = robot.measured.q - robot.residual;
     const T per_dt = T(1) / seconds<T>(passed), dt = seconds<T>(passed);
-    bool follows = robot.mode == ResolverMode::following && m.settling >= part_;
+    bool follows = !robot.brakes && m.settling >= part_;
     if (m.settling < part_) m.settling = m.settling + dt;
     Part now;
     for (std::size_t i = 0; i < N; ++i) {
@@ -92,7 +93,7 @@ class FollowingMonitor {
               r = T(0.5) * (robot.residual[i] + m.residual[i]) + robot.gap[i];
       const T off = robot.residual[i] < T(0) ? T(-robot.residual[i]) : robot.residual[i];
       const T told = per_dt * (expected[i] - m.expected[i]);
-      follows = follows && (off <= band_[i] || told * u > T(0.25) * told * told);
+      follows = follows && (off <= band_[i] || told * u > T(follows_from) * told * told);
       now.joint[i] = {dt * r, dt * u, dt * r * r, dt * r * u, dt * u * u};
     }
     if (!follows) {
@@ -128,7 +129,7 @@ class FollowingMonitor {
       ru = ru + (s.ru - per * s.r * s.u);
       rr = rr + (s.rr - per * s.r * s.r);
     }
-    const bool moves = uu > T(1e-3) * T(N) * all.time;  // 0.03 rad/s, above the noise of encoders
+    const bool moves = uu > T(moving) * T(N) * all.time;
     const T lag = moves ? T(-ru / uu) : T(0), left = rr + lag * ru;
     const T variance = (left > T(0) ? left : T(0)) * (T(1) / correlated_) / freedom;
     if (moves) {
@@ -144,8 +145,8 @@ class FollowingMonitor {
     return out;
   }
 
-  /// The description with the lag that was found, if that is known to `certain`; otherwise as it was. Less than
-  /// nothing is taken off the delay.
+  /// The description with the lag that was found, if that is known to `certain`; otherwise as it was. Less
+  /// than nothing is taken off the delay.
   [[nodiscard]] SKINCTL_COLD RobotConfiguration<N, T> proposed(const RobotConfiguration<N, T>& now,
                                                                const Memory& m,
                                                                Nanoseconds certain = 2ms) const {
@@ -158,12 +159,14 @@ class FollowingMonitor {
       lag = 0ns;
     }
     out.lag = lag;
-    out.observer.reset();
-    out.dead_band.reset();
     return out;
   }
 
  private:
+  static constexpr double delays = 5;           ///< total delays in a part that is refused as a whole
+  static constexpr double follows_from = 0.25;  ///< share of the expected speed from which on a joint follows
+  static constexpr double moving = 1e-3;  ///< mean squared speed above the noise of encoders [rad^2/s^2]
+
   SKINCTL_COLD void close(Memory& m) const noexcept {
     Part& all = m.part[0];
     const T rest = forgets_ / (forgets_ + m.part[1].time);

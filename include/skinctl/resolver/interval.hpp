@@ -17,6 +17,15 @@ struct Interval {
   Nanoseconds seen{};
   /// The clock had leapt and is back: what has a stamp is to be moved by `from` minus the last cycle's time.
   bool clock_set = false;
+  /// Time by which earlier cycles came too soon: the servo has it still to give.
+  Nanoseconds carried{};
+
+  /// The time in which a robot with this period carries the cycle's command out: a period, however late the
+  /// cycle is.
+  [[nodiscard]] constexpr Nanoseconds given(Nanoseconds period) const noexcept {
+    const Nanoseconds all = to - from + carried;
+    return all < period ? all : period;
+  }
 
   /// Begin of sub-step `j`; `at(substeps)` is the end.
   [[nodiscard]] constexpr Nanoseconds at(unsigned j) const noexcept {

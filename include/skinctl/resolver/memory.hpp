@@ -13,57 +13,31 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The state of motion of the virtual robot.
-enum class ResolverMode : unsigned char {
-  following,  ///< the laws move it
-  blocked,    ///< returns to the real robot and waits there
-  displaced,  ///< holds until the user's consent: the real robot stands beside its commands
-  braking     ///< brakes and holds: a stop, or no measurement of the real robot
-};
-
-/// The observation of a joint whose residual is outside of the dead band.
-template <Real T>
-struct ResidualWatch {
-  T size = T(0);   ///< largest residual since it left the dead band [rad]; zero inside
-  T side = T(0);   ///< sign of the residual, +1 or -1
-  T most = T(0);   ///< largest speed of a correction [rad/s]
-  T robot = T(0);  ///< measured position then
-  T told = T(0);   ///< H(commands) then
-  T joint = T(0);  ///< q^ then
-  T slack =
-      T(0);  ///< by which the dead band is wider: the robot moved with commands that far ahead of it [rad]
-};
-
 /// The virtual robot's joints, the commands under way, the last good measurement. Trivially copyable; a
 /// default value has not been started and gives no valid command.
 /// @tparam UnderWay  memory of their servo.
 template <std::size_t N, Real T, std::size_t History, class UnderWay = CommandsUnderWay<N, T, History>>
 struct VirtualJointsMemory {
   bool started = false;
-  bool stop = false;  ///< a stop was requested
-  ResolverMode mode = ResolverMode::following;
-  Nanoseconds time{};                  ///< of the virtual state
-  detail::RunningPosition<N, T> q;     ///< q^
-  JointVelocity<N, T> v;               ///< the virtual robot's velocity, which laws read
-  JointVelocity<N, T> rate;            ///< dq^/dt: v, with the correction where that is sent
-  JointAcceleration<N, T> last;        ///< dv/dt of the last sub-step
-  State<N, T> measured;                ///< the last good measurement, less the gap and what contacts deflect
-  JointPosition<N, T> residual;        ///< r: measured position minus that brought by the commands
-  JointPosition<N, T> gap;             ///< g: a residual to which the user has agreed; taken off measurements
-  bool gap_told = false;               ///< g began as the gap to where the robot says that it was told to be
-  ResidualWatch<T> watch[N];           ///< of joints that are off
-  T off_for[N] = {};                   ///< how long r has been beyond the dead band [s]
-  T mode_for = T(0);                   ///< how long the present mode has lasted [s]
-  T settles_for = T(0);                ///< how long r is still that of commands that never moved [s]
-  T command_span = T(0);               ///< time in which a position command is to be reached [s]
-  bool watched = false;                ///< a residual has left the dead band
-  bool behind = false;                 ///< the sent position has yet to catch up with q^
-  JointPosition<N, T> slow_residual;   ///< r, smoothed over 10 T
-  JointPosition<N, T> told;            ///< way of the commands in the last 10 T
-  JointPosition<N, T> back;            ///< where a blocked robot stood, to which q^ returns
-  signed char pushed[N] = {};          ///< the direction in which a blocked robot did not follow
-  detail::RunningPosition<N, T> sent;  ///< the sent position, or the integral of the sent velocities
-  detail::RunningPosition<N, T> offset;  ///< corrections of r without motion (velocity interface)
+  bool stop = false;          ///< a stop was requested
+  bool displaced = false;     ///< a gap beyond the largest one, which waits for consent
+  bool brakes = false;        ///< on the way to rest: a stop, no measurement of the real robot, or displaced
+  bool seen = false;          ///< the robot has been measured since the first command
+  bool gap_told = false;      ///< g began as the gap to where the robot says that it was told to be
+  std::uint64_t returns = 0;  ///< bit i: the leash pulls joint i back
+  std::uint64_t cut = 0;      ///< bit i: the leash held joint i back since the last measurement
+  Nanoseconds time{};         ///< of the virtual state
+  detail::RunningPosition<N, T> q;  ///< q^, by position the last command [rad]
+  JointVelocity<N, T> rate;         ///< dq^/dt, which is sent [rad/s]
+  JointVelocity<N, T> v;            ///< dq^/dt for laws, without the speed of a return [rad/s]
+  JointAcceleration<N, T> last;     ///< dv/dt of the last sub-step; with limits of jerk at its end [rad/s^2]
+  State<N, T> measured;             ///< the last good measurement, less the gap and what contacts deflect
+  JointPosition<N, T> residual;     ///< r: measured position less that brought by the commands [rad]
+  JointPosition<N, T> gap;          ///< g: way of the robot away from its commands, by itself [rad]
+  JointPosition<N, T> farthest;     ///< measured place from which a way on the side of r is such [rad]
+  T held_for[N] = {};               ///< how long the leash has held a joint back that rests, up to 5 T [s]
+  detail::RunningPosition<N, T> sent;    ///< velocity interface: the integral of the sent velocities [rad]
+  detail::RunningPosition<N, T> offset;  ///< velocity interface: corrections of q^ without motion [rad]
   UnderWay under_way;
   JointCommand<N, T> command;  ///< the last one
 };
@@ -101,8 +75,8 @@ struct HeldByGroup {};
 
 }  // namespace detail
 
-/// A resolver's memory: virtual joints of each group, joints by torque, and the memory of its `Passivity` parts.
-/// Trivially copyable; a default value has not been started and gives no valid command.
+/// A resolver's memory: virtual joints of each group, joints by torque, and the memory of its `Passivity`
+/// parts. Trivially copyable; a default value has not been started and gives no valid command.
 /// @tparam Sets  `JointGroups`.
 template <std::size_t N, Real T, class Sets, std::size_t History = 32, class PassivityParts = Passivity<>>
 struct ResolverMemory {
@@ -114,6 +88,7 @@ struct ResolverMemory {
   bool stop = false;                  ///< a stop was requested
   Nanoseconds time{};                 ///< the end of the last interval
   Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
+  Nanoseconds carried{};              ///< time by which cycles came too soon, up to a period
   typename detail::VirtualGroups<T, History, Groups>::Memory stiff;
   [[no_unique_address]] detail::DrivenMemory<Sets::Driven::count, T,
                                              PassivityParts::template has<EnergyTank<T>>> driven;

@@ -8,8 +8,17 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The result of one cycle of a resolver: the command, its status, the torque of each part of the law in its last
-/// evaluation, and the torque that holds the driven joints if the guard refuses the command.
+/// Joints of all groups move within their own limits alone.
+struct AllAbrupt {
+  static constexpr bool smooth = false;
+  template <std::size_t>
+  [[nodiscard]] static constexpr Abrupt mover_of() noexcept {
+    return {};
+  }
+};
+
+/// The result of one cycle of a resolver: the command, its status, the torque of each part of the law in its
+/// last evaluation, and the torque that holds the driven joints if the guard refuses the command.
 template <std::size_t N, Real T, std::size_t Terms>
 struct Resolved {
   JointCommand<N, T> command;
@@ -23,55 +32,53 @@ struct Resolved {
       : command(given.copy()), status(found), shares(parts) {}
 };
 
-/// The torque resolver of the paper's section 4.5: one robot, one law, one fused torque, and joints in groups.
-/// Stiff joints take positions or velocities, driven joints take torques.
+/// The torque resolver of the paper's section 4.5: one robot, one law, one fused torque, and joints in
+/// groups. Stiff joints take positions or velocities, driven joints take torques.
 ///
-/// **Stiff joints.** A virtual robot with the model's M, C, G and the configured friction carries the fused torque:
-/// `M dv = tau - (C + B) v - G - tau_c(v) + M L2 rho`, `dq^ = u = v + L1 rho`, sub-stepped over the interval just
-/// passed. All laws read its state `(q^, v)`, which is sent. The real robot enters through `r`, the measured
-/// position minus the position that the sent commands should have brought, by declared delay and lag of each group,
-/// and `rho`, the part of r outside of the dead band: a robot that follows as declared is not disturbed, and feels
-/// as configured.
+/// **Stiff joints.** A virtual robot with the model's M, C, G and the configured friction carries the fused
+/// torque: `M dv = tau - (C + B) v - G - tau_c(v)`, `dq^ = v`, sub-stepped over the interval just passed. All
+/// laws read its state `(q^, v)`, which is sent. One planner moves it: its state is the last command with its
+/// speed and acceleration; laws, stops and the way back from an obstacle are wishes. A joint always comes to
+/// rest within an interval:
 ///
-/// - Position interface: q^ is sent. Velocity interface: v is sent; `L1 rho` and a slow drift move q^ only.
-/// - Impedance interface: q^ is sent, and beside it `M ddq + C dq` of the motion that was sent before; r is taken
-///   less what contacts deflect, see `Spring`.
+/// - its ends, within its limits of velocity and acceleration, and of jerk (`MaxJerk`), see
+///   `JointLimits::move`;
+/// - the leash: `E = B0 + A d (tau + d/2) + (d + tau + t_u) |dq|` about the measured position q,
+///   less the gap, with d = delay + period, the lag tau, the undeclared lag t_u that is borne, and the dead
+///   band B0. The second term fades within 5 T of a joint that rests although it is pushed. A robot that
+///   follows as declared is not held by it, and feels as configured. One that is held fast pulls the command
+///   back (`lead_limited`); laws do not count on after 5 T (`blocked`).
+/// - Who moves away pays: p is the position that the sent commands should have brought, by declared delay and
+///   lag of each group. Of a residual r = q - p beyond B0 the gap takes what the robot moved beyond its
+///   farthest place. A gap beyond `largest_gap` is displaced: it brakes until `resume`.
+/// - A command is carried out in a period: of a late cycle, forces count for all of its time, the motion for
+///   a period.
+/// - Position interface: q^ is sent. Velocity interface: v is sent; q^ is where the sent velocities bring it,
+///   and goes to the leash, and with a slow drift to the measured position, without motion. No gap is booked.
+/// - Impedance interface: q^ is sent, and beside it `M ddq + C dq` of the motion that was sent before; r is
+///   taken less what contacts deflect, see `Spring`.
 /// - Gravity acts on the virtual robot: a law has to compensate it (`GravityControl`, or `Y_r Theta` with G).
 /// - Torque beyond the joints' limits accelerates as asked, but less: `JointLimits::along`.
-/// - Limits: see `JointLimits::move`; the correction obeys them too, and so does the max lead,
-///   `|q^ - q| <= max_lead v_max T`.
-/// - A group that stays beyond the dead band for 5 T is blocked: q^ goes to q, v is zero, the law's memory
-///   does not change. It ends when the robot is back with q^ and is no longer pushed in the blocked
-///   direction, or went on in it, or after `retry`.
-/// - Friction of a servo that gives way shows as a joint that moves with commands which are ahead of it by more than
-///   the dead band, or that stays when it is tried again: that joint's dead band grows, up to two thirds of the max
-///   lead, and shrinks again with a time constant of a minute.
-/// - A robot that stands beside its commands by a gap that they do not explain is displaced: v is braked to
-///   zero and the law's memory does not change until `resume`, which takes the gap, up to `largest_gap`, off the
-///   measurements.
-/// - A gap within the dead band is taken off the measurements without consent, but only until the first command
-///   moves, for two seconds at most from the start or from `resume` (position interface): commands that have not
-///   moved cannot have met an obstacle.
-/// - A stop, or no good measurement for `stale_after`: v is braked to zero, the law's memory does not change.
-/// - A group that is blocked, displaced or braking holds the other stiff groups too.
+/// - A stop, or no good measurement for `stale_after`: the quickest stop; the law's memory does not change. A
+///   group that brakes holds the other stiff groups too.
 ///
-/// **Driven joints.** `tau = law(state) - B dq`, cut to the limits of torque and power; the law is evaluated at the
-/// end of the cycle, at the newest measurement of these joints, for one period from now. Of the configuration they
-/// use the limits of torque, period, longest interval, stale age, and of the virtual dynamics the viscous friction,
-/// which they show in addition to their own, and, where all joints are driven, the inertia: that of the motors. A
-/// torque is held for a period, so friction that would stop a motion in less time would shake it: the friction
-/// applied is `(B^-1 + 3/2 h M^-1)^-1 dq`. Positions and velocities of these joints are not limited here. While the
-/// state is stale, during a stop, and if the law's torque is not finite, gravity is compensated, with friction
-/// (stale: without, as the velocity is unknown).
+/// **Driven joints.** `tau = law(state) - B dq`, cut to the limits of torque and power; the law is evaluated
+/// at the end of the cycle, at the newest measurement of these joints, for one period from now. Of the
+/// configuration they use the limits of torque, period, longest interval, stale age, and of the virtual
+/// dynamics the viscous friction, which they show in addition to their own, and, where all joints are driven,
+/// the inertia: that of the motors. A torque is held for a period, so friction that would stop a motion in
+/// less time would shake it: the friction applied is `(B^-1 + 3/2 h M^-1)^-1 dq`. Positions and velocities of
+/// these joints are not limited here. While the state is stale, during a stop, and if the law's torque is not
+/// finite, gravity is compensated, with friction (stale: without, as the velocity is unknown).
 ///
 /// To the virtual robot the driven joints are a load that moves as measured:
 /// `M_ss dv = tau_s - (C v)_s - G_s - B v - M_sd ddq_d`, with v of all joints, and `ddq_d` the change of the
 /// measured velocities since the last cycle: the arm takes the recoil of a finger that starts or stops.
 ///
 /// - A measurement is taken for all joints or for none: one number that is not finite refuses all of it.
-/// - `PassivityParts` names parts that watch over energy and contacts: see `Passivity`. One tank pays for both, at the
-///   virtual port of the stiff joints and the real one of the driven ones, whose recoil is a port of the stiff ones;
-///   the passivity observer watches over the stiff joints, whose commands run ahead.
+/// - `PassivityParts` names parts that watch over energy and contacts: see `Passivity`. One tank pays for
+///   both, at the virtual port of the stiff joints and the real one of the driven ones, whose recoil is a
+///   port of the stiff ones; the passivity observer watches over the stiff joints, whose commands run ahead.
 /// - `Tool`: virtual inertia and friction at the tool, on a link that no driven joint moves; see `ToolShape`.
 ///
 /// A command has all kinds: `stiff(command)` and `torque(command)` are the parts for the devices, and
@@ -141,11 +148,15 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
   ///                         they are unknown, one for each link, from the last touch.
   /// @param changes           of the touches from sub-step to sub-step, by which laws get them ahead: see
   ///                         `TouchChange`. Empty: not ahead.
-  template <class L, class Touch, class Check = AnyState, class Pressed = PressedUnknown>
+  /// @param movers            of the groups: limits of jerk, or `Abrupt`, by `mover_of<K>()`; a governor has
+  ///               them.
+  template <class L, class Touch, class Check = AnyState, class Pressed = PressedUnknown,
+            class Movers = AllAbrupt>
   SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
       const Interval& interval, std::span<const Touch> touches, const Check& check = {},
-      const Pressed& pressed = {}, std::span<const LawTouch<Touch>> changes = {}) const noexcept {
+      const Pressed& pressed = {}, std::span<const LawTouch<Touch>> changes = {},
+      const Movers& movers = {}) const noexcept {
     Resolved<joints, T, terms_of<L>> out{m.command(), interval.status, {}};
     if (!m.started || interval.substeps == 0) [[unlikely]] {
       m.odd = detail::odd_time_of(interval);
@@ -166,31 +177,33 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     if constexpr (has_virtual)
       for (unsigned j = 0; j < interval.substeps; ++j)
         move(m, law, law_memory, begun, interval.at(j), seconds<T>(interval.at(j + 1) - interval.at(j)),
-             touches[j], changes.empty() ? nullptr : &changes[j], torque, out);
+             touches[j], changes.empty() ? nullptr : &changes[j], movers, torque, out);
     m.time = interval.to;
-    each([&](auto k) { m.template group<k.value>().time = m.time; });
-
-    bool blocked = false, braking = m.stop || begun.stale;
+    const Nanoseconds left = interval.to - interval.from + interval.carried - interval.given(this->period_);
+    m.carried = left < this->period_ ? left : this->period_;
     each([&](auto k) {
-      const ResolverMode mode = m.template group<k.value>().mode;
-      blocked = blocked || mode == ResolverMode::blocked;
-      braking = braking || mode == ResolverMode::braking;
+      auto& group = m.template group<k.value>();
+      group.time = m.time;
+      if constexpr (takes_velocity(Base::template Group<k.value>::interface))
+        std::get<k.value>(this->virtual_).at_sent(group);
     });
+
+    const bool braking = m.stop || begun.stale;
     if constexpr (has_driven) {
       Driven::put(Driven::of(load.gravity) - load.resists, out.fallback);
       load.given = Driven::of(out.fallback);
       if (!has_virtual && m.stop && !begun.stale) out.status |= Reason::stopping;
     }
-    if (blocked) [[unlikely]]
-      out.status |= Reason::blocked;
-    if (!braking && (has_driven || blocked))
-      turn(m, law, law_memory, begun, blocked, newest, this->ahead_of_driven(newest, changes, dt), dt, load,
-           torque, out);
+    if constexpr (has_driven)
+      if (!braking)
+        this->ask(m, law, law_memory, this->state(m, m.time, this->velocity(m)),
+                  this->ahead_of_driven(newest, changes, dt), dt, load, out);
     if constexpr (has_driven) this->give(m, load, torque, out);
     this->feed_forward(m, torque);
     each([&](auto k) {
-      out.status |= std::get<k.value>(virtual_).end(
-          m.template group<k.value>(), std::get<k.value>(begun.groups), Part<k.value>::of(torque));
+      out.status |=
+          std::get<k.value>(virtual_).end(m.template group<k.value>(), std::get<k.value>(begun.groups),
+                                          Part<k.value>::of(torque), Movers::smooth);
     });
     this->compose(m, torque);
     out.command.assign(m.command());
@@ -198,9 +211,10 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
   }
 
   /// The joint torque by which two configurations of one scene differ: for the stiff joints that which
-  /// accelerates the virtual robot under `next` in the coming sub-step as under `before`, less that of `next`; for
-  /// the driven ones the torque of `before` less that of `next` at the measured state, friction included. Zero where
-  /// no law acts. Evaluates both laws, and the integrator for each stiff joint, without limits.
+  /// accelerates the virtual robot under `next` in the coming sub-step as under `before`, less that of
+  /// `next`; for the driven ones the torque of `before` less that of `next` at the measured state, friction
+  /// included. Zero where no law acts. Evaluates both laws, and the integrator for each stiff joint, without
+  /// limits.
   template <class L, class Touch, class Check>
   [[nodiscard]] SKINCTL_COLD JointTorque<joints, T> lacking(
       const Memory& m, const State<joints, T>& measured, const Interval& interval, const Check& check,
@@ -244,16 +258,16 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
   }
 
   /// `h` seconds of the stiff joints, from `at` on.
-  template <class L, class Began, class Touch, class Out>
+  template <class L, class Began, class Touch, class Movers, class Out>
   SKINCTL_INLINE void move(Memory& m, const L& law, typename L::Memory& law_memory, const Began& begun,
                            Nanoseconds at, const T& h, const Touch& touch, const LawTouch<Touch>* change,
-                           Torque& torque, Out& out) const noexcept {
+                           const Movers& movers, Torque& torque, Out& out) const noexcept {
     Velocity v1;
     if (this->following(m)) {
       // Dry friction holds a resting arm against what it feels, and not against the impulse of its change.
       const bool rests = this->has_coulomb_ && this->velocity(m) == Velocity{};
       const auto moved =
-          this->drive(m, law, law_memory, this->state(m, at, this->velocity(m)), begun.pull, begun.swing, h,
+          this->drive(m, law, law_memory, this->state(m, at, this->velocity(m)), begun.swing, h,
                       Base::ahead(touch, rests ? nullptr : change, T(this->force_lead_ / h)), touch);
       out.status |= moved.status;
       detail::copy_row(moved.velocity, v1);
@@ -261,45 +275,17 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
         out.status |= Reason::energy_held;
       if (!moved.status.has(Reason::torque_not_finite)) [[likely]] {
         detail::copy_row(moved.torque, torque);
-        detail::copy_whole(moved.law.memory, law_memory);
+        // A plan waits, and an integral, for a robot that is held.
+        if (!begun.held) [[likely]]
+          detail::copy_whole(moved.law.memory, law_memory);
         detail::copy_whole(moved.law.shares, out.shares);
       }
     }
     [[maybe_unused]] const auto from = this->position(m);
-    each([&](auto k) {
-      out.status |= std::get<k.value>(virtual_).move(
-          m.template group<k.value>(), std::get<k.value>(begun.groups).correction, Part<k.value>::of(v1), h);
-    });
+    this->go(m, begun.groups, h, movers, v1, out.status);
     if constexpr (has_tank)
       passivity_.template get<EnergyTank<T>>().book(m.passivity.template of<EnergyTank<T>>(),
                                                     this->position(m) - from, this->shape_, h);
-  }
-
-  /// The law at the end of a cycle: for the driven joints, and for groups that are blocked.
-  template <class L, class Began, class Touch, class Load, class Out>
-  SKINCTL_NOINLINE void turn(Memory& m, const L& law, typename L::Memory& law_memory, const Began& begun,
-                             bool blocked, const Touch& touch, const LawTouch<Touch>& felt,
-                             [[maybe_unused]] const T& dt, [[maybe_unused]] Load& load, Torque& torque,
-                             Out& out) const noexcept {
-    const State<joints, T> now = this->state(m, m.time, blocked ? Velocity{} : this->velocity(m));
-    Torque asked;
-    if constexpr (!has_driven) {
-      const auto moved =
-          this->drive(m, law, law_memory, now, {}, {}, seconds<T>(this->period()), felt, touch);
-      if (moved.status.has(Reason::torque_not_finite)) return;
-      asked = moved.torque;
-    } else {
-      if (!this->ask(m, law, law_memory, now, felt, dt, load, asked, out)) return;
-    }
-    if (!blocked) return;
-    torque = has_driven ? limits_.within(asked, Velocity{}) : asked;
-    const Torque net = torque - gravity_torque(model_, JointAngles<M, T>(model_, now.q));
-    each([&](auto k) {
-      auto& group = m.template group<k.value>();
-      if (group.mode == ResolverMode::blocked)
-        std::get<k.value>(virtual_).try_to_leave(group, std::get<k.value>(begun.groups).correction,
-                                                 Part<k.value>::of(net));
-    });
   }
 };
 

@@ -190,6 +190,10 @@ class GroupsDescription<M, T, std::tuple<Groups...>, Parts...> {
               "that of the first, in ms");
     };
     std::apply([&](const auto&... g) { (one(g), ...); }, groups);
+    const auto masses = [&]<class G>(const G& g) {
+      detail::check_masses<G::interface>(model, g.configuration.virtual_inertia, G::set);
+    };
+    std::apply([&](const auto&... g) { (masses(g), ...); }, groups);
   }
   [[nodiscard]] const M& model() const noexcept { return model_; }
   [[nodiscard]] const std::tuple<Groups...>& groups() const noexcept { return groups_; }

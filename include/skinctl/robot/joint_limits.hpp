@@ -12,8 +12,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Largest speed from which a joint that brakes with `deceleration` > 0 after `reaction` >= 0 seconds stops
-/// within `distance`: the root of `u^2 / (2 a) + u t = d`. Zero for distances <= 0 and NaN, and where the numbers leave
-/// the range of `T` on the way: never more than the root, never NaN.
+/// within `distance`: the root of `u^2 / (2 a) + u t = d`. Zero for distances <= 0 and NaN, and where the
+/// numbers leave the range of `T` on the way: never more than the root, never NaN.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T speed_to_stop(const T& distance, const T& reaction,
                                              const T& deceleration) noexcept {
@@ -85,6 +85,12 @@ class JointLimits {
     }
   }
 
+  // clang-format off
+  template <std::size_t M, class U>
+    requires(M != N)
+  JointLimits(const JointLimits<M, U>&) = delete;  // limits of another number of joints than the robot has
+  // clang-format on
+
   [[nodiscard]] SKINCTL_INLINE const JointPosition<N, T>& lower() const noexcept { return values_.lower; }
   [[nodiscard]] SKINCTL_INLINE const JointPosition<N, T>& upper() const noexcept { return values_.upper; }
   [[nodiscard]] SKINCTL_INLINE const JointVelocity<N, T>& velocity() const noexcept {
@@ -111,7 +117,8 @@ class JointLimits {
 
   /// Distances from `q` to the position limits.
   [[nodiscard]] SKINCTL_INLINE JointRoom<N, T> room(const JointPosition<N, T>& q) const noexcept {
-    // In rows: GCC stores a difference of vectors in pieces, and a row that loads several of them waits for the stores.
+    // In rows: GCC stores a difference of vectors in pieces, and a row that loads several of them waits for
+    // the stores.
     const detail::Row<N, T> row = q;
     return {JointPosition<N, T>(row - values_.lower), JointPosition<N, T>(values_.upper - row)};
   }
@@ -133,12 +140,14 @@ class JointLimits {
     return out;
   }
 
-  /// `tau` within torque and power along its own direction: `hold + s (tau - hold)`, s in [0, 1] the largest share for
-  /// which every joint keeps its limits at the speeds `dq`. The robot then accelerates in the direction asked for, but
-  /// less. Limited joint by joint, the torque of a strong joint would throw the light ones.
+  /// `tau` within torque and power along its own direction: `hold + s (tau - hold)`, s in [0, 1] the largest
+  /// share for which every joint keeps its limits at the speeds `dq`. The robot then accelerates in the
+  /// direction asked for, but less. Limited joint by joint, the torque of a strong joint would throw the
+  /// light ones.
   ///
-  /// @param hold  the torque of no acceleration [N m]: weight and Coriolis forces. A joint that `hold` overloads already
-  ///              is limited by itself, as `within` does. So are all of them where a result is not finite.
+  /// @param hold  the torque of no acceleration [N m]: weight and Coriolis forces. A joint that `hold`
+  ///              overloads already is limited by itself, as `within` does. So are all of them where a result
+  ///              is not finite.
   [[nodiscard]] SKINCTL_COLD JointTorque<N, T> along(const JointTorque<N, T>& tau,
                                                      const JointTorque<N, T>& hold,
                                                      const JointVelocity<N, T>& dq) const noexcept {
@@ -237,6 +246,14 @@ class JointLimits {
   JointAcceleration<N, T>
       stop_per_square_;  ///< 1 / (2 a) [s^2/rad]: of a speed, to the distance in which it stops
   bool has_power_ = false;
+};
+
+/// In place of limits of jerk: nothing decides how joints move and brake but their own limits.
+struct Abrupt {
+  template <class Set>
+  [[nodiscard]] Abrupt set() const noexcept {
+    return {};
+  }
 };
 
 namespace detail {

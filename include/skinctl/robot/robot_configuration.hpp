@@ -22,40 +22,37 @@ struct RobotConfiguration {
   Nanoseconds delay{};
   /// tau: time constant of the robot's own control loop.
   Nanoseconds lag{};
-  /// Stiffness of the springs by which the robot's own controller holds its joints [N m/rad], > 0. For robots by
-  /// impedance, which need it, and for no others.
+  /// Stiffness of the springs by which the robot's own controller holds its joints [N m/rad], > 0. For robots
+  /// by impedance, which need it, and for no others.
   std::optional<JointTorque<N, T>> stiffness = {};
-  /// Time constant with which these springs give way to a push: damping over stiffness of a joint that carries much,
-  /// 2 damping ratio sqrt(inertia/stiffness). Default: `lag`.
+  /// Time constant with which these springs give way to a push: damping over stiffness of a joint that
+  /// carries much, 2 damping ratio sqrt(inertia/stiffness). Default: `lag`.
   std::optional<Nanoseconds> spring_lag = {};
-  /// Friction of the virtual robot in proportion to its mass, `B = virtual_damping M` [1/s]: free motion dies out as
-  /// `exp(-virtual_damping t)`. Without a default: with 0 and no other friction an arm glides on after a touch. 0, or
-  /// left out, for a robot by torque.
+  /// Friction of the virtual robot in proportion to its mass, `B = virtual_damping M` [1/s]: free motion dies
+  /// out as `exp(-virtual_damping t)`. Without a default: with 0 and no other friction an arm glides on after
+  /// a touch. 0, or left out, for a robot by torque.
   std::optional<T> virtual_damping = {};
   /// Viscous friction per joint [N m s/rad]: of the virtual robot, or added to the real friction of a robot
   /// by torque.
   JointTorque<N, T> viscous_friction = {};
   JointTorque<N, T> coulomb_friction = {};  ///< of the virtual robot, per joint [N m]
-  /// Added to each joint [kg m^2]: of the virtual robot, or by torque that of the real motors behind their gears.
+  /// Added to each joint [kg m^2]: of the virtual robot, or by torque that of the real motors behind their
+  /// gears.
   JointTorque<N, T> virtual_inertia = {};
-  /// r_tol: dead band of the difference [rad] between measured and expected position, inside of which the
-  /// robot counts as following. It covers the parts of lag and gap that are not declared: three times the
-  /// encoder's standard deviation, the top speed times the uncertainty of the delay, the droop of the servo.
-  /// Default: a third of e_max (see `max_lead`), 50 mrad for an arm of 3 rad/s with T = 24 ms.
-  std::optional<JointPosition<N, T>> dead_band = {};
-  /// w [1/s]: gain of the observer, at most 0.3/T with T = delay + lag + period; that is the default.
-  std::optional<T> observer = {};
+  /// B0: distance [rad] by which a command may be from a robot at rest, > 0, <= 1. It holds the friction of
+  /// the servo, the gap of encoders that are off, and noise. Friction that needs more holds the joint for
+  /// good; what a robot that was held fast leaps by when it is let go is as large.
+  JointPosition<N, T> dead_band = JointPosition<N, T>::constant(T(0.02));
+  /// t_u: lag beyond the declared one that is borne, 0 to 1 s. A robot that is later than that is slowed.
+  Nanoseconds undeclared_lag = 50ms;
   /// Time by which a law gets a touch ahead, see `TouchChange`: 0 to 2 T; 0 for none. Default: the delay of a
-  /// contact's loop, delay + lag + 1.5 periods: one until a measurement shows the motion, half of one that a command
-  /// is held. More damps stiff walls better, and the grip of light hands less well.
+  /// contact's loop, delay + lag + 1.5 periods: one until a measurement shows the motion, half of one that a
+  /// command is held. More damps stiff walls better, and the grip of light hands less well.
   std::optional<Nanoseconds> force_lead = {};
   /// Velocity interface only: rate at which the virtual robot's position converges to the measured one
-  /// without moving the robot [1/s], at most w. A joint that stands still while it is sent less than drift times dead band is not noticed.
-  /// Default: 0.2, or w if that is less.
+  /// without moving the robot [1/s], 0 to 0.3/(delay + lag + period). A joint that is held is pushed with
+  /// this rate times its dead band. Default: 0.2, or the largest if that is less.
   std::optional<T> drift = {};
-  /// e_max in units of v_max T: the greatest distance of the virtual robot ahead of the measured one. Less
-  /// than `1 + v_max/(2 a T)` lowers the top speed, see `Resolver::top_speed`.
-  T max_lead = T(2);
   /// Longest sub-step; up to `max_substeps` of equal length make an interval.
   Nanoseconds substep = 2ms;
   /// Longest interval that is integrated at once; the remainder of a longer one is dropped. Default: five
@@ -64,13 +61,11 @@ struct RobotConfiguration {
   std::optional<Nanoseconds> longest_interval = {};
   /// Age of the last good measurement at which the robot brakes: resolver and guard alike. Default: 5 T.
   std::optional<Nanoseconds> stale_after = {};
-  /// Time after which a blocked robot that is still pushed the same way tries again.
-  Nanoseconds retry = 1s;
-  /// The largest rate of the torque that laws ask for by themselves, in torque limits per second; torques that
-  /// answer touch are not delayed.
+  /// The largest rate of the torque that laws ask for by themselves, in torque limits per second; torques
+  /// that answer touch are not delayed.
   T torque_rate = T(50);
-  /// The largest gap between commands and measurements [rad] to which a user can agree, and from which a scene can
-  /// start; 0 to 0.5. A displaced robot with a larger one holds until it has been mended.
+  /// The largest gap between commands and measurements [rad] that is borne, and from which a scene can start;
+  /// 0 to 0.5. A robot with a larger one is displaced: it holds until it has been mended.
   T largest_gap = T(0.15);
 
   /// The virtual inertia, damping and friction together.
@@ -97,26 +92,25 @@ struct RobotConfiguration {
     const Nanoseconds usual = 5 * total_delay();
     return stale_after.value_or(usual < Nanoseconds(10s) ? usual : Nanoseconds(10s));
   }
-  /// e_max [rad].
-  [[nodiscard]] JointPosition<N, T> largest_lead() const noexcept {
-    JointPosition<N, T> e;
-    for (std::size_t i = 0; i < N; ++i) e[i] = max_lead * limits.velocity()[i] * seconds<T>(total_delay());
+  /// Time by which a robot may be behind its commands: T, and what is borne beyond it.
+  [[nodiscard]] constexpr Nanoseconds latest() const noexcept { return total_delay() + undeclared_lag; }
+  /// A d (tau + d/2) [rad] with d = delay + period and the lag tau: by what a command that starts or stops at
+  /// its acceleration limit is ahead of a robot that its speed does not show yet.
+  [[nodiscard]] JointPosition<N, T> owed_by_acceleration() const noexcept {
+    const T d = seconds<T>(delay + period);
+    return T(d * (seconds<T>(lag) + T(0.5) * d)) *
+           JointPosition<N, T>(detail::Row<N, T>(limits.acceleration()));
+  }
+  /// The largest distance of a command from the measured position [rad]: that of a robot at full speed.
+  [[nodiscard]] JointPosition<N, T> largest_distance() const noexcept {
+    JointPosition<N, T> e = owed_by_acceleration();
+    for (std::size_t i = 0; i < N; ++i) e[i] += dead_band[i] + limits.velocity()[i] * seconds<T>(latest());
     return e;
   }
-  /// r_tol [rad].
-  [[nodiscard]] JointPosition<N, T> tolerance_of_lag() const noexcept {
-    return dead_band ? *dead_band : T(1) / T(3) * largest_lead();
-  }
-  /// Largest distance of a command from the measured position [rad] that following, lag and obstacles explain: e_max,
-  /// and r_tol, within which a difference does not count.
-  [[nodiscard]] JointPosition<N, T> largest_distance() const noexcept {
-    return largest_lead() + tolerance_of_lag();
-  }
-  /// Speed of a joint that starts as if at rest [rad/s]: in T it covers a fifth of r_tol.
+  /// Speed of a joint that counts as at rest [rad/s]: it leads the leash by a fifth of the dead band.
   [[nodiscard]] JointVelocity<N, T> resting_speed() const noexcept {
-    const JointPosition<N, T> band = tolerance_of_lag();
     JointVelocity<N, T> u;
-    for (std::size_t i = 0; i < N; ++i) u[i] = T(0.2) * band[i] / seconds<T>(total_delay());
+    for (std::size_t i = 0; i < N; ++i) u[i] = T(0.2) * dead_band[i] / seconds<T>(latest());
     return u;
   }
 };
@@ -139,8 +133,8 @@ SKINCTL_COLD void refuse_springs(const RobotConfiguration<N, T>& c) {
   require(!c.spring_lag, "spring lag", milliseconds(c.spring_lag.value_or(0ns)), none);
 }
 
-/// Throws `ConfigurationError` with number and range for an invalid configuration. The observer's numbers are
-/// not read for a robot by torque, which has no virtual robot.
+/// Throws `ConfigurationError` with number and range for an invalid configuration. What concerns the
+/// virtual robot is not read for a robot by torque.
 template <std::size_t N, Real T>
 SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robot = true) {
   const auto number = [](const T& x) { return static_cast<double>(x); };
@@ -152,19 +146,17 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
   require(gives >= 0ns && gives <= 1s, "spring lag", ms(gives), "0 to 1000 ms");
   require(c.substep >= 10us && c.substep <= 20ms, "sub-step", ms(c.substep), "0.01 to 20 ms");
   const Nanoseconds total = c.total_delay();
-  const T most = T(0.3) / seconds<T>(total), w = c.observer.value_or(most);
-  require(w > T(0) && w <= most * (T(1) + tolerance<T>), "observer w", number(w),
-          "> 0, <= 0.3/(delay + lag + period) 1/s");
+  require(c.undeclared_lag >= 0ns && c.undeclared_lag <= 1s, "undeclared lag", ms(c.undeclared_lag),
+          "0 to 1000 ms");
   require(c.leads_force_by() >= 0ns && c.leads_force_by() <= 2 * total, "force lead", ms(c.leads_force_by()),
           ">= 0, <= 2 (delay + lag + period), in ms");
-  const T drift = c.drift.value_or(w < T(0.2) ? w : T(0.2));
-  require(drift >= T(0) && drift <= w, "drift", number(drift), ">= 0, <= w 1/s");
-  require(c.max_lead >= T(1.2) && c.max_lead <= T(100), "max_lead", number(c.max_lead), "1.2 to 100 v_max T");
+  const T drift = c.drift.value_or(T(0)), fastest = T(0.3) / seconds<T>(total);
+  require(drift >= T(0) && drift <= fastest * (T(1) + tolerance<T>), "drift", number(drift),
+          ">= 0, <= 0.3/(delay + lag + period) 1/s");
   require(c.torque_rate > T(0) && c.torque_rate <= T(1e6), "torque rate", number(c.torque_rate),
           "> 0, <= 1e6 torque limits per second");
   require(c.largest_gap >= T(0) && c.largest_gap <= T(0.5), "largest gap", number(c.largest_gap),
           "0 to 0.5 rad");
-  require(c.retry > 0ns && c.retry <= 3600s, "retry", seconds<double>(c.retry), "> 0, <= 3600 s");
   require(c.longest() >= c.period && c.longest() <= 1s + 10 * c.period, "longest interval", ms(c.longest()),
           ">= period, <= 1 s + 10 periods, in ms");
   require(c.stale() >= c.period && c.stale() <= 10s, "stale after", ms(c.stale()), ">= period, <= 10 000 ms");
@@ -173,7 +165,6 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
     refuse("skinctl: virtual damping: left out, allowed: 0 to 1e4 1/s; 4 to 10 is usual");
   const T damping = c.virtual_damping.value_or(T(0));
   require(damping >= T(0) && damping <= T(1e4), "virtual damping", number(damping), "0 to 1e4 1/s");
-  const JointPosition<N, T> band = c.tolerance_of_lag(), lead = c.largest_lead();
   for (std::size_t i = 0; i < N; ++i) {
     const T lower = c.limits.lower()[i], upper = c.limits.upper()[i],
             inf = std::numeric_limits<T>::infinity();
@@ -181,7 +172,7 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
             ">= -60 rad or m, or -infinity: are these degrees?");
     require(upper <= T(60) || upper == inf, "upper position limit", number(upper),
             "<= 60 rad or m, or infinity: are these degrees?");
-    require(!c.dead_band || (band[i] > T(0) && band[i] <= T(1)), "dead band", number(band[i]),
+    require(c.dead_band[i] > T(0) && c.dead_band[i] <= T(1), "dead band", number(c.dead_band[i]),
             "> 0, <= 1 rad");
     require(!c.stiffness || ((*c.stiffness)[i] > T(0) && (*c.stiffness)[i] <= T(1e6)), "stiffness",
             number(c.stiffness ? (*c.stiffness)[i] : T(0)), "> 0, <= 1e6 N m/rad");
@@ -191,8 +182,6 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
             number(c.coulomb_friction[i]), "0 to 1e6 N m");
     require(c.virtual_inertia[i] >= T(0) && c.virtual_inertia[i] <= T(1e6), "virtual inertia",
             number(c.virtual_inertia[i]), "0 to 1e6 kg m^2");
-    require(!has_virtual_robot || lead[i] > band[i], "dead band", number(band[i]),
-            "below max_lead v_max T: a blocked robot must be noticed");
   }
 }
 

@@ -1,9 +1,11 @@
 // The description of a robot: one value from which resolver, guard, limits and laws derive their settings.
 #pragma once
 
+#include <string>
 #include <tuple>
 
 #include "skinctl/core/command.hpp"
+#include "skinctl/core/joint_subset.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 
@@ -26,6 +28,39 @@ struct FrictionUncompensated {
 };
 
 namespace detail {
+/// Throws `ConfigurationError` where masses that are assumed are not enough for the interface `I`, or a joint by
+/// position or velocity has no inertia, of its model nor virtual.
+template <Interface I, RobotModel M, std::size_t N, Real T>
+SKINCTL_COLD void check_masses(const M& model, const JointTorque<N, T>& virtual_inertia,
+                               LinkMask joints = joints_between(0, N)) {
+  if (!has_assumed_masses(model)) return;
+  if constexpr (I != Interface::position && I != Interface::velocity) {
+    require_masses(model, I == Interface::torque ? "a robot by torque" : "a robot by impedance");
+  } else {
+    std::array<double, M::joints> about{};  // what turns with each joint, at least
+    [&]<std::size_t... L>(std::index_sequence<L...>) {
+      const auto weigh = [&]<std::size_t K>() {
+        using T0 = typename ScalarOf<M>::type;
+        constexpr std::size_t at = M::joints - 1 - K;
+        const LinkInertia in = inertia_of(numbers_of<at, T0>(model));
+        about[at] += M::kinds[at] == JointKind::prismatic
+                         ? in.mass
+                         : in.zz + in.mass * (in.c[0] * in.c[0] + in.c[1] * in.c[1]);
+        if (M::parents[at] >= 0) about[std::size_t(M::parents[at])] += about[at];
+      };
+      (weigh.template operator()<L>(), ...);
+    }(std::make_index_sequence<M::joints>{});
+    for (std::size_t i = 0, k = 0; i < M::joints; ++i) {
+      if (((joints >> i) & 1) == 0) continue;
+      if (!(about[i] > 0 || virtual_inertia[k] > T(0)))
+        refuse("skinctl: joint " + std::to_string(i) +
+               ": virtual inertia 0, allowed: > 0 kg m^2, as its file gives "
+               "no mass; or UrdfOptions::total_mass estimates the masses");
+      ++k;
+    }
+  }
+}
+
 // Kinds of parts of a description.
 struct PassivityPart {};        // monitors energy or contacts inside the resolver
 struct ToolShapePart {};        // inertia and friction at the tool
@@ -36,8 +71,13 @@ struct StiffestContactPart {};  // what a scene may meet
 /// Whether `P` is a valid part, an argument after the configuration in `by_position` and the like.
 template <class P>
 concept RobotPart = requires { typename P::RobotPart; };
+/// A part of which a robot may have several.
+template <class P>
+concept RepeatedPart = requires { requires P::repeats; };
 template <class Part, class... Parts>
 inline constexpr bool is_one_of = (std::is_same_v<Part, Parts> || ...);
+template <class Part, class... Parts>
+inline constexpr bool is_once = (std::size_t(std::is_same_v<Part, Parts>) + ...) == 1 || RepeatedPart<Part>;
 }  // namespace detail
 
 /// A model, the interface of its joints, a configuration, and optional parts: an energy tank, a passivity
@@ -67,6 +107,7 @@ class RobotDescription {
   RobotDescription(const M& model, const Configuration& configuration, const Parts&... parts)
       : model_(model), configuration_(configuration), parts_(parts...) {
     check(configuration, I != Interface::torque);
+    detail::check_masses<I>(model, configuration.virtual_inertia);
   }
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
@@ -83,9 +124,10 @@ class RobotDescription {
     const Nanoseconds late = configuration_.longest() / max_substeps;
     return I != Interface::torque && late > dt() ? late : dt();
   }
-  /// D: the mean time from a state that a law reads until its torque acts. By torque the declared delay and lag, and
-  /// 1.5 periods: one until the next state, half of the next, for which the torque is held. A virtual robot answers
-  /// within a sub-step, so there it is `longest_dt()`.
+  /// D: the mean time from a state that a law reads until its torque acts. By torque the declared delay and
+  /// lag, and
+  /// 1.5 periods: one until the next state, half of the next, for which the torque is held. A virtual robot
+  /// answers within a sub-step, so there it is `longest_dt()`.
   [[nodiscard]] Nanoseconds loop_delay() const noexcept {
     if constexpr (I != Interface::torque) return longest_dt();
     return configuration_.delay + configuration_.lag + 3 * period() / 2;
@@ -112,10 +154,16 @@ concept DescribedRobot = requires(const R& robot) {
 namespace detail {
 template <Interface I, class T, class M, class... Parts>
 auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, const Parts&... parts) {
+  constexpr bool once = (is_once<Parts, Parts...> && ...);
+  static_assert(once, "a part of a robot's description is given twice: one EnergyTank, one ToolShape, ...");
   static_assert((RobotPart<Parts> && ...),
                 "behind the configuration stand parts of a description: EnergyTank, PassivityObserver, "
                 "StiffestContact, ToolShape, an integrator, RobotHoldsGravity, ...");
-  return RobotDescription<I, M, T, Parts...>(model, c, parts...);
+  if constexpr (once) {
+    return RobotDescription<I, M, T, Parts...>(model, c, parts...);
+  } else {
+    return RobotDescription<I, M, T>(model, c);
+  }
 }
 }  // namespace detail
 
@@ -131,8 +179,8 @@ template <Real T = double, RobotModel M, class... Parts>
                                const Parts&... parts) {
   return detail::describe_robot<Interface::velocity, T>(model, configuration, parts...);
 }
-/// A robot that takes torques. It has no virtual robot: of the virtual dynamics the viscous friction is used, added to
-/// its own friction, and the inertia, that of its motors.
+/// A robot that takes torques. It has no virtual robot: of the virtual dynamics the viscous friction is used,
+/// added to its own friction, and the inertia, that of its motors.
 template <Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto by_torque(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                              const Parts&... parts) {
@@ -151,7 +199,8 @@ struct LawTerms {
   Nanoseconds dt;                          ///< longest time between two evaluations, in late cycles too
   VirtualDynamics<N, T> virtual_dynamics;  ///< of the virtual robot, or of the robot by torque
   Nanoseconds loop_delay = dt;             ///< D: see `RobotDescription::loop_delay`
-  T mass_ratio = T(1);  ///< how many times lighter the robot may be, as other configurations describe it
+  T mass_ratio = T(1);    ///< how many times lighter the robot may be, as other configurations describe it
+  T gravity_rate = T(0);  ///< of the gravity by which these differ, see `gravity_rate` [1/s^2]
 };
 
 SKINCTL_END_NAMESPACE

@@ -12,6 +12,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// `K_d v`, and the diagonal of K_d.
+template <std::size_t N, Real T = double>
+struct DampingTorque {
+  JointTorque<N, T> torque;  ///< [N m]
+  JointTorque<N, T> own;     ///< of each joint by its own speed [N m s/rad]
+};
+
 /// `K_d = lambda M(q)`: every joint's S_q decays at the same rate, `dV = -2 lambda V`, and the torque of eq.
 /// (8) is one recursion.
 template <Real T = double>
@@ -21,14 +28,29 @@ class InertialDamping {
   /// @param lambda  [1/s]; checked with the other gains.
   explicit InertialDamping(const T& lambda) noexcept : lambda_(lambda) {}
 
-  /// The fastest decay of S_q [1/s].
+  /// The fastest and the slowest decay of S_q [1/s].
   [[nodiscard]] const T& fastest() const noexcept { return lambda_; }
+  [[nodiscard]] const T& slowest() const noexcept { return lambda_; }
 
   /// `M^-1 K_d S_q`, which goes into the recursion.
   template <class K, std::size_t N>
   [[nodiscard]] SKINCTL_INLINE JointAcceleration<N, T> acceleration(
       const K&, const JointVelocity<N, T>& S_q) const noexcept {
     return JointAcceleration<N, T>(lambda_ * detail::Row<N, T>(S_q));
+  }
+  /// `K_d v` with the inertia of the motors, at the joints, in M [kg m^2].
+  template <class K, std::size_t N>
+  [[nodiscard]] SKINCTL_NOINLINE DampingTorque<N, T> torque(const K& known, const JointTorque<N, T>& motors,
+                                                            const JointVelocity<N, T>& v) const noexcept {
+    DampingTorque<N, T> out;
+    const auto mass = mass_matrix(known.model(), known.q());
+    for (std::size_t i = 0; i < N; ++i) {
+      T sum = motors[i] * v[i];
+      for (std::size_t j = 0; j < N; ++j) sum = sum + mass(i, j) * v[j];
+      out.torque[i] = lambda_ * sum;
+      out.own[i] = lambda_ * (mass(i, i) + motors[i]);
+    }
+    return out;
   }
 
  private:
@@ -43,8 +65,8 @@ class ConstantDamping {
  public:
   static constexpr Needs needs = {.mass = true};
 
-  /// @param model  the robot; the fastest decay of S_q is the largest eigenvalue of M(q)^-1 K_d over 256
-  ///               poses within +-pi, which the law's constructor checks together with the other gains.
+  /// @param model  the robot; the decays of S_q are eigenvalues of M(q)^-1 K_d over 256 poses within +-pi,
+  ///               which the law's constructor checks together with the other gains.
   /// @param K_d    row by row [N m s/rad]. Throws `ConfigurationError` if it is not symmetric (to
   ///               `tolerance<T>` of its largest element) or not positive definite.
   template <RobotModel M>
@@ -73,12 +95,14 @@ class ConstantDamping {
         bits = bits * 6364136223846793005u + 1442695040888963407u;
         angle = T((static_cast<double>(bits >> 32) / 4294967296.0 - 0.5) * 6.2832);
       }
-      const T rate = largest_rate(gain, mass_matrix(model, q));
-      if (rate > fastest_) fastest_ = rate;
+      const auto rates = rates_of(gain, mass_matrix(model, q));
+      if (rates(N - 1) > fastest_) fastest_ = rates(N - 1);
+      if (pose == 0 || rates(0) < slowest_) slowest_ = rates(0);
     }
   }
 
   [[nodiscard]] const T& fastest() const noexcept { return fastest_; }
+  [[nodiscard]] const T& slowest() const noexcept { return slowest_; }
 
   /// `K_d S_q` [N m].
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const JointVelocity<N, T>& S_q) const noexcept {
@@ -89,6 +113,14 @@ class ConstantDamping {
       tau[i] = sum;
     }
     return tau;
+  }
+  /// `K_d v`, and the diagonal of K_d, whatever the motors.
+  template <class K>
+  [[nodiscard]] SKINCTL_NOINLINE DampingTorque<N, T> torque(const K&, const JointTorque<N, T>&,
+                                                            const JointVelocity<N, T>& v) const noexcept {
+    DampingTorque<N, T> out{torque(v), {}};
+    for (std::size_t i = 0; i < N; ++i) out.own[i] = K_d_[i * N + i];
+    return out;
   }
   /// `M^-1 K_d S_q`; zero where M cannot be factorised.
   template <class K>
@@ -110,19 +142,18 @@ class ConstantDamping {
     for (std::size_t i = 0; i < N * N; ++i) m(static_cast<std::ptrdiff_t>(i)) = rows[i];  // symmetric
     return m;
   }
-  /// Largest eigenvalue of M^-1 K_d.
-  static T largest_rate(const Square& gain, const MassMatrix<N, T>& mass) {
+  /// Eigenvalues of M^-1 K_d, the smallest first.
+  static EigenMatrix<T, int(N), 1> rates_of(const Square& gain, const MassMatrix<N, T>& mass) {
     const Square m = as_square(mass.data);
     const T least = Eigen::SelfAdjointEigenSolver<Square>(m, values_only).eigenvalues()(0);
     require(least > T(0), "smallest eigenvalue of M(q)", static_cast<double>(least),
             "> 0: every joint needs inertia");
     // 0x100: Eigen::Ax_lBx
-    return Eigen::GeneralizedSelfAdjointEigenSolver<Square>(gain, m, values_only | 0x100)
-        .eigenvalues()(static_cast<std::ptrdiff_t>(N) - 1);
+    return Eigen::GeneralizedSelfAdjointEigenSolver<Square>(gain, m, values_only | 0x100).eigenvalues();
   }
 
   T K_d_[N * N];
-  T fastest_ = T(0);
+  T fastest_ = T(0), slowest_ = T(0);
 };
 
 SKINCTL_END_NAMESPACE

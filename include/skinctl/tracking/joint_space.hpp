@@ -36,6 +36,7 @@ struct JointGoal {
 /// - `site(known)`, `site(model, q, dq)`: all that it reads of a state;
 /// - `errors(target, site, memory)`: eqs. (13) or (20), (21);
 /// - `surface(gains, inputs, site, memory)`: the surface and the reference motion of the joints;
+/// - `joint_speed(x, site, memory)`: the joints' speed for that of the coordinates;
 /// - `course(surface)`: the reference motion of the coordinates;
 /// - `rows(site, J)`: the derivatives of the coordinates by the joints; `follow_branch`: the memory of a law
 ///   that has no surface;
@@ -165,6 +166,16 @@ class JointSpace {
     return most;
   }
 
+  /// The largest speed by which a joint misses its course, as a share of its largest.
+  [[nodiscard]] static SKINCTL_INLINE T share_of_speed(const Surface& surface, const Settings& s) noexcept {
+    T most(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      const T share = detail::magnitude(surface.S_delta[i]) / s.max_velocity[i];
+      if (share > most) most = share;
+    }
+    return most;
+  }
+
   // Of laws.
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Site site(const K& known) const noexcept {
@@ -192,6 +203,12 @@ class JointSpace {
     return sliding_surface(gains, in, errors(in.target, at, memory),
                            [&](const Row& dq_r)
                                SKINCTL_INLINE_LAMBDA { return JointVelocity<N, T>(at.dq - dq_r); });
+  }
+  /// The joints' speed that the coordinates `x` ask for.
+  [[nodiscard]] static SKINCTL_INLINE const JointVelocity<N, T>& joint_speed(const JointVelocity<N, T>& x,
+                                                                             const Site&,
+                                                                             const Memory&) noexcept {
+    return x;
   }
   /// The derivatives of the coordinates by the joints, row by row.
   static void rows(const Site&, T (&J)[coordinates][N]) noexcept {

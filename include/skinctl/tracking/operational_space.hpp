@@ -90,15 +90,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
         per_orientation_(T(1) / settings.reached_orientation) {
     for (const T& v : limit_)
       if (v < slowest_) slowest_ = v;
-    const auto positive = [](const char* what, const T& x) {
-      require(x > T(0) && x <= T(1e6), what, static_cast<double>(x), "> 0");
-    };
-    positive("max_linear_velocity", settings.max_linear_velocity);
-    positive("max_angular_velocity", settings.max_angular_velocity);
-    positive("reached_position", settings.reached_position);
-    positive("reached_orientation", settings.reached_orientation);
-    check(PursuitLimits<T>{T(1), settings.max_linear_acceleration, settings.max_linear_jerk});
-    check(PursuitLimits<T>{T(1), settings.max_angular_acceleration, settings.max_angular_jerk});
+    check(settings);
   }
   [[nodiscard]] static SKINCTL_INLINE constexpr const JointControlSettings<N, T>& tracking(
       const Settings& s) noexcept {
@@ -126,7 +118,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   template <class J>
   [[nodiscard]] static Errors errors(const Reference& target, const Site<J>& at,
                                      const Memory& memory) noexcept {
-    return errors(error_rows(target, at, memory).rows);
+    return error_rows(target, at, memory).rows.stored();
   }
   /// Eqs. (15)-(21).
   template <class Gains, class J>
@@ -164,7 +156,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     }
     s.rests = false;
     if (nearness > T(0)) [[unlikely]] {
-      rest(in, at, errors(error.rows), memory.rest, nearness, s);
+      rest(in, at, error.rows.stored(), memory.rest, nearness, s);
       if (!s.rests) s.way_out = memory.escape.template wish<What>(at.jacobian, v, limit_);
     }
     using R = detail::Row<N, T>;
@@ -179,6 +171,16 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     ddq_r.store(s.ddq_r);
     (at.dq - dq_r).store(s.S_q);
     return s;
+  }
+  /// `J^+ x`, next to a singularity with the largest damping.
+  template <class J>
+  [[nodiscard]] SKINCTL_NOINLINE JointVelocity<N, T> joint_speed(const JointVelocity<coordinates, T>& x,
+                                                                 const Site<J>& at,
+                                                                 const Memory& memory) const noexcept {
+    Twist<P, Base, P, Base, T> v{get(x.data), {}};
+    if constexpr (What == TaskSpace::pose)
+      v.angular = Orientation::map(at.X_BP.axes(), at.V.angular, memory.near).omega(get(x.data + 3));
+    return DampedInverse<J, What>(at.jacobian, singularities_).solve(v);
   }
   template <class J>
   static void rows(const Site<J>& at, T (&rows)[coordinates][N]) noexcept {
@@ -209,8 +211,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     next.rest = memory.rest.advanced(s.rests, s.q, dt);
     return next;
   }
-  /// Takes over joints whose velocity is `faster` than the reference: next to a singularity, or above their
-  /// limits, the reference does not follow them. The difference decays as S_d does.
+  /// Takes over joints `faster` than the reference, which does not follow them next to a singularity or above
+  /// their limits. The difference decays as S_d does.
   static SKINCTL_INLINE void take_up(Memory& memory, const JointVelocity<N, T>& faster) noexcept {
     for (std::size_t i = 0; i < N; ++i) memory.drift[i] = faster[i] - faster[i] == T(0) ? faster[i] : T(0);
   }
@@ -278,15 +280,6 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     return {{row(at.X_BP.origin() - target.X_BP.origin(), turned.e), row(de, turned.de),
              row(de, turned.slope), row(target.V.linear, turned.v_d), row(target.A.linear, turned.a_d)},
             turned.near};
-  }
-  static Errors errors(const SurfaceErrorRows<coordinates, T>& rows) noexcept {
-    Errors error;
-    rows.e.store(error.e);
-    rows.de.store(error.de);
-    rows.slope.store(error.slope);
-    rows.v_d.store(error.v_d);
-    rows.a_d.store(error.a_d);
-    return error;
   }
 
   Transform<Link<I>, P, T> X_LP_;

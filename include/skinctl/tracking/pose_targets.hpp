@@ -32,6 +32,20 @@ struct OperationalSettings {
   T reached_orientation = T(1e-3);  ///< [rad]
 };
 
+/// Throws `ConfigurationError` for a speed, acceleration, jerk or tolerance of poses out of its range.
+template <std::size_t N, Real T>
+SKINCTL_COLD void check(const OperationalSettings<N, T>& s) {
+  const auto positive = [](const char* what, const T& x) {
+    require(x > T(0) && x <= T(1e6), what, static_cast<double>(x), "> 0");
+  };
+  positive("max_linear_velocity", s.max_linear_velocity);
+  positive("max_angular_velocity", s.max_angular_velocity);
+  positive("reached_position", s.reached_position);
+  positive("reached_orientation", s.reached_orientation);
+  check(PursuitLimits<T>{T(1), s.max_linear_acceleration, s.max_linear_jerk});
+  check(PursuitLimits<T>{T(1), s.max_angular_acceleration, s.max_angular_jerk});
+}
+
 /// Settings of an operational law for this robot: see `tracking_settings`.
 ///
 /// @param lighter  nothing, a mass ratio, or the description of the lightest robot.
@@ -79,7 +93,8 @@ class PoseTargets {
   [[nodiscard]] static bool stands(const Reference& r) noexcept {
     return dot(r.V.linear, r.V.linear) == T(0) && dot(r.V.angular, r.V.angular) == T(0);
   }
-  /// Largest `rotation_error` of a goal's axes: those of a pose that a person or a file gives with three digits.
+  /// Largest `rotation_error` of a goal's axes: those of a pose that a person or a file gives with three
+  /// digits.
   static constexpr T worst_goal_axes = T(2e-3);
   /// NaN or infinite if the goal is not finite, or its axes are no rotation.
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
@@ -151,6 +166,19 @@ class PoseTargets {
     const T a = time(0, s.max_linear_velocity);
     if constexpr (What == TaskSpace::position) return a;
     const T b = time(3 % coordinates, s.max_angular_velocity);
+    return b > a ? b : a;
+  }
+
+  /// The speed by which the tool misses its course, as a share of the largest.
+  template <class Surface>
+  [[nodiscard]] static SKINCTL_INLINE T share_of_speed(const Surface& surface, const Settings& s) noexcept {
+    const auto missed = [&](std::size_t first, const T& fastest) {
+      return norm(Xyz<T>{surface.S_delta[first], surface.S_delta[first + 1], surface.S_delta[first + 2]}) /
+             fastest;
+    };
+    const T a = missed(0, s.max_linear_velocity);
+    if constexpr (What == TaskSpace::position) return a;
+    const T b = missed(3 % coordinates, s.max_angular_velocity);
     return b > a ? b : a;
   }
 

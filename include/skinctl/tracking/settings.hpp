@@ -1,6 +1,8 @@
 // Settings of a tracking law in joint space, and their ranges.
 #pragma once
 
+#include <limits>
+
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/time.hpp"
 #include "skinctl/dynamics/mass_ratio.hpp"
@@ -18,7 +20,8 @@ enum class GoalPolicy : unsigned char {
 };
 
 namespace detail {
-/// Whether a goal or a target asks no joint to leave its position limits, where `known` has them; poses have none.
+/// Whether a goal or a target asks no joint to leave its position limits, where `known` has them; poses have
+/// none.
 template <class Space, class K, class Goal>
 [[nodiscard]] constexpr bool within_limits(const K& known, const Goal& goal) noexcept {
   if constexpr (KnowsLimits<K> && Space::of_joints) {
@@ -42,7 +45,11 @@ struct JointControlSettings {
   T K_i1 = T(1);                        ///< gain of the integral of S_delta [1/s]
   T K_i2 = T(0.1);                      ///< gain of the integral of tanh(mu S_delta) [rad/s^2]
   T mu = T(10);                         ///< steepness of tanh [s/rad]
-  T integral_limit = T(0.5);            ///< the largest contribution of each integral to dq_r [rad/s]
+  /// Largest torque of the integrals at each joint of a robot by torque, `(K_d + B) J^+ (K_i1 I1 + K_i2 I2)`
+  /// [N m].
+  JointTorque<N, T> integral_limit = JointTorque<N, T>::constant(T(10));
+  T integral_speed =
+      T(0.5);           ///< largest part of each in dq_r of a virtual robot, which has no friction [rad/s]
   Nanoseconds tb = 1s;  ///< convergence time of the time base; 0: the constant gain from the start
   T K_c = T(10);        ///< gain that holds the target [1/s]
   TimeBase<T> base{};   ///< shape of the time base
@@ -54,10 +61,16 @@ struct JointControlSettings {
   T max_acceleration = T(4);  ///< of every joint after a reactive target [rad/s^2]
   T max_jerk = T(40);         ///< of every joint after a reactive target [rad/s^3]
   GoalPolicy reach = GoalPolicy::stretch;
+  /// Speed by which the robot misses its course, as a share of `max_velocity`, at which a spline waits for it:
+  /// it runs at a tenth of its pace from there on, at all of it up to half of that. For limits that slow the
+  /// robot: it does not pull ever harder; infinite: it never waits.
+  T waits = std::numeric_limits<T>::infinity();
   /// Of the robot that carries the torque, as in its resolver: `Y_r Theta` compensates its inertia and
   /// friction, so that a slow virtual robot still tracks. Coulomb friction is left to the integrals.
   VirtualDynamics<N, T> virtual_dynamics = {};
   T mass_ratio = T(1);  ///< how many times lighter the robot may be than the law's model, see `mass_ratio`
+  T gravity_rate =
+      T(0);  ///< of the gravity that another payload than told leaves, see `gravity_rate` [1/s^2]
   JointVelocity<N, T> max_velocity = JointVelocity<N, T>::constant(T(1));  ///< of any motion to a goal
 
   /// D, for which the gains must be small enough: `loop_delay`, at least `dt`.
@@ -66,17 +79,25 @@ struct JointControlSettings {
   }
 };
 
-/// The largest `(K_p + lambda + K_i1 + mu K_i2) D` that is accepted, D the loop's delay. Alone, `lambda D` is stable to
+/// The largest `(K_p + lambda + K_i1 + mu K_i2) D` that is accepted, D the loop's delay. Alone, `lambda D` is
+/// stable to
 /// 1.0: a gain margin of 2. A virtual robot is stable to 2.
 template <Real T>
 inline const T largest_gain_product = T(0.5);
 /// The same for the lightest robot, whose mass ratio multiplies the gains: that it is stable.
 template <Real T>
 inline const T largest_product_when_light = T(1);
-/// The largest mass ratio that is accepted. Beyond it no gains are stable for the light robot and hold the heavy one. A
-/// UR5 that may have lost 5 kg has 77 to 115 without the inertia of its rotors, 4 with 0.1 kg m^2 at each joint.
+/// The largest mass ratio that is accepted. Beyond it no gains are stable for the light robot and hold the
+/// heavy one. A UR5 that may have lost 5 kg has 77 to 115 without the inertia of its rotors, 4 with 0.1 kg
+/// m^2 at each joint.
 template <Real T>
 inline const T largest_mass_ratio = T(4);
+/// The largest acceleration for which integrals by torque may ask a joint whose motor's inertia is not
+/// declared [rad/s^2]: integrals swing a joint that is over eight times heavier than declared, as a wrist is
+/// with its motors, and the torque bounds how far. A UR5 with 0.05 kg m^2 at each joint then stays below 0.8
+/// rad/s, with 60 it reaches 1.5.
+template <Real T>
+inline const T largest_integral_acceleration = T(20);
 
 namespace detail {
 template <Real T>
@@ -85,8 +106,8 @@ SKINCTL_COLD void check_mass_ratio(const T& mass_ratio) {
           static_cast<double>(mass_ratio),
           "1 to 4: declare the rotors' inertia (virtual_inertia), which is in both masses");
 }
-/// Throws with the numbers for gains too large for the loop's delay or for a robot lighter by `mass_ratio`, and for a
-/// mass ratio out of its range. Arguments as of `check`.
+/// Throws with the numbers for gains too large for the loop's delay or for a robot lighter by `mass_ratio`,
+/// and for a mass ratio out of its range. Arguments as of `check`.
 template <std::size_t N, Real T>
 SKINCTL_COLD void check_gains(const JointControlSettings<N, T>& s, const T& lambda, const T& mass_ratio) {
   const auto number = [](const T& x) { return static_cast<double>(x); };
@@ -109,6 +130,24 @@ SKINCTL_COLD void check_gains(const JointControlSettings<N, T>& s, const T& lamb
       number(T(light / product)), number(T(T(1) / product)));
   refuse(text);
 }
+/// Throws with the numbers for gains too small to hold the gravity of another payload than told, by Routh's
+/// criterion for `s^2 + lambda (s + K_c)(1 + K_i1 / s)` with its falling away: without integral `lambda K_c`
+/// has to be larger.
+template <std::size_t N, Real T>
+SKINCTL_COLD void check_gravity(const JointControlSettings<N, T>& s, const T& lambda, const T& gravity_rate) {
+  const auto number = [](const T& x) { return static_cast<double>(x); };
+  require(gravity_rate >= T(0), "gravity rate", number(gravity_rate), ">= 0 1/s^2");
+  const T K = s.K_c, I = s.K_i1;
+  const T holds = lambda * K + (lambda + K) * I - lambda * K * I / (lambda + K + I);
+  if (holds >= gravity_rate) return;
+  char text[320];
+  std::snprintf(text, sizeof text,
+                "skinctl: lambda (K_c + K_i1) + K_c K_i1 - lambda K_c K_i1 / (lambda + K_c + K_i1) = %.9g "
+                "1/s^2, allowed: >= %.3g, or a lost payload's gravity carries a joint away: declare the "
+                "rotors' inertia, shorten the delay or tell the payload",
+                number(holds), number(gravity_rate));
+  refuse(text);
+}
 }  // namespace detail
 
 /// Throws `ConfigurationError` with the number and the range, if a setting cannot work.
@@ -124,7 +163,9 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
   require(s.K_i1 >= T(0) && s.K_i1 <= T(1e6), "K_i1", number(s.K_i1), ">= 0 1/s");
   require(s.K_i2 >= T(0) && s.K_i2 <= T(1e6), "K_i2", number(s.K_i2), ">= 0 rad/s^2");
   require(s.mu > T(0) && s.mu <= T(1e6), "mu", number(s.mu), "> 0 s/rad");
-  require(s.integral_limit > T(0) && s.integral_limit <= T(1e6), "integral_limit", number(s.integral_limit),
+  for (const T& limit : s.integral_limit)
+    require(limit > T(0) && limit <= T(1e6), "integral_limit", number(limit), "> 0 N m");
+  require(s.integral_speed > T(0) && s.integral_speed <= T(1e6), "integral_speed", number(s.integral_speed),
           "> 0 rad/s");
   require(s.kappa > T(0), "kappa", number(s.kappa), "> 0 1/s");
   const T dt = seconds<T>(s.dt);
@@ -142,6 +183,7 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
     require(s.virtual_dynamics.inertia[i] >= T(0) && s.virtual_dynamics.inertia[i] <= T(1e6),
             "virtual inertia", number(s.virtual_dynamics.inertia[i]), "0 to 1e6 kg m^2");
   }
+  require(s.waits > T(0), "waits", number(s.waits), "> 0, or infinite");
   check(PursuitLimits<T>{T(1), s.max_acceleration, s.max_jerk});
   for (const T& v : s.max_velocity) require(v > T(0) && v <= T(1e6), "max_velocity", number(v), "> 0 rad/s");
   detail::check_gains(s, lambda, s.mass_ratio);
@@ -149,10 +191,12 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
 
 /// Settings of a tracking law for this robot: times, virtual dynamics and speeds follow its description.
 ///
-/// By position or velocity `dt` is the longest sub-step, that of a late cycle, so that the default `lambda` suits it too.
-/// By torque the gains follow the loop's delay D: `lambda = 0.3 / (D max(1, mass_ratio / 2))`, and the others are
-/// lowered, tb lengthened, as far as the bounds ask. Both bounds leave two thirds of lambda for the other gains; 0.65 is
-/// used.
+/// By position or velocity `dt` is the longest sub-step, that of a late cycle, so that the default `lambda`
+/// suits it too. By torque the gains follow the loop's delay D: `lambda = 0.3 / (D max(1, mass_ratio / 2))`,
+/// `K_c = K_i1 = min(10, lambda / 4)`, `K_i2 = lambda / 80`, which the bounds allow. There is no time base:
+/// it begins with no gain at all, while friction has to be overcome. The integrals may use half of a joint's
+/// torque: friction and a lost payload take less; without the motors' inertia see
+/// `largest_integral_acceleration`.
 ///
 /// @param mass_ratio  how many times lighter the robot may be than its model; by torque 1 to 4, else throws
 ///                    `ConfigurationError`; not read by position or velocity.
@@ -165,27 +209,33 @@ template <class Robot>
   for (std::size_t i = 0; i < Robot::joints; ++i)
     if (robot.limits().velocity()[i] < s.max_velocity[i]) s.max_velocity[i] = robot.limits().velocity()[i];
   if constexpr (Robot::interface == Interface::torque) {
-    const auto lower = [](T& x, const T& bound) { x = x < bound ? x : bound; };
     detail::check_mass_ratio(mass_ratio);
     const T half = T(0.5) * mass_ratio;
     s.loop_delay = robot.loop_delay();
     s.mass_ratio = mass_ratio;
     s.lambda = T(0.3) / (seconds<T>(s.delay_in_loop()) * (half > T(1) ? half : T(1)));
-    lower(s.K_i1, T(0.25) * s.lambda);
-    lower(s.K_i2, T(0.125) * s.lambda / s.mu);
-    const T K_p = T(0.65) * s.lambda - s.K_i1 - s.mu * s.K_i2, peak = s.base.peak_gain();
-    lower(s.K_c, K_p);
-    if (peak > K_p * seconds<T>(s.tb)) s.tb = nanoseconds(static_cast<double>(peak / K_p));
+    s.K_c = s.K_i1 = T(0.25) * s.lambda < T(10) ? T(0.25) * s.lambda : T(10);
+    s.K_i2 = s.lambda / T(80);
+    const auto inertia = largest_inertia(robot.model(), s.virtual_dynamics.inertia);
+    for (std::size_t i = 0; i < Robot::joints; ++i) {
+      s.integral_limit[i] = T(0.5) * robot.limits().torque()[i];
+      const T least = largest_integral_acceleration<T> * inertia[i];
+      if (!(s.virtual_dynamics.inertia[i] > T(0)) && least < s.integral_limit[i]) s.integral_limit[i] = least;
+    }
+    s.tb = 0ns;
   }
   return s;
 }
-/// The same by torque for a robot that may carry less than `robot` says: `lightest` describes it without its payload.
+/// The same by torque for a robot that may carry less than `robot` says: `lightest` describes it without its
+/// payload.
 template <DescribedRobot Robot, DescribedRobot Lightest>
   requires(Robot::interface == Interface::torque && Robot::joints == Lightest::joints)
 [[nodiscard]] JointControlSettings<Robot::joints, typename Robot::scalar> tracking_settings(
     const Robot& robot, const Lightest& lightest) {
-  return tracking_settings(robot,
-                           mass_ratio(robot.model(), lightest.model(), robot.virtual_dynamics().inertia));
+  const auto& motors = robot.virtual_dynamics().inertia;
+  auto s = tracking_settings(robot, mass_ratio(robot.model(), lightest.model(), motors));
+  s.gravity_rate = gravity_rate(robot.model(), lightest.model(), motors);
+  return s;
 }
 
 /// Throws `ConfigurationError` with both numbers if a law's settings differ from those of the robot that

@@ -32,6 +32,12 @@ struct Integrals {
   }
 };
 
+/// The shares of their limits that integrals use, with the signs of rates that use more.
+template <std::size_t N, Scalar T = double>
+struct IntegralsUsed {
+  JointVelocity<N, T> I1, I2;
+};
+
 /// The state on the surface, and the reference motion that follows from it.
 template <std::size_t N, Scalar T = double>
 struct SlidingSurface {
@@ -52,6 +58,7 @@ struct SurfaceInputs {
   BiasNow<N, T> bias;
   JointVelocity<N, T> I1;  ///< the integrals themselves
   JointVelocity<N, T> I2;
+  IntegralsUsed<N, T> used;
   bool held;  ///< the integrals are stopped
 };
 
@@ -59,39 +66,25 @@ struct SurfaceInputs {
 template <Real T = double>
 struct SurfaceGains {
   T K_i1, K_i2, mu;
-  T I1_limit, I2_limit;  ///< bounds of the integrals
 
   template <std::size_t N>
   explicit SurfaceGains(const JointControlSettings<N, T>& s) noexcept
-      : K_i1(s.K_i1),
-        K_i2(s.K_i2),
-        mu(s.mu),
-        I1_limit(s.K_i1 > T(0) ? T(s.integral_limit / s.K_i1) : T(1)),
-        I2_limit(s.K_i2 > T(0) ? T(s.integral_limit / s.K_i2) : T(1)) {}
+      : K_i1(s.K_i1), K_i2(s.K_i2), mu(s.mu) {}
 
-  /// The part of its rate that an integral takes: all of it up to half the limit and on the way back, then
-  /// smoothly less, and none at the limit.
+  /// The part of its rate that an integral takes: all of it on the way back, else what `used` leaves.
   template <std::size_t N>
-  [[nodiscard]] static SKINCTL_INLINE detail::Row<N, T> taken(const JointVelocity<N, T>& integral,
-                                                              const detail::Row<N, T>& rate,
-                                                              const T& limit) noexcept {
-    // On the way back too: `slowed` looks at the direction.
-    if (any(magnitude(detail::Row<N, T>(integral)) > detail::Row<N, T>(T(T(0.5) * limit)))) [[unlikely]]
-      return detail::Row<N, T>(slowed(integral, JointVelocity<N, T>(rate), limit));
-    return rate;
+  [[nodiscard]] static SKINCTL_INLINE detail::Row<N, T> taken(const JointVelocity<N, T>& used,
+                                                              const detail::Row<N, T>& rate) noexcept {
+    const detail::Row<N, T> share = used;
+    return select(share * rate > detail::Row<N, T>(T(0)), rate - magnitude(share) * rate, rate);
   }
-
- private:
-  template <std::size_t N>
-  [[nodiscard]] static SKINCTL_COLD JointVelocity<N, T> slowed(const JointVelocity<N, T>& integral,
-                                                               JointVelocity<N, T> rate,
-                                                               const T& limit) noexcept {
-    for (std::size_t i = 0; i < N; ++i) {
-      const T size = detail::magnitude(integral[i]);
-      if (T(2) * size > limit && integral[i] * rate[i] > T(0))
-        rate[i] = rate[i] * quintic(T(T(2) * size / limit - T(1))).rest;
-    }
-    return rate;
+  /// `used` of a load against its limit > 0, both of any unit: 0 up to half of it, then smoothly to 1, with
+  /// the sign of the load.
+  [[nodiscard]] static T used(const T& load, const T& limit) noexcept {
+    const T share = T(2) * detail::magnitude(load) / limit - T(1);
+    if (!(share > T(0))) return T(0);
+    const T part = quintic(share).a1;
+    return load < T(0) ? T(-part) : part;
   }
 };
 
@@ -109,6 +102,13 @@ struct SurfaceErrors {
 template <std::size_t N, Real T = double>
 struct SurfaceErrorRows {
   detail::Row<N, T> e, de, slope, v_d, a_d;
+
+  [[nodiscard]] SurfaceErrors<N, T> stored() const noexcept {
+    SurfaceErrors<N, T> error;
+    e.store(error.e), de.store(error.de), slope.store(error.slope), v_d.store(error.v_d),
+        a_d.store(error.a_d);
+    return error;
+  }
 };
 
 /// Eqs. (10)-(13), or (18)-(21), and the derivative of (10); `rest(dq_r)` gives `S_q`. NaN in, NaN out.
@@ -122,8 +122,8 @@ template <std::size_t N, Real T, class Target, class Errors, class Rest>
   const R S_delta = de + K * e - S_d;
   R dI1 = T(0), dI2 = T(0);
   if (!in.held) [[likely]] {
-    dI1 = gains.taken(in.I1, S_delta, gains.I1_limit);
-    dI2 = gains.taken(in.I2, math::tanh(gains.mu * S_delta), gains.I2_limit);
+    dI1 = gains.taken(in.used.I1, S_delta);
+    dI2 = gains.taken(in.used.I2, math::tanh(gains.mu * S_delta));
   }
   const R dq_r = v_d - K * e + S_d - K_i1 * in.I1 - K_i2 * in.I2;
   const R ddq_r = a_d - K * slope - in.K_p.dK * e + in.bias.dS_d - K_i1 * dI1 - K_i2 * dI2;

@@ -16,6 +16,8 @@ struct SplinePlan {
   using Where = typename Space::Where;
   static constexpr bool streams = false, reacts = false, is_movable = false;
   static constexpr const char* name = Space::spline_name;  ///< of the law
+  /// The slowest pace of a plan that waits: one that its joints' droop holds back ends all the same.
+  static constexpr double slowest = 0.1;
 
   typename Space::Spline spline;
   PlanClock<T> clock;
@@ -36,6 +38,16 @@ struct SplinePlan {
                                                              const Settings& s) const noexcept {
     return {spline, clock.advanced(dt, Space::tracking(s).bumpless_transfer)};
   }
+  /// Waits for a robot that a limit, an obstacle or a hand keeps off its course: see `JointControlSettings::waits`.
+  /// @param missed  speed by which it misses it, as a share of the largest, >= 0.
+  [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan waited(const T& missed, Nanoseconds dt,
+                                                           const Settings& s) const noexcept {
+    const T most = Space::tracking(s).waits, share = T(2) - T(2) * missed / most;
+    if (!(share < T(1)) && clock.pace == T(1)) [[likely]]
+      return *this;
+    const T wish = share < T(slowest) ? T(slowest) : (share < T(1) ? share : T(1));
+    return {spline, clock.paced(wish, dt, Space::tracking(s).bumpless_transfer)};
+  }
   /// The spline comes to a stop, or goes on.
   [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan held(bool holds, const Settings& s) const noexcept {
     return {spline, clock.changed(!holds, Space::tracking(s).bumpless_transfer)};
@@ -51,7 +63,8 @@ struct SplinePlan {
     const T intervals = T(10) * seconds<T>(s.dt), least = shortest > intervals ? shortest : intervals;
     if (!(shortest < T(1e9)) || goal.duration < 0ns) return {*this, Reason::goal_refused};
     const T asked = seconds<T>(goal.duration);
-    const PlanClock<T> begun{0ns, clock_end, clock.to, clock.to};  // a stopped plan stays stopped
+    const PlanClock<T> begun{0ns,      clock_end,  clock.to,
+                             clock.to, clock.pace, clock.pace_rate};  // a stopped plan stays stopped
     const auto in = [&](const T& tf) {
       return Space::spline(where, Space::place(goal), tf).from(at(T(0), settings));
     };

@@ -20,6 +20,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   using Reset = detail::TrackingReset<Space, Plan, Damping>;
   using Reset::begin_bias;
   using Reset::begin_gain;
+  using Reset::bound_integrals;
   using Reset::bumpless_transfer;
   using Reset::damping_;
   using Reset::gains;
@@ -69,12 +70,14 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
       : Tracking(Space(X_LP, settings), settings) {}
   Tracking(const Space& space, const Settings& settings, const Damping& damping)
       : Reset(space, settings, damping) {}
-  /// Throws `ConfigurationError` where times or virtual dynamics are not those of the robot, and where the gains are too
-  /// large for the lightest of its configurations.
+  /// Throws `ConfigurationError` where times or virtual dynamics are not those of the robot, and where the
+  /// gains are too large for the lightest of its configurations, or too small for the gravity that they
+  /// differ by.
   void check_for(const LawTerms<N, T>& robot) const {
     skinctl::check_for(gains(), robot);
     if (robot.mass_ratio > gains().mass_ratio)
       detail::check_gains(gains(), damping_.fastest(), robot.mass_ratio);
+    detail::check_gravity(gains(), damping_.slowest(), robot.gravity_rate);
   }
 
   /// Takes over at the known state: the target is the robot's position, `S_d` takes up its velocity, S_q is
@@ -91,8 +94,8 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   }
 
   /// A new goal: the plan, the time base, the surface and its integrals start again from the known state.
-  /// Refused: no numbers, joints beyond the robot's position limits, a pose whose axes are no rotation. Too fast ones are
-  /// stretched or refused: `GoalPolicy`.
+  /// Refused: no numbers, joints beyond the robot's position limits, a pose whose axes are no rotation. Too
+  /// fast ones are stretched or refused: `GoalPolicy`.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const Goal& goal) const noexcept {
@@ -106,6 +109,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     out.status |= begin_gain(out.memory, known);
     if (out.status.has(Reason::goal_refused)) return {memory, out.status};
     out.memory.I1 = out.memory.I2 = Integrals<Space::coordinates, T>();
+    out.memory.used = {};
     begin_bias(out.memory, known);
     bumpless_transfer(out.memory, memory, known);
     return out;
@@ -141,7 +145,12 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
                                               Opposition opposition, const Surface& at_t) const noexcept {
     if ((opposition == Opposition::lasting) != memory.held) [[unlikely]]
       return switched(memory, known, dt, opposition);
-    return stepped(memory, at_t, dt);
+    Memory next = stepped(memory, at_t, dt);
+    if constexpr (!Plan::streams)
+      next.plan =
+          next.plan.waited(Space::share_of_speed(at_t, settings_), nanoseconds(double(dt)), settings_);
+    bound_integrals(next, known);
+    return next;
   }
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known, const T& dt,
@@ -165,8 +174,8 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     return !memory.held && Space::stands(reference(memory)) && detail::slower(known.dq(), still) &&
            detail::slower(now(memory, known).dq_r, still);
   }
-  /// The distance of the robot from a goal, or from a target as it is now: of poses in position [m] and orientation
-  /// [rad], else the largest of a joint [rad].
+  /// The distance of the robot from a goal, or from a target as it is now: of poses in position [m] and
+  /// orientation [rad], else the largest of a joint [rad].
   struct Distance {
     T position = T(0), orientation = T(0), joint = T(0);
   };

@@ -14,33 +14,57 @@ struct OwnTime {
   T bend;  ///< d2t/dx2 [1/s]
 };
 
-/// Own time that runs at rate 1 or is stopped; a quintic joins the two rates. Trivially copyable.
+/// Own time that runs at its pace, 1 but where it waits, or is stopped; a quintic joins the two. Trivially
+/// copyable.
 template <Real T = double>
 struct PlanClock {
   Nanoseconds own{};                     ///< own time now
   Nanoseconds since_change = clock_end;  ///< time since the last `run` or `stop`
-  T from = T(1);                         ///< rate at that moment
-  T to = T(1);                           ///< rate that it changes to
+  T from = T(1);                         ///< rate at that moment, in units of the pace
+  T to = T(1);                           ///< rate that it changes to, in units of the pace
+  T pace = T(1);                         ///< rate while it runs, in (0, 1]
+  T pace_rate = T(0);  ///< change of the pace [1/s]; 0 while a change of `from` to `to` lasts
 
   /// Own time `x` seconds from now; a change of rate takes `ramp`.
   [[nodiscard]] SKINCTL_INLINE constexpr OwnTime<T> at(const T& x, Nanoseconds ramp) const noexcept {
-    if (!(since_change < ramp)) [[likely]]
-      return {seconds<T>(own) + x * to, to, T(0)};
+    if (!(since_change < ramp)) [[likely]] {
+      if (pace == T(1) && pace_rate == T(0)) [[likely]]
+        return {seconds<T>(own) + x * to, to, T(0)};
+      const T gone = x * (pace + T(0.5) * x * pace_rate);
+      return {seconds<T>(own) + gone * to, (pace + x * pace_rate) * to, pace_rate * to};
+    }
     const T begin = seconds<T>(since_change), whole = seconds<T>(ramp);
     const auto way = quintic(T((begin + x) / whole), T(T(1) / whole));
     const T gone = whole * (covered(T((begin + x) / whole)) - covered(T(begin / whole)));
-    return {seconds<T>(own) + from * x + (to - from) * gone, from + (to - from) * way.a1,
-            (to - from) * way.a2};
+    return {seconds<T>(own) + pace * (from * x + (to - from) * gone), pace * (from + (to - from) * way.a1),
+            pace * ((to - from) * way.a2)};
   }
   [[nodiscard]] SKINCTL_INLINE constexpr PlanClock advanced(Nanoseconds dt, Nanoseconds ramp) const noexcept {
-    if (since_change >= ramp) [[likely]]
-      return {later(own, to > T(0) ? dt : 0ns), later(since_change, dt), from, to};
+    const bool even = pace == T(1) && pace_rate == T(0);
+    if (since_change >= ramp && even) [[likely]]
+      return {later(own, to > T(0) ? dt : 0ns), later(since_change, dt), from, to, pace, pace_rate};
     const T gone = at(seconds<T>(dt), ramp).t - seconds<T>(own);
-    return {later(own, nanoseconds(static_cast<double>(gone))), later(since_change, dt), from, to};
+    return {later(own, nanoseconds(static_cast<double>(gone))),
+            later(since_change, dt),
+            from,
+            to,
+            even ? pace : T(pace + seconds<T>(dt) * pace_rate),
+            pace_rate};
   }
   /// Runs or stops from now on, beginning with the present rate.
   [[nodiscard]] SKINCTL_INLINE constexpr PlanClock changed(bool runs, Nanoseconds ramp) const noexcept {
-    return {own, 0ns, at(T(0), ramp).rate, runs ? T(1) : T(0)};
+    return {own, 0ns, at(T(0), ramp).rate / pace, runs ? T(1) : T(0), pace, T(0)};
+  }
+  /// Goes over to another pace, as a second-order lag does that rests after about `ramp`: the rate of own time
+  /// has no step, nor has its derivative but the share of it that belongs to `dt`.
+  [[nodiscard]] SKINCTL_INLINE constexpr PlanClock paced(const T& wish, Nanoseconds dt,
+                                                         Nanoseconds ramp) const noexcept {
+    if (since_change < ramp) return *this;
+    const T h = seconds<T>(dt), lag = T(0.25) * seconds<T>(ramp), away = wish - pace;
+    const T rate = (lag * lag * pace_rate + h * away) / (lag * lag + h * (T(2) * lag + h));
+    const T none = T(1e-6);
+    const bool there = away < none && -away < none && rate * lag < none && -rate * lag < none;
+    return {own, since_change, from, to, there ? wish : pace, there ? T(0) : rate};
   }
 
  private:

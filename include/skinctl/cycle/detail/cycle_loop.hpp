@@ -86,6 +86,8 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     const auto measured = [&]() SKINCTL_INLINE_LAMBDA -> const State<joints, scalar>& {
       return believed(input.measured, m.robot.measured(), guard_);
     };
+    TouchTable<std::remove_cvref_t<decltype(skin_)>>::follow_robot(skin_, m.skin, resolver_.model(),
+                                                                   resolver_.state(m.robot));
     status |= receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
     const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
     const Seen<typename Parts::Skin, std::remove_cvref_t<decltype(pressed)>> seen{skin_, m.skin, pressed,
@@ -98,8 +100,6 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     watch.end(CycleStage::sense);
 
     change.carry(*this, m, input.measured, interval);
-    [[maybe_unused]] bool hard = false;  // before the step and after it: the last one ends with hard braking
-    if constexpr (Governor::smooth) hard = resolver_.stops_or_corrects(m.robot);
     const std::span<const Touch> felt(touches.data, parts);
     Unwritten<Wrenches, max_substeps> changes;
     if constexpr (changes_touch)
@@ -113,7 +113,6 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
       resolved.status = resolved.status.without(Reason::stopping);
     }
     status |= resolved.status;
-    if constexpr (Governor::smooth) hard = hard || resolver_.stops_or_corrects(m.robot);
     watch.end(CycleStage::resolve);
 
     Status found = input.observed;
@@ -121,7 +120,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     if constexpr (governed) {
       if (interval.substeps != 0) {
         if constexpr (Governor::stands_off) governor_.stand_off(m.governor, resolver_.off(m.robot));
-        const auto given = govern(m, resolved, seen, interval, hard, stops);
+        const auto given = govern(m, resolved, seen, interval, stops);
         status |= given.status;
         found |= given.status;
         slowed = given.altered;
@@ -133,9 +132,8 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
                                      resolved.fallback, found | status);
     status |= guarded.status | input.observed;
     if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
-    if constexpr (governed) {
-      if (guarded.altered) governor_.sent(m.governor, guarded.command);
-    }
+    if (!guarded.command.valid) [[unlikely]]
+      resolver_.not_sent(m.robot);
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
     watch.end(CycleStage::guard);
     Output out(guarded.command, status, resolved.shares);
@@ -157,10 +155,11 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
                                 std::span<const Touch> felt, [[maybe_unused]] const Pressed& pressed,
                                 std::span<const Wrenches> changes) const noexcept {
     if constexpr (Resolver::watches_contacts) {
-      return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_, pressed, changes);
+      return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_, pressed, changes,
+                            governor_);
     } else {
-      return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_, PressedUnknown{},
-                            changes);
+      return resolver_.step(m.robot, law_, m.law, measured, interval, felt, guard_, PressedUnknown{}, changes,
+                            governor_);
     }
   }
 
@@ -197,19 +196,18 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   }
   template <class Resolved, class Seen>
   SKINCTL_INLINE auto govern(Memory& m, const Resolved& resolved, const Seen& seen, const Interval& interval,
-                             bool hard, bool stops) const noexcept {
+                             bool stops) const noexcept {
     const scalar dt = seconds<scalar>(interval.to - interval.from);
     const auto& last = guard_.last(m.guard);
-    typename Governor::Input in{.last = last,
-                                .measured = m.robot.measured(),
-                                .spans = {},
-                                .dt = dt,
-                                .torque_rate = scalar(guard_.settings().torque_rate),
-                                .stale = resolved.status.has(Reason::state_stale),
-                                .waits = guard_.waits(m.guard) || pauses(m),
-                                .hard = hard,
-                                .stops = stops};
-    Resolver::each([&](auto k) { in.spans[k.value] = resolver_.template span<k.value>(m.robot, dt); });
+    const typename Governor::Input in{.last = last,
+                                      .measured = m.robot.measured(),
+                                      .span = seconds<scalar>(interval.given(resolver_.period())),
+                                      .dt = dt,
+                                      .torque_rate = scalar(guard_.settings().torque_rate),
+                                      .motors = resolver_.shape().inertia,
+                                      .stale = resolved.status.has(Reason::state_stale),
+                                      .waits = guard_.waits(m.guard) || pauses(m),
+                                      .stops = stops};
     return governor_.step(m.governor, in, resolved.command, resolved.fallback, seen);
   }
 

@@ -37,7 +37,8 @@ struct SayParts {
   static_assert(F != two_movers, "with: two limits decide how joints move: leave one out");
   static_assert(F != not_felt,
                 "contact limits need a skin on each link that they name: what is not felt cannot be limited");
-  static_assert(F != no_cells, "SkinWatch: this scene has no skin whose cells could fall silent");
+  static_assert(F != no_cells,
+                "this limit asks what cells feel (SkinWatch, FeltPlaces), and the scene has none");
 };
 /// Whether it is settings of the guard, or a limit or its settings.
 template <class Robot, class Part>
@@ -108,6 +109,15 @@ struct Seen {
   }
   [[nodiscard]] SKINCTL_INLINE Coverage coverage() const noexcept {
     return TouchTable<Skin>::coverage(skin, memory);
+  }
+  /// Whether the laws feel a push.
+  [[nodiscard]] SKINCTL_INLINE bool touched() const noexcept {
+    return !(skin.wrenches(memory) == typename Skin::Wrenches{});
+  }
+  /// The least reading of a push on the `i`-th cell that somebody notices; infinite: nobody, or no such cell.
+  [[nodiscard]] SKINCTL_INLINE double noticed(std::size_t i) const noexcept {
+    return i < TouchTable<Skin>::size(skin) ? TouchTable<Skin>::noticed(skin, memory, i)
+                                            : std::numeric_limits<double>::infinity();
   }
 };
 /// A robot of one group that takes positions.
@@ -181,6 +191,7 @@ SKINCTL_INLINE Status receive_touch(const Skin& skin, typename Skin::Memory& mem
       touches);
 }
 struct SkinBehindLaw {};
+struct ModelAsRobot {};
 /// The configuration is that of the last cycle.
 struct NoChange {
   template <class C, class Memory, class Receive>

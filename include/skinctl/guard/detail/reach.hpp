@@ -43,30 +43,6 @@ class GuardReach {
     return room;
   }
 
-  /// Whether the command may be sent. A position is held until the next one comes, so that the robot carries
-  /// it out in a period, whatever time has passed: it is at most that far from the last one.
-  SKINCTL_INLINE bool can_send(const JointCommand<N, T>& last, const JointCommand<N, T>& wish,
-                               const State<N, T>& measured, const T& dt, Status& status) const noexcept {
-    const T cycle = seconds<T>(period_);
-    T span = dt;
-    if (takes_position(I) && dt > cycle && !within_period(last, wish, cycle)) [[unlikely]]
-      span = cycle;
-    for (;; span = cycle) {  // all of the time, or a period of it
-      Status found;
-      if (can_reach(last, wish, measured, span, found)) [[likely]]
-        return true;
-      if (!takes_position(I) || !(span > cycle)) return status |= found, false;
-    }
-  }
-  /// Whether the command is no farther from the last one than the joints get in a period.
-  SKINCTL_COLD bool within_period(const JointCommand<N, T>& last, const JointCommand<N, T>& wish,
-                                  const T& cycle) const noexcept {
-    using R = Row<N, T>;
-    const R from = last.position, moved = R(wish.position) - from, eps = std::numeric_limits<T>::epsilon();
-    const R most = T(cycle * slack()) * R(limits_.velocity()) + T(16) * eps * magnitude(from);
-    return all(magnitude(moved) <= most);
-  }
-
   /// Whether a motion within the limits leads from the last command to `wish` in `dt`, and leaves room to
   /// stop or brakes with the full acceleration limit.
   SKINCTL_INLINE bool can_reach(const JointCommand<N, T>& last, const JointCommand<N, T>& wish,

@@ -20,6 +20,11 @@ class ClearanceWays {
   using Position = typename Limits::Position;
   using Near = typename Limits::Near;
   using Memory = typename Limits::Memory;
+  static constexpr double leaving = 0.05;  ///< largest speed at which a motion along a margin leaves it [m/s]
+  static constexpr double reaction = 0.02;         ///< time before a pair brakes, of a step that slides [s]
+  static constexpr double weakest_braking = 1e-3;  ///< of a pair that no joint parts [m/s^2]
+  static constexpr double square_of_none = 1e-8;   ///< squared gradient of a pair that no joint parts [m^2]
+  static constexpr double inner_share = 0.25;  ///< of the margin, left to obstacles while the robot brakes
 
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
   [[nodiscard]] const T& distance(std::size_t k) const noexcept { return distance_[k]; }
@@ -59,13 +64,12 @@ class ClearanceWays {
   /// over. At the margin it leaves a little, at up to `leaving`: by as much as the distance may fall short of its
   /// gradient until the robot stands, because a motion along the margin would not be kept.
   [[nodiscard]] Velocity slid(Velocity u, const T& h) const noexcept {
-    constexpr T leaving(0.05);  // [m/s]
     T gradient[max_pairs][joints], gradient_off[max_pairs][joints];
     of_.clearances_.gradients(q_, near(), gradient);
     if (seen_.is_off) of_.clearances_.gradients(q_ + seen_.off, near(), gradient_off);
     for (int round = 0; round < 4; ++round) {
-      open(u, h, leaving, gradient, distance_);
-      if (seen_.is_off) open(u, h, leaving, gradient_off, distance_off_);
+      open(u, h, gradient, distance_);
+      if (seen_.is_off) open(u, h, gradient_off, distance_off_);
     }
     return u;
   }
@@ -75,7 +79,7 @@ class ClearanceWays {
   static SKINCTL_INLINE T size(const T& x) noexcept { return x < T(0) ? T(-x) : x; }
 
   /// A round of `slid`.
-  void open(Velocity& u, const T& h, const T& leaving, const T (&gradient)[max_pairs][joints],
+  void open(Velocity& u, const T& h, const T (&gradient)[max_pairs][joints],
             const T (&distance)[max_pairs]) const noexcept {
     for (std::size_t k = 0; k < count_; ++k) {
       const T longest = of_.time_to_rest(u);
@@ -86,9 +90,10 @@ class ClearanceWays {
         if (size(g) * rate > of_.brake(i) * square) rate = of_.brake(i) * size(g);
       }
       const T room = distance[k] - margin(k, T(0)), bend = of_.reach_ * sum * sum * (h + longest);
-      const T most = (room > T(0) ? speed_to_stop(room, T(0.02), T(rate > T(0) ? rate : T(1e-3))) : T(0)) -
-                     (bend < leaving ? bend : leaving);
-      if (!(closing > most) || !(square > T(1e-8))) continue;
+      const T braking = rate > T(0) ? rate : T(weakest_braking);
+      const T most = (room > T(0) ? speed_to_stop(room, T(reaction), braking) : T(0)) -
+                     (bend < T(leaving) ? bend : T(leaving));
+      if (!(closing > most) || !(square > T(square_of_none))) continue;
       const T share = (closing - most) / square;
       for (std::size_t i = 0; i < joints; ++i) u[i] = u[i] + share * gradient[k][i];
     }
@@ -106,7 +111,7 @@ class ClearanceWays {
   [[nodiscard]] bool stays_apart([[maybe_unused]] const Velocity& u,
                                  [[maybe_unused]] const Position& moved) const noexcept {
     if constexpr (Limits::around > 0) {
-      const T inner = T(0.25) * of_.margin_;
+      const T inner = T(inner_share) * of_.margin_;
       const auto& c = of_.clearances_;
       const auto box = of_.until_rest(seen_.measured, q_ + moved, u);
       T wide(0);

@@ -22,19 +22,21 @@ class Drive {
   const JointLimits<N, T>& limits;
   const State<N, T>& measured;
   T ahead;                 ///< how far it looks [s]
-  MassMatrix<N, T> mass;   ///< of all joints
+  MassMatrix<N, T> mass;   ///< of all joints, with their motors
   JointTorque<N, T> bias;  ///< C dq + G of all joints
   Torque asked;            ///< within the limits of torque
 
-  SKINCTL_INLINE Drive(const M& model, const JointLimits<N, T>& given, const State<N, T>& state,
-                       const JointTorque<N, T>& wish, const T& time) noexcept
+  /// @param motors  their inertia at the joints, which outweighs that of a wrist's links [kg m^2].
+  SKINCTL_INLINE Drive(const M& model, const JointTorque<N, T>& motors, const JointLimits<N, T>& given,
+                       const State<N, T>& state, const JointTorque<N, T>& wish, const T& time) noexcept
       : limits(given), measured(state), ahead(time), model_(model), angles_(model, state.q) {
     mass = mass_matrix(model_, angles_);
+    for (std::size_t i = 0; i < N; ++i) mass(i, i) = mass(i, i) + motors[i];
     bias = bias_torque(model_, angles_, state.dq);
     asked = Set::of(limits.within(wish, state.dq));
   }
-  /// The velocities to which the torque leads beyond `hold`, which holds the robot; false if the mass matrix is not
-  /// positive definite.
+  /// The velocities to which the torque leads beyond `hold`, which holds the robot; false if the mass matrix
+  /// is not positive definite.
   [[nodiscard]] SKINCTL_INLINE bool leads(const JointTorque<N, T>& hold, const Torque& resistance,
                                           Velocity& driven, Velocity& world) const noexcept {
     const math::Ldlt<n, T> factors(block_of<Set>(mass).data);

@@ -8,41 +8,35 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Nothing decides how joints move but the limits of the joints.
-struct NoMover {
-  template <class Set>
-  [[nodiscard]] NoMover set() const noexcept {
-    return {};
-  }
-};
-
 /// What is remembered of the last command of a group.
 template <std::size_t N, Real T>
 struct GroupMotionMemory {
-  JointAcceleration<N, T> acceleration;  ///< at the end of the last command
-  JointPosition<N, T> position, carry;   ///< the last command's position, and its rounding error
+  JointPosition<N, T> position, carry;  ///< the last command's position, and its rounding error
 };
 
 /// A group of N joints that follows a velocity within the limits of its joints, or as its `Mover` decides.
 template <std::size_t N, Real T, class Mover>
 class GroupMotion {
  public:
-  static constexpr bool smooth = !std::is_same_v<Mover, NoMover>;
+  static constexpr bool smooth = !std::is_same_v<Mover, Abrupt>;
   using Memory = GroupMotionMemory<N, T>;
   using Command = JointCommand<N, T>;
 
   GroupMotion(const JointLimits<N, T>& limits, const Mover& mover) : limits_(limits), mover_(mover) {}
 
-  /// The motion that the mover decides, from `last` towards the velocity `u` in `dt` seconds.
-  [[nodiscard]] SKINCTL_INLINE auto smoothed(const Memory& m, const Command& last,
-                                             const JointVelocity<N, T>& u, const T& dt) const noexcept {
-    return mover_.move(limits_.room(last.position), last.velocity, m.acceleration, u, dt);
+  [[nodiscard]] SKINCTL_INLINE const Mover& mover() const noexcept { return mover_; }
+  /// The motion that the mover decides, from `last` towards the velocity `u` in `dt` seconds, and to rest.
+  [[nodiscard]] SKINCTL_INLINE auto smoothed(const Command& last, const JointVelocity<N, T>& u,
+                                             const T& dt) const noexcept {
+    return mover_.move(limits_.room(last.position), last.velocity, last.acceleration, u, dt);
+  }
+  [[nodiscard]] SKINCTL_INLINE auto stopped(const Command& last, const T& dt) const noexcept {
+    return mover_.brake(limits_.room(last.position), last.velocity, last.acceleration, dt);
   }
   /// Follows such a motion; `out` becomes its end.
   template <class Motion>
   SKINCTL_INLINE void follow(Memory& m, const Command& last, const Motion& motion,
                              Command& out) const noexcept {
-    m.acceleration = motion.acceleration;  // at its end: the guard may brake from there
     make(m, last, motion, out);
     out.acceleration = motion.acceleration;
   }
@@ -50,8 +44,6 @@ class GroupMotion {
   SKINCTL_INLINE Status move(Memory& m, const Command& last, const JointVelocity<N, T>& u, const T& dt,
                              Command& out) const noexcept {
     const auto motion = limits_.move(limits_.room(last.position), last.velocity, u, dt);
-    if constexpr (smooth)
-      for (std::size_t i = 0; i < N; ++i) m.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
     make(m, last, motion, out);
     for (std::size_t i = 0; i < N; ++i) out.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
     return motion.status.without(Reason::acceleration_limited);

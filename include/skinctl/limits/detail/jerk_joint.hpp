@@ -6,6 +6,7 @@
 
 #include "skinctl/core/status.hpp"
 #include "skinctl/limits/detail/stopping.hpp"
+#include "skinctl/math/greatest_share.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -15,6 +16,8 @@ namespace detail {
 template <Real T>
 struct JerkJoint {
   using Moved = detail::Moved<T>;
+  /// Steps of a bisection between two motions: a share to 6e-8.
+  static constexpr int mixing_steps = 24;
   T V, A, J, above, below, slack;
   bool roomy;  ///< no end is near enough to matter in this step
 
@@ -117,22 +120,41 @@ struct JerkJoint {
       const bool slow = slow_enough(m) && m.s <= V * h && -m.s <= V * h;
       status |= slow ? Reason::position_limited : Reason::velocity_limited;
       const Moved brake = detail::Stopping<T>(u, a, A, J).after(h);
-      Moved kept = brake;
-      if (roomy ||
-          stays_inside(u, a, slope, h)) {  // as much of the step as possible: both parts keep all limits
-        T good = T(0), bad = T(1);
-        for (int k = 0; k < 24; ++k) {
-          const T part = T(0.5) * (good + bad);
-          const Moved mixed{brake.s + part * (m.s - brake.s), brake.u + part * (m.u - brake.u),
-                            brake.a + part * (m.a - brake.a)};
-          const bool may = may_end(mixed, h);
-          if (may) kept = mixed;
-          (may ? good : bad) = part;
-        }
-      }
-      m = kept;
+      T share(0);  // as much of the step as possible: both parts keep all limits
+      if (roomy || stays_inside(u, a, slope, h))
+        share = math::greatest_share<mixing_steps, T>(
+            [&](const T& part) { return may_end(mixed(brake, m, part), h); });
+      m = share > T(0) ? mixed(brake, m, share) : brake;
     }
     return {without_dust(m), status};
+  }
+  /// The part `share` of `towards`, and the rest of `from`: both begin alike.
+  [[nodiscard]] static Moved mixed(const Moved& from, const Moved& towards, const T& share) noexcept {
+    return {from.s + share * (towards.s - from.s), from.u + share * (towards.u - from.u),
+            from.a + share * (towards.a - from.a)};
+  }
+  /// Where a joint that moved as `m` comes to rest.
+  [[nodiscard]] T rest_of(const Moved& m) const noexcept {
+    return m.s + detail::Stopping<T>(m.u, m.a, A, J).rest();
+  }
+  /// The motion `m` of `h` seconds from speed `u` and acceleration `a`, as much of it as leaves the rest
+  /// point within `most` and `-least`: the rest is the quickest stop. Where that ends beyond, the joint comes
+  /// back as hard as it can, if `comes_back`.
+  [[nodiscard]] Moved held_back(const Moved& m, const T& u, const T& a, const T& h, const T& least,
+                                const T& most, bool comes_back) const noexcept {
+    const T rest = rest_of(m);
+    if (rest <= most && -rest <= least) return m;
+    const Moved stop = detail::Stopping<T>(u, a, A, J).after(h);
+    const T side = rest > most ? T(1) : T(-1), end = rest > most ? most : least;
+    const auto inside = [&](const Moved& x) { return side * rest_of(x) <= end; };
+    Moved within = stop, beyond = m;
+    if (!inside(stop)) {
+      if (!comes_back) return stop;
+      within = move(u, a, T(-side * V), h).first, beyond = stop;
+      if (!inside(within)) return within;
+    }
+    const auto keeps = [&](const T& part) { return inside(mixed(within, beyond, part)); };
+    return mixed(within, beyond, math::greatest_share<mixing_steps, T>(keeps));
   }
   /// Without speeds and accelerations whose squares are denormal numbers.
   [[nodiscard]] static Moved without_dust(Moved m) noexcept {

@@ -31,6 +31,8 @@ struct AnySeen {
   template <std::size_t>
   [[nodiscard]] T nearest() const noexcept;
   [[nodiscard]] Coverage coverage() const noexcept;
+  [[nodiscard]] double noticed(std::size_t) const noexcept;
+  [[nodiscard]] bool touched() const noexcept;
 };
 
 /// Faults of a limit.

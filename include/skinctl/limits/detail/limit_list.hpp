@@ -46,7 +46,7 @@ template <std::size_t Mover, class... Limits>
   if constexpr (Mover < sizeof...(Limits)) {
     return std::get<Mover>(all);
   } else {
-    return NoMover{};
+    return Abrupt{};
   }
 }
 /// The indices of `keys` in rising order; equal ones stay as they are.

@@ -14,17 +14,16 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// What a governor reads beside the command.
-/// @tparam Groups  number of groups of joints by position or velocity.
-template <std::size_t N, Real T, std::size_t Groups>
+template <std::size_t N, Real T>
 struct GovernorInput {
   const JointCommand<N, T>& last;  ///< the command that left last
   const State<N, T>& measured;     ///< the last good state of the robot
-  std::array<T, Groups> spans;     ///< time in which the command of each group is to be reached [s]
+  T span;                          ///< time in which the robot carries the command out [s]
   T dt;                            ///< time since the last cycle [s]
   T torque_rate = T(0);            ///< fastest change of a torque that the guard allows [limits per second]
+  JointTorque<N, T> motors = {};   ///< inertia of the motors at joints by torque [kg m^2]
   bool stale = false;  ///< whether measured velocities are too old to brake by: then joints by torque pass
   bool waits = false;  ///< whether joints by torque are to be held with damping
-  bool hard = false;   ///< whether a smooth motion gives way, see `Resolver::stops_or_corrects`
   bool stops = false;  ///< whether a stop was requested: it ends at a limit, and does not slide along
 };
 
@@ -62,7 +61,7 @@ class LimitsOfScene {
   static constexpr int braking_cycles = 4;
   /// And the shortest such time [s]: a guard turns a torque over its whole range in 20 ms.
   static constexpr double shortest_braking = 0.01;
-  using Input = GovernorInput<joints, T, groups>;
+  using Input = GovernorInput<joints, T>;
 
  protected:
   using Driven = typename Sets::Driven;
@@ -119,6 +118,11 @@ class LimitsOfScene {
     return element<place<Kind>>(m.limits);
   }
 
+  /// What decides how the joints of the group `K` move: `Abrupt`, or limits of jerk.
+  template <std::size_t K>
+  [[nodiscard]] SKINCTL_INLINE const auto& mover_of() const noexcept {
+    return std::get<K>(motions_).mover();
+  }
   /// The limit that decides how joints move.
   [[nodiscard]] const auto& mover() const noexcept
     requires smooth
@@ -193,9 +197,7 @@ class LimitsOfScene {
   }
 
   [[nodiscard]] SKINCTL_INLINE Going going_of(const Input& in) const noexcept {
-    T dt = has_motion ? in.spans[0] : in.dt;
-    if constexpr (has_motion)
-      for (const T& span : in.spans) dt = span > dt ? span : dt;
+    const T dt = has_motion ? in.span : in.dt;
     T ahead(0);
     Position q = in.last.position;
     Velocity from = in.last.velocity;
@@ -210,8 +212,8 @@ class LimitsOfScene {
   SKINCTL_INLINE static void forget_torque(Memory& m) noexcept {
     if constexpr (of_torque < count) Limit<of_torque>::forget(own<of_torque>(m));
   }
-  /// The velocity in the time of the motion: what was asked for is within the limits of the joints, what is slowed may
-  /// not be.
+  /// The velocity in the time of the motion: what was asked for is within the limits of the joints, what is
+  /// slowed may not be.
   [[nodiscard]] SKINCTL_INLINE Velocity reached(const Going& going,
                                                 const Slowed<joints, T>& s) const noexcept {
     return has_motion && s.slowed ? limits_.move(going.room, going.from, s.velocity, going.dt).velocity

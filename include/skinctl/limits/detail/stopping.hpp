@@ -61,6 +61,8 @@ class Stopping {
     return {sign_ * m.s, sign_ * m.u, sign_ * m.a};
   }
 
+  /// The displacement until rest: where the joint comes to rest.
+  [[nodiscard]] SKINCTL_INLINE T rest() const noexcept { return sign_ * end(); }
   /// The distances covered before rest.
   [[nodiscard]] SKINCTL_INLINE Reach<T> reach() const noexcept {
     using std::sqrt;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "skinctl/core/joint.hpp"
+#include "skinctl/math/greatest_share.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -12,17 +13,13 @@ template <std::size_t N, class T, class Keeps>
 [[nodiscard]] SKINCTL_INLINE JointVelocity<N, T> towards(const JointVelocity<N, T>& allowed,
                                                          const JointVelocity<N, T>& wished,
                                                          const Keeps& keeps) noexcept {
-  T good(0), bad(1);
-  JointVelocity<N, T> out = allowed;
-  for (int k = 0; k < 16; ++k) {
-    const T part = T(0.5) * (good + bad);
+  const auto mixed = [&](const T& part) {
     JointVelocity<N, T> u;
     for (std::size_t i = 0; i < N; ++i) u[i] = allowed[i] + part * (wished[i] - allowed[i]);
-    const bool may = keeps(u);
-    if (may) out = u;
-    (may ? good : bad) = part;
-  }
-  return out;
+    return u;
+  };
+  const T share = math::greatest_share<16, T>([&](const T& part) { return keeps(mixed(part)); });
+  return share > T(0) ? mixed(share) : allowed;
 }
 
 }  // namespace detail

@@ -62,6 +62,9 @@ class ContactModes {
 /// One or two contacts through the same virtual robot.
 template <std::size_t N, Real T>
 struct ContactLoops {
+  static constexpr double vanishing = 1e-6;  ///< share of the largest value below which a locus has ended
+  static constexpr int halvings = 10;        ///< of the step of frequency in which a locus crosses
+
   const ContactModes<N, T>& robot;
   const ContactPath<T>& path;
   const T* a;  ///< row of a contact in modes
@@ -79,7 +82,7 @@ struct ContactLoops {
     Loci before = loci(grid[0]);
     const T largest = std::max(std::abs(before.value[0]), std::abs(before.value[1]));
     for (const C& y : before.value)
-      if (y.imag() >= loss && y.real() < T(0) && std::abs(y) > T(1e-6) * largest) return false;
+      if (y.imag() >= loss && y.real() < T(0) && std::abs(y) > T(vanishing) * largest) return false;
     for (std::size_t n = 1; n < grid.size(); ++n) {
       const Loci now = next_to(before, grid[n]);
       for (int i = 0; i < (b == nullptr ? 1 : 2); ++i) {
@@ -88,7 +91,7 @@ struct ContactLoops {
         T low = grid[n - 1].w, high = grid[n].w;
         Loci left = before;
         C at = z;
-        for (int part = 0; part < 10; ++part) {
+        for (int part = 0; part < halvings; ++part) {
           const T w = T(0.5) * (low + high);
           const Loci m = next_to(left, {w, path.at(w)});
           if ((m.value[i].imag() < loss) == (y.imag() < loss)) {

@@ -39,7 +39,7 @@ class ContactPath {
       rest_ = exp((seconds<T>(c.delay) - seen_) / seconds<T>(c.lag));
       decay_ = exp(-period_ / seconds<T>(c.lag));
     }
-    for (T w = T(5e-3) / total_delay(); w < last(); w *= T(1.12)) grid_.push_back({w, at(w)});
+    for (T w = T(first) / total_delay(); w < last(); w *= T(step)) grid_.push_back({w, at(w)});
     grid_.push_back({last(), at(last())});
   }
   [[nodiscard]] std::complex<T> at(const T& w) const {
@@ -55,14 +55,18 @@ class ContactPath {
   [[nodiscard]] T total_delay() const noexcept {
     return seen_ + skin_delay_ + rest_ * period_ / (T(1) - decay_);
   }
-  /// The highest frequency that cycles see; beyond 20/T the loop's gain is negligible.
+  /// The highest frequency that cycles see; beyond `negligible` the loop's gain is too small to matter.
   [[nodiscard]] T last() const noexcept {
-    const T nyquist = T(3.14159265358979323846) / period_, beyond = T(20) / total_delay();
+    const T nyquist = T(3.14159265358979323846) / period_, beyond = T(negligible) / total_delay();
     return beyond < nyquist ? beyond : nyquist;
   }
   [[nodiscard]] const std::vector<Point>& grid() const noexcept { return grid_; }
 
  private:
+  static constexpr double first = 5e-3;     ///< lowest frequency looked at, times the total delay [rad]
+  static constexpr double step = 1.12;      ///< ratio of frequencies that follow each other
+  static constexpr double negligible = 20;  ///< highest frequency of interest, times the total delay [rad]
+
   T period_, substep_, lead_, skin_delay_;
   T seen_;                        ///< T_d + m
   T rest_ = T(0), decay_ = T(0);  ///< of the lag: left to do after m, and after a period

@@ -1,6 +1,7 @@
 // The velocity that a passivity observer can pay for.
 #pragma once
 
+#include "skinctl/math/greatest_share.hpp"
 #include "skinctl/passivity/passivity_observer.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -19,10 +20,9 @@ SKINCTL_INLINE bool slow_to_afford(const PassivityObserver<T>& observer, const M
   // What leads out of the contacts, as far as it is allowed; then as much of the rest as can be paid for.
   const Velocity out = observer.outward(memory, v);
   const auto most = [&](const Velocity& base, const Velocity& more) {
-    T share(0), part(0.5);
-    for (int k = 0; k < 10; ++k, part = T(0.5) * part)
-      if (allows(base + (share + part) * more)) share = share + part;
-    return base + share * more;
+    constexpr int halvings = 10;  // a share is known to 2^-10
+    return base +
+           math::greatest_share<halvings, T>([&](const T& s) { return allows(base + s * more); }) * more;
   };
   v = allows(out) ? most(out, v - out) : most(Velocity{}, out);
   return false;

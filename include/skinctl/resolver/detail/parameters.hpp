@@ -10,17 +10,20 @@ template <std::size_t N, Real T>
 struct ResolverParameters {
   JointLimits<N, T> limits;
   VirtualDynamics<N, T> shape;
-  JointPosition<N, T> dead_band;
-  JointPosition<N, T> max_lead;  ///< e_max
-  JointVelocity<N, T> resting_speed;
+  JointPosition<N, T> dead_band;  ///< B0 [rad]
+  JointPosition<N, T> owed;       ///< A d (tau + d/2), see `RobotConfiguration::owed_by_acceleration` [rad]
+  JointVelocity<N, T> resting_speed;  ///< below which a joint counts as at rest [rad/s]
   Nanoseconds period, delay, substep, longest_interval, stale_after;
-  Nanoseconds fresh_for;  ///< age up to which the residual of a measurement is used
-  T cycle;                ///< the period [s]
-  T settle;               ///< time in which a robot's answer shows in full [s]
-  T forgets;              ///< share of what came before that is left after a period
-  T torque_rate;          ///< [1/s]
-  T largest_gap;          ///< to which a user can agree [rad]
-  T lag, total_delay, per_delay, L1, L2, drift, retry, catch_up;
+  T cycle;        ///< the period [s]
+  T torque_rate;  ///< [1/s]
+  T largest_gap;  ///< that is borne [rad]
+  T lag;          ///< tau [s]
+  T total_delay;  ///< T [s]
+  T latest;       ///< T and the undeclared lag that is borne [s]
+  T per_held;     ///< 1/(5 T): of the time for which a joint is held until it counts as blocked [1/s]
+  T reaction;     ///< for which a velocity may be held [s]
+  T undeclared;   ///< t_u: undeclared lag that is borne [s]
+  T drift;        ///< of velocity joints towards their measured positions [1/s]
   bool has_coulomb = false;
 
   /// The largest change of a law's own torque in `h` seconds [N m].
@@ -32,35 +35,29 @@ struct ResolverParameters {
   SKINCTL_COLD explicit ResolverParameters(const RobotConfiguration<N, T>& c, bool has_virtual_robot = true)
       : limits(c.limits),
         shape(c.virtual_dynamics()),
-        dead_band(c.tolerance_of_lag()),
-        max_lead(c.largest_lead()),
+        dead_band(c.dead_band),
+        owed(c.owed_by_acceleration()),
         resting_speed(c.resting_speed()),
         period(c.period),
         delay(c.delay),
         substep(c.substep),
         longest_interval(c.longest()),
+        stale_after(c.stale()),
         cycle(seconds<T>(c.period)),
         torque_rate(c.torque_rate),
         largest_gap(c.largest_gap),
         lag(seconds<T>(c.lag)),
-        retry(seconds<T>(c.retry)),
+        total_delay(seconds<T>(c.total_delay())),
+        latest(seconds<T>(c.latest())),
+        per_held(T(1) / (T(held_delays) * total_delay)),
+        reaction(seconds<T>(c.longest())),
+        undeclared(seconds<T>(c.undeclared_lag)),
         lag_of_robot_(c.lag),
-        lead_of_robot_(c.max_lead) {
+        undeclared_lag_(c.undeclared_lag) {
     check(c, has_virtual_robot);
-    total_delay = seconds<T>(c.total_delay());
-    per_delay = T(1) / total_delay;
-    settle = T(10) * total_delay;
-    forgets = settle / (settle + seconds<T>(c.period));
-    fresh_for = c.total_delay() + period / 2;
-    stale_after = c.stale();
-    const T w = c.observer.value_or(T(0.3) / total_delay);
-    L1 = T(2) * w;
-    L2 = w * w;
-    catch_up = T(0.25) / seconds<T>(period);
-    drift = c.drift.value_or(w < T(0.2) ? w : T(0.2));
-    for (std::size_t i = 0; i < N; ++i) {
-      has_coulomb = has_coulomb || shape.coulomb[i] > T(0);
-    }
+    const T stable = T(drift_of_delay) / total_delay;
+    drift = c.drift.value_or(stable < T(calm_drift) ? stable : T(calm_drift));
+    for (std::size_t i = 0; i < N; ++i) has_coulomb = has_coulomb || shape.coulomb[i] > T(0);
   }
 
   /// The part of the robot's configuration that a guard reads.
@@ -70,14 +67,18 @@ struct ResolverParameters {
             .delay = delay,
             .lag = lag_of_robot_,
             .dead_band = dead_band,
-            .max_lead = lead_of_robot_,
+            .undeclared_lag = undeclared_lag_,
             .longest_interval = longest_interval,
             .stale_after = stale_after};
   }
 
+  static constexpr double held_delays = 5;  ///< rest after which a robot owes nothing, over the total delay
+
  private:
-  Nanoseconds lag_of_robot_;
-  T lead_of_robot_;
+  static constexpr double drift_of_delay = 0.3;  ///< stable gain of a drift, times the total delay
+  static constexpr double calm_drift = 0.2;      ///< gain of a drift that nobody notices [1/s]
+
+  Nanoseconds lag_of_robot_, undeclared_lag_;
 };
 
 }  // namespace detail

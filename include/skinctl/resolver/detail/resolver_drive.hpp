@@ -27,6 +27,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
 
  public:
   using Base::carries_bias;
+  using Base::each;
   using Base::has_driven;
   using Base::has_tank;
   using Base::has_virtual;
@@ -40,12 +41,13 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
                   : Needs{.angles = has_tank, .mass = has_tank};
   using Mass =
       std::conditional_t<has_virtual, VirtualMass<joints, T, Tool, Stiff, carries_bias>, RealMass<joints, T>>;
-  /// The input of a law: the state of stiff and driven joints, and the quantities that law and integrator need of
-  /// it.
+  /// The input of a law: the state of stiff and driven joints, and the quantities that law and integrator
+  /// need of it.
   template <class L, class Touch = NoTouch>
   using Knows = Quantities<M, L::needs | passivity_needs, T, Touch, Mass>;
 
-  /// What a law knows at `state`, which must outlive it like `touch`: for a torque that is held for `dt` seconds.
+  /// What a law knows at `state`, which must outlive it like `touch`: for a torque that is held for `dt`
+  /// seconds.
   template <class L, class Touch>
   [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(
       const State<joints, T>& state, const T& dt, const Touch& touch,
@@ -66,6 +68,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
   using Base::stiff_only;
   using Base::stiff_shape_;
   using Base::tool_;
+  using Base::virtual_;
   using Velocity = typename Base::Velocity;
   using Acceleration = typename Base::Acceleration;
   using Torque = typename Base::Torque;
@@ -84,15 +87,14 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
     Status status;
   };
 
-  /// `h` seconds of the virtual robot from `now` on. One function for the sub-steps and for a blocked robot: the law
-  /// is the largest part of a cycle's code.
+  /// `h` seconds of the virtual robot from `now` on. One function for the sub-steps and for a blocked robot:
+  /// the law is the largest part of a cycle's code.
   /// @param total  the touch that the law gets, see `TouchChange`.
   /// @param touch  the mean of the same time, for the tank.
   template <class L, class Touch>
   SKINCTL_NOINLINE Moved<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,
-                                  const State<joints, T>& now, const Acceleration& pull,
-                                  [[maybe_unused]] const Acceleration& swing, const T& h,
-                                  const LawTouch<Touch>& total,
+                                  const State<joints, T>& now, [[maybe_unused]] const Acceleration& swing,
+                                  const T& h, const LawTouch<Touch>& total,
                                   [[maybe_unused]] const Touch& touch) const noexcept {
     BiasBeside<joints, T> beside;
     const Knows<L, LawTouch<Touch>> known = this->template known<L>(now, h, total, &beside);
@@ -112,11 +114,27 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
       out.status |= Reason::torque_limited;
       out.torque = this->limited(now, out.torque);
     }
-    const auto next = stepped(*this, m, known, out.torque, pull, swing);
+    const auto next = stepped(*this, m, known, out.torque, swing);
     if (next.singular) out.status |= Reason::singular;
     Stiff::put(next.velocity, out.velocity);
-    if constexpr (has_tank) draw_from_tank(m, known, contact_part(touch), v, pull, swing, out);
+    if constexpr (has_tank) draw_from_tank(m, known, contact_part(touch), v, swing, out);
     return out;
+  }
+
+  /// `h` seconds of the stiff joints towards the velocity `v1`. Where the leash holds joints, the others are
+  /// planned anew.
+  template <class Groups, class Movers>
+  SKINCTL_INLINE void go(Memory& m, const Groups& groups, const T& h, const Movers& movers,
+                         const Velocity& v1, Status& status) const noexcept {
+    auto plans = planned(m, groups, h, movers, v1);
+    std::uint64_t held = 0;
+    each([&](auto k) { held |= std::get<k.value>(plans).cut | std::get<k.value>(plans).returns; });
+    if (held != 0) [[unlikely]]
+      plans = beside_held(m, groups, h, movers, v1, plans);
+    each([&](auto k) {
+      status |= std::get<k.value>(virtual_).take(m.template group<k.value>(), std::get<k.value>(groups),
+                                                 std::get<k.value>(plans), h);
+    });
   }
 
   /// The torque of the stiff joints that `next` lacks against `before`, see `Resolver::lacking`.
@@ -136,8 +154,56 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
   }
 
  private:
-  /// The velocity of the stiff joints after `h` seconds of what `who` asks for: without `slope` within the limits of
-  /// torque; with it as it is, and how the velocity of joint i grows with the torque of joint j, in `slope[i n + j]`.
+  template <class Groups, class Movers>
+  [[nodiscard]] SKINCTL_INLINE auto planned(const Memory& m, const Groups& groups, const T& h,
+                                            const Movers& movers, const Velocity& v1) const noexcept {
+    return [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
+      return std::tuple(std::get<K>(virtual_).plan(m.template group<K>(), std::get<K>(groups),
+                                                   Base::template Part<K>::of(v1), h,
+                                                   movers.template mover_of<K>())...);
+    }(std::make_index_sequence<Base::stiff_groups>{});
+  }
+  /// A joint that the leash holds takes what pushes it, as one that is held fast does: the others go on as if
+  /// it stood, `M_ff (v - v1)_f = -M_fh (v - v1)_h` with friction in M, of free and held joints. Without it
+  /// the virtual robot would turn about its mass, and lead the other joints away. The virtual dynamics of a
+  /// tool are left out of M.
+  template <class Groups, class Movers, class Plans>
+  [[nodiscard]] SKINCTL_COLD Plans beside_held(const Memory& m, const Groups& groups, const T& h,
+                                               const Movers& movers, Velocity v1,
+                                               const Plans& plans) const noexcept {
+    std::array<bool, joints> held{}, free{};
+    Velocity change;  // that the held joints lack
+    each([&](auto k) {
+      using Set = typename Base::template Part<k.value>;
+      const auto& plan = std::get<k.value>(plans);
+      for (std::size_t j = 0; j < Set::count; ++j) {
+        const std::size_t i = Set::index[j];
+        held[i] = (((plan.cut | plan.returns) >> j) & 1u) != 0;
+        free[i] = !held[i];
+        if (held[i]) change[i] = plan.own[j] - v1[i];
+      }
+    });
+    const auto mass = mass_matrix(model_, this->position(m));
+    T a[joints * joints] = {}, impulse[joints] = {}, moved[joints] = {};
+    const T decayed = T(1) + h * shape_.damping;
+    for (std::size_t i = 0; i < joints; ++i) {
+      for (std::size_t j = 0; free[i] && j < joints; ++j) {
+        if (free[j]) a[i * joints + j] = decayed * mass(i, j);
+        if (held[j]) impulse[i] = impulse[i] - decayed * mass(i, j) * change[j];
+      }
+      a[i * joints + i] =
+          free[i] ? T(a[i * joints + i] + decayed * shape_.inertia[i] + h * shape_.viscous[i]) : T(1);
+    }
+    const math::Lu<joints, T> factors(a);
+    if (!factors.regular()) return plans;
+    factors.solve(impulse, moved);
+    for (std::size_t i = 0; i < joints; ++i)
+      if (free[i]) v1[i] = v1[i] + moved[i];
+    return planned(m, groups, h, movers, v1);
+  }
+  /// The velocity of the stiff joints after `h` seconds of what `who` asks for: without `slope` within the
+  /// limits of torque; with it as it is, and how the velocity of joint i grows with the torque of joint j, in
+  /// `slope[i n + j]`.
   template <class L, class Robot, class Touch>
   [[nodiscard]] SKINCTL_COLD JointVelocity<Stiff::count, T> asked(const Memory& m,
                                                                   const State<joints, T>& here, const T& h,
@@ -154,7 +220,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
       if (k > 0) tau[k - 1] += T(1);
       Torque whole;
       Stiff::put(tau, whole);
-      const JointVelocity<n, T> v = stepped(who.robot, m, known, whole, {}, {}, false).velocity;
+      const JointVelocity<n, T> v = stepped(who.robot, m, known, whole, {}, false).velocity;
       if (k == 0) first = v;
       for (std::size_t i = 0; i < n && k > 0; ++i) slope[i * n + k - 1] = v[i] - first[i];
     }
@@ -163,23 +229,21 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
   /// The virtual robot's velocity after a sub-step under `tau`, with the virtual dynamics of `robot`.
   template <class Robot, class K>
   [[nodiscard]] static SKINCTL_INLINE VelocityStep<Stiff::count, T> stepped(
-      const Robot& robot, const Memory& m, const K& known, const Torque& tau, const Acceleration& pull,
-      const Acceleration& swing, bool with_coulomb = true) noexcept {
+      const Robot& robot, const Memory& m, const K& known, const Torque& tau, const Acceleration& swing,
+      bool with_coulomb = true) noexcept {
     const bool has_coulomb = with_coulomb && robot.has_coulomb_;
     if constexpr (Stiff::is_all) {
-      return step_velocity<Integrator>(known, robot.stiff_shape_, has_coulomb, tau, pull, robot.last(m),
+      return step_velocity<Integrator>(known, robot.stiff_shape_, has_coulomb, tau, robot.last(m),
                                        robot.tool_);
     } else {
       return step_velocity_of<Integrator, Stiff>(known, robot.stiff_shape_, has_coulomb, Stiff::of(tau),
-                                                 Stiff::of(pull), Stiff::of(robot.last(m)), robot.tool_,
-                                                 &swing);
+                                                 Stiff::of(robot.last(m)), robot.tool_, &swing);
     }
   }
   /// The tank pays for what the law does beside contacts and gravity, as far as it can.
   template <class K, class Contact, class L>
   SKINCTL_INLINE void draw_from_tank(Memory& m, const K& known, const Contact& contact, const Velocity& v,
-                                     [[maybe_unused]] const Acceleration& pull, const Acceleration& swing,
-                                     Moved<L>& out) const noexcept {
+                                     const Acceleration& swing, Moved<L>& out) const noexcept {
     const auto& tank = passivity_.template get<EnergyTank<T>>();
     auto& memory = m.passivity.template of<EnergyTank<T>>();
     tank.charge(memory, known.mass(), v);
@@ -187,7 +251,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
     const Torque passive = tank.settings().port_gain * port + stiff_only(known.gravity());
     const T share = tank.pay(memory, port, out.torque - passive, v, out.velocity, known.dt(), [&] {
       Velocity without;
-      Stiff::put(stepped(*this, m, known, passive, {}, swing).velocity, without);
+      Stiff::put(stepped(*this, m, known, passive, swing).velocity, without);
       return without;
     });
     if (share < T(1)) {

@@ -51,11 +51,11 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
   template <class Groups>
   struct Begun {
     Groups groups;                         ///< of each stiff group
-    Acceleration pull{};                   ///< L2 rho of the stiff joints [rad/s^2]
     Acceleration swing{};                  ///< measured accelerations of the driven joints [rad/s^2]
     JointPosition<joints, T> displaced{};  ///< measured motion since the last cycle [rad]
     Status status{};
     bool stale = false;  ///< the last good measurement is too old
+    bool held = false;   ///< a joint has been held by something for long
   };
   /// What acts on the driven joints, and what they are sent.
   struct DrivenLoad {
@@ -78,7 +78,7 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
       Begun<std::tuple<typename std::tuple_element_t<0, decltype(virtual_)>::Begun>> out{
           {std::get<0>(virtual_).begin(m.group(), measured, interval, check, pushed)}};
       out.status = std::get<0>(out.groups).status;
-      out.pull = std::get<0>(out.groups).correction.pull;
+      out.held = std::get<0>(out.groups).held;
       return out;
     } else {
       const State<joints, T> before = m.whole.measured;
@@ -91,9 +91,8 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
       Begun<decltype(groups)> out{groups};
       out.status = taken;
       each([&](auto k) {
-        const auto& group = std::get<k.value>(out.groups);
-        out.status |= group.status;
-        Part<k.value>::put(group.correction.pull, out.pull);
+        out.status |= std::get<k.value>(out.groups).status;
+        out.held = out.held || std::get<k.value>(out.groups).held;
       });
       if (has_driven && interval.to - m.whole.measured.time > stale_after_) out.status |= Reason::state_stale;
       out.stale = out.status.has(Reason::state_stale);
@@ -131,32 +130,30 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     }
   }
 
-  /// Evaluates the law at `now`, for the driven joints: `load.given`, and `asked` of all joints. False if its torque
-  /// is not finite. Where all joints are driven, its memory advances by `dt`.
+  /// Evaluates the law at `now`, for the driven joints: `load.given`, unless its torque is not finite. Where
+  /// all joints are driven, its memory advances by `dt`.
   template <class L, class Touch, class Load, class Out>
-  [[nodiscard]] SKINCTL_INLINE bool ask(Memory& m, const L& law, typename L::Memory& law_memory,
-                                        const State<joints, T>& now, const Touch& total, const T& dt,
-                                        Load& load, Torque& asked, Out& out) const noexcept {
+  SKINCTL_NOINLINE void ask(Memory& m, const L& law, typename L::Memory& law_memory,
+                            const State<joints, T>& now, const Touch& total, const T& dt, Load& load,
+                            Out& out) const noexcept {
     const T period = seconds<T>(this->period());
     const Knows<L, Touch> known = this->template known<L>(has_virtual ? now : m.measured(), period, total);
     const auto evaluation = evaluate(law, law_memory, known, has_virtual ? period : dt);
     if (!has_virtual) out.status |= evaluation.status;
     if (!is_finite(evaluation.torque)) [[unlikely]] {
       out.status |= Reason::torque_not_finite;
-      return false;
+      return;
     }
     if constexpr (!has_virtual) {
       law_memory = evaluation.memory;
       out.shares = evaluation.shares;
     }
-    asked = evaluation.torque;
-    load.given = Driven::of(asked);
+    load.given = Driven::of(evaluation.torque);
     const DrivenTorque step = T(this->driven_torque_rate_ * dt) * Driven::of(limits_.torque());
     if (m.driven.own.template bound<L, Driven>(evaluation.shares, step, load.given)) [[unlikely]]
       out.status |= Reason::torque_limited;
     load.given -= load.resists;
     if constexpr (has_tank) out.status |= this->pay(m, load.passive, Driven::of(load.gravity), load.given);
-    return true;
   }
   /// The torque of the driven joints, within their limits.
   template <class Out>

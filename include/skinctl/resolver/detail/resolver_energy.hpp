@@ -42,8 +42,8 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
   using Torque = typename Base::Torque;
   using DrivenTorque = typename Base::DrivenTorque;
 
-  /// The inputs of the passivity parts in a cycle of `dt` seconds. The observer watches over the stiff joints: a
-  /// contact's motion by the driven ones is not ahead of the measurement.
+  /// The inputs of the passivity parts in a cycle of `dt` seconds. The observer watches over the stiff
+  /// joints: a contact's motion by the driven ones is not ahead of the measurement.
   template <class Pressed, class Touch>
   SKINCTL_INLINE Status watch(Memory& m, const Pressed& pressed, const Touch& touch,
                               const T& dt) const noexcept {
@@ -65,8 +65,8 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
       return true;
     }
   }
-  /// Scales the active part of the driven joints' torque down to the share that the tank pays for. Their motion
-  /// is predicted for stiff joints that move steadily; what it was is booked in the next cycle.
+  /// Scales the active part of the driven joints' torque down to the share that the tank pays for. Their
+  /// motion is predicted for stiff joints that move steadily; what it was is booked in the next cycle.
   SKINCTL_INLINE Status pay(Memory& m, const DrivenTorque& passive, const DrivenTorque& gravity,
                             DrivenTorque& torque) const noexcept {
     const auto& tank = passivity_.template get<EnergyTank<T>>();
@@ -118,7 +118,8 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
         each([&](auto other) {
           const auto& o = m.template group<other.value>();
           constexpr bool by_position = takes_position(Group<other.value>::interface);
-          Part<other.value>::put(o.sent.value - (by_position ? o.measured.q : o.under_way.reached), way);
+          Part<other.value>::put(by_position ? o.q.value - o.measured.q : o.sent.value - o.under_way.reached,
+                                 way);
         });
         Part<k.value>::put(q - (here ? group.measured.q : group.under_way.reached), way);
         f(way);

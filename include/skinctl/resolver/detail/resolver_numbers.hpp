@@ -103,7 +103,6 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
             .period = period_,
             .delay = driven_delay_,
             .lag = driven_lag_,
-            .max_lead = driven_lead_,
             .longest_interval = longest_interval_,
             .stale_after = stale_after_};
   }
@@ -119,20 +118,6 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
       if (total > slowest) slowest = total;
     });
     return slowest;
-  }
-  /// e_max: the largest lead of joint `i` of the virtual robot over the real one [rad]; 0 by torque.
-  [[nodiscard]] T max_lead(std::size_t i) const noexcept {
-    T lead(0);
-    each([&](auto k) {
-      if ((Group<k.value>::set >> i) & 1u) lead = parameters<k.value>().max_lead[Part<k.value>::place(i)];
-    });
-    return lead;
-  }
-  /// Speed that the max lead leaves to joint `i` of a robot that follows: the virtual joint can still stop if
-  /// the robot is blocked at that moment.
-  [[nodiscard]] T top_speed(std::size_t i) const noexcept {
-    const T u = speed_to_stop(max_lead(i), total_delay(), limits_.acceleration()[i]);
-    return u < limits_.velocity()[i] ? u : limits_.velocity()[i];
   }
 
  protected:
@@ -179,8 +164,8 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
         return held_friction<Driven>(shape_.viscous, real_mass(s.q), s.dq, seconds<T>(period_));
     return {};
   }
-  /// The virtual robot's torque within its limits, along the motion that `tau` asks for; with Coriolis forces: at
-  /// full speed they are as large as what is left of a light joint's torque.
+  /// The virtual robot's torque within its limits, along the motion that `tau` asks for; with Coriolis
+  /// forces: at full speed they are as large as what is left of a light joint's torque.
   [[nodiscard]] SKINCTL_COLD Torque limited(const State<joints, T>& now, const Torque& tau) const noexcept {
     const Torque hold = stiff_only(bias_torque(model_, JointAngles<M, T>(model_, now.q), now.dq));
     return limits_.along(tau, hold, stiff_only(now.dq));
@@ -196,7 +181,8 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
       return out;
     }
   }
-  /// What a law gets of a touch that changes by `change` in a sub-step, `share` sub-steps ahead; null: as it is.
+  /// What a law gets of a touch that changes by `change` in a sub-step, `share` sub-steps ahead; null: as it
+  /// is.
   template <class Touch>
   [[nodiscard]] static SKINCTL_INLINE LawTouch<Touch> ahead(const Touch& touch,
                                                             [[maybe_unused]] const LawTouch<Touch>* change,
@@ -240,7 +226,6 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   T torque_rate_ = T(50);      ///< of the virtual robot's laws, in torque limits per second
   T driven_torque_rate_ = T(50);
   Nanoseconds driven_delay_{}, driven_lag_{};
-  T driven_lead_ = T(2);                            ///< `RobotConfiguration::max_lead` of the driven joints
   T force_lead_ = T(0), driven_force_lead_ = T(0);  ///< `RobotConfiguration::force_lead`, the longest [s]
   bool has_coulomb_ = false, has_friction_ = false;
   [[no_unique_address]] PassivityParts passivity_;
@@ -273,7 +258,6 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
       stale_after_ = c.stale();
       driven_delay_ = c.delay > driven_delay_ ? c.delay : driven_delay_;
       driven_lag_ = c.lag > driven_lag_ ? c.lag : driven_lag_;
-      driven_lead_ = c.max_lead;
     } else {
       for (const T& x : c.coulomb_friction) has_coulomb_ = has_coulomb_ || x > T(0);
       require(damping == shape_.damping, "virtual damping of a group", number(damping),

@@ -31,9 +31,9 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
   template <std::size_t K>
   using Part = typename Base::template Part<K>;
 
-  /// The virtual joints take over at the positions of the real ones, and with their velocities where these cover
-  /// more than the dead band in T; gravity of the driven ones is compensated. The law's memory then starts at
-  /// `state(memory)`. A state that is not finite gives a memory that has not been started.
+  /// The virtual joints take over at the positions of the real ones, and with their velocities where these
+  /// cover more than the dead band in T; gravity of the driven ones is compensated. The law's memory then
+  /// starts at `state(memory)`. A state that is not finite gives a memory that has not been started.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept {
     Memory m;
     if (!is_plausible(measured) || !is_plausible(measured.time)) return m;
@@ -46,8 +46,8 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     return m.started ? take_over(m, measured) : m;
   }
   /// The same of a robot by position that was told to be at `told` and stands beside it (a servo that droops,
-  /// encoders that are off): the first command is `told`, so that the robot does not step, and the gap is taken
-  /// off the measurements. More than `largest_gap` of one joint: the memory has not been started.
+  /// encoders that are off): the first command is `told`, so that the robot does not step, and the gap is
+  /// taken off the measurements. More than `largest_gap` of one joint: the memory has not been started.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured,
                                           const JointPosition<joints, T>& told) const noexcept
     requires one_group
@@ -73,6 +73,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
   /// torque it is one sub-step: a torque is held, not integrated.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
     Interval out = interval_since(m.started, m.time, m.odd, now, this->longest_interval_);
+    out.carried = out.clock_set ? 0ns : m.carried;
     if constexpr (has_virtual) {
       const std::int64_t steps = (out.to - out.from + this->substep_ - 1ns) / this->substep_;
       out.substeps = steps < std::int64_t(max_substeps) ? static_cast<unsigned>(steps) : max_substeps;
@@ -109,6 +110,10 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
       compose(m, command.torque);
     }
   }
+  /// Tells that no command left: what the robot does until one does is no way beside its commands.
+  static SKINCTL_COLD void not_sent(Memory& m) noexcept {
+    each([&](auto k) { m.template group<k.value>().seen = false; });
+  }
   /// By what the robot stands beside its commands: the measured position less that which they should have
   /// brought, r + g; zero for the driven joints.
   [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> off(const Memory& m) noexcept {
@@ -118,17 +123,6 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
       Part<k.value>::put(g.residual + g.gap, out);
     });
     return out;
-  }
-  /// Whether the robot stops, or is beside its commands by more than the dead band, as one that is held fast. Braking
-  /// and correction then have to be sent as they are: what is smoothed behind the resolver changes its velocity, and
-  /// the robot swings for ever.
-  [[nodiscard]] static SKINCTL_INLINE bool stops_or_corrects(const Memory& m) noexcept {
-    bool any = false;
-    each([&](auto k) {
-      const auto& group = m.template group<k.value>();
-      any = any || std::tuple_element_t<k.value, decltype(virtual_)>::stops_or_corrects(group);
-    });
-    return any;
   }
   /// What was taken off the measured positions, g; zero for the driven joints.
   [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> gap(const Memory& m) noexcept {
@@ -152,15 +146,10 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     m.stop = false;
     each([&](auto k) { m.template group<k.value>().stop = false; });
   }
-  /// Ends a stop. A displaced robot goes on with the gap that it has now, if that is at most `largest_gap`.
+  /// Ends a stop. A displaced robot goes on if its gap is `largest_gap` at most.
   void resume(Memory& m) const noexcept {
     m.stop = false;
     each([&](auto k) { std::get<k.value>(virtual_).resume(m.template group<k.value>()); });
-  }
-  /// The time in which a command of the stiff group `K` is to be reached [s].
-  template <std::size_t K = 0>
-  [[nodiscard]] SKINCTL_INLINE T span(const Memory& m, const T& dt) const noexcept {
-    return takes_position(Group<K>::interface) ? m.template group<K>().command_span : dt;
   }
 
  protected:
@@ -204,9 +193,10 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
       return s;
     }
   }
+  /// Whether laws move the virtual joints: no group brakes.
   [[nodiscard]] static SKINCTL_INLINE bool following(const Memory& m) noexcept {
     bool all = true;
-    each([&](auto k) { all = all && m.template group<k.value>().mode == ResolverMode::following; });
+    each([&](auto k) { all = all && !m.template group<k.value>().brakes; });
     return all;
   }
   /// The joint torque of the contacts felt [N m], if there are joints that contacts deflect.
@@ -218,8 +208,9 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
       return {};
     }
   }
-  /// Puts what the motion of the last command takes, `M ddq + C dq` [N m], into `torque` of the joints that are sent it
-  /// beside their positions. That command has passed the guard; joints by torque are taken to move steadily.
+  /// Puts what the motion of the last command takes, `M ddq + C dq` [N m], into `torque` of the joints that
+  /// are sent it beside their positions. That command has passed the guard; joints by torque are taken to
+  /// move steadily.
   SKINCTL_INLINE void feed_forward(const Memory& m, Torque& torque) const noexcept {
     if constexpr (!Base::feeds_forward) return;
     const auto& c = m.command();

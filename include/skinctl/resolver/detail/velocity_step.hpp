@@ -97,20 +97,20 @@ template <class Policy, class S, class K, Real T>
   }
 }
 
-/// The velocity after `h` seconds of `m dv = tau - bias - B v - tau_c(v) + m pull`; see `step_velocity`.
+/// The velocity after `h` seconds of `m dv = tau - bias - B v - tau_c(v)`; see `step_velocity`.
 ///
-/// `pull` and the damping in proportion to `m` move all joints from v to `v + free`, whatever `m` is; forces and
-/// friction act from there, so that no product with `m` is needed. `more(m, impulse, free)` adds further friction.
+/// The damping in proportion to `m` moves all joints from v to `v + free`, whatever `m` is; forces and
+/// friction act from there, so that no product with `m` is needed. `more(m, impulse, free)` adds further
+/// friction.
 template <class Policy, std::size_t n, Real T, class More>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<n, T> solve_step(MassMatrix<n, T>& m, const JointTorque<n, T>& bias,
                                                            const JointVelocity<n, T>& v,
                                                            const VirtualDynamics<n, T>& shape,
                                                            bool has_coulomb, const JointTorque<n, T>& tau,
-                                                           const JointAcceleration<n, T>& pull, const T& h,
-                                                           const More& more) noexcept {
+                                                           const T& h, const More& more) noexcept {
   using R = Row<n, T>;
   const T decay = h * shape.damping, decayed = T(1) + Policy::weight(decay, T(1)) * decay;
-  const R free = T(h / decayed) * (R(pull) - shape.damping * R(v)), begin = R(v) + free;
+  const R free = T(-h / decayed) * shape.damping * R(v), begin = R(v) + free;
   const R b = h * R(shape.viscous);
   T kept[n];  // joint by joint: the tip's inertia is known long before that of the base
   for_each_index<n>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
@@ -150,9 +150,8 @@ SKINCTL_INLINE void add_inertia(const VirtualDynamics<n, T>& shape, MassMatrix<n
 template <class Policy, class S, class K, Real T, class Tool>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<S::count, T> step_shaped(
     const K& known, const VirtualDynamics<S::count, T>& shape, bool has_coulomb,
-    const JointTorque<S::count, T>& tau, const JointAcceleration<S::count, T>& pull,
-    const JointAcceleration<S::count, T>& last, const Tool& tool, const MassMatrix<S::count, T>& m,
-    [[maybe_unused]] const JointTorque<S::count, T>& reaction) noexcept {
+    const JointTorque<S::count, T>& tau, const JointAcceleration<S::count, T>& last, const Tool& tool,
+    const MassMatrix<S::count, T>& m, [[maybe_unused]] const JointTorque<S::count, T>& reaction) noexcept {
   constexpr std::size_t n = S::count;
   const auto& v = S::of(known.dq());
   const T h = known.dt();
@@ -168,7 +167,7 @@ template <class Policy, class S, class K, Real T, class Tool>
     }
     if constexpr (!S::is_all) terms.coriolis += reaction;
     const JointTorque<n, T> drag = terms.friction * JointAcceleration<n, T>(h * Row<n, T>(v));
-    return solve_step<Policy>(terms.mass, terms.coriolis, v, shape, has_coulomb, tau, pull, h,
+    return solve_step<Policy>(terms.mass, terms.coriolis, v, shape, has_coulomb, tau, h,
                               [&](auto& mass, auto& impulse, const auto& free) SKINCTL_INLINE_LAMBDA {
                                 impulse -= drag + terms.implicit * JointAcceleration<n, T>(free);
                                 for (std::size_t i = 0; i < n * n; ++i)
@@ -182,7 +181,7 @@ template <class Policy, class S, class K, Real T, class Tool>
   }
 }
 
-/// `M_v dv = tau - (C + B) v - G - tau_c(v) + M_v pull` over `known.dt()`, for the joints of `S`. The others
+/// `M_v dv = tau - (C + B) v - G - tau_c(v)` over `known.dt()`, for the joints of `S`. The others
 /// move as `known` says, with the accelerations `driven`: they react by `-(M driven)_S`, and by their part of
 /// `C v`.
 ///
@@ -191,8 +190,7 @@ template <class Policy, class S, class K, Real T, class Tool>
 template <class Policy, class S, class K, Real T, class Tool = NoToolShape>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<S::count, T> step_velocity_of(
     const K& known, const VirtualDynamics<S::count, T>& shape, bool has_coulomb,
-    const JointTorque<S::count, T>& tau, const JointAcceleration<S::count, T>& pull,
-    const JointAcceleration<S::count, T>& last, const Tool& tool = {},
+    const JointTorque<S::count, T>& tau, const JointAcceleration<S::count, T>& last, const Tool& tool = {},
     [[maybe_unused]] const JointAcceleration<K::joints, typename K::scalar>* driven = nullptr) noexcept {
   constexpr std::size_t n = S::count;
   constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
@@ -207,10 +205,10 @@ template <class Policy, class S, class K, Real T, class Tool = NoToolShape>
   const auto go_on = [&](MassMatrix<n, T>& m) SKINCTL_INLINE_LAMBDA {
     if constexpr (!shares_inertia<Policy, K, shaped>) add_inertia(shape, m);
     if constexpr (shaped) {
-      return step_shaped<Policy, S>(known, shape, has_coulomb, tau, pull, last, tool, m, reaction);
+      return step_shaped<Policy, S>(known, shape, has_coulomb, tau, last, tool, m, reaction);
     } else {
       if constexpr (!S::is_all) bias += reaction;
-      return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, pull, h,
+      return solve_step<Policy>(m, bias, v, shape, has_coulomb, tau, h,
                                 [](auto&, auto&, const auto&) SKINCTL_INLINE_LAMBDA {});
     }
   };
@@ -226,9 +224,9 @@ template <class Policy, class S, class K, Real T, class Tool = NoToolShape>
 template <class Policy, class K, Real T, class Tool = NoToolShape>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
     const K& known, const VirtualDynamics<K::joints, T>& shape, bool has_coulomb,
-    const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& pull,
-    const JointAcceleration<K::joints, T>& last, const Tool& tool = {}) noexcept {
-  return step_velocity_of<Policy, AllJoints<K::joints>>(known, shape, has_coulomb, tau, pull, last, tool);
+    const JointTorque<K::joints, T>& tau, const JointAcceleration<K::joints, T>& last,
+    const Tool& tool = {}) noexcept {
+  return step_velocity_of<Policy, AllJoints<K::joints>>(known, shape, has_coulomb, tau, last, tool);
 }
 
 }  // namespace detail

@@ -8,11 +8,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// How long the gap of commands that have not moved yet is learnt [s].
-inline constexpr double settling_time = 2;
-
 /// The resolver's treatment of joints that take positions or velocities, without the laws: the observer with
-/// the declared delay and lag, limits and max lead, the modes, the command. It has no model, so that it
+/// the declared delay and lag, limits and leash, the command. It has no model, so that it
 /// serves a part of a robot's joints while the others take torques.
 template <Interface I, std::size_t N, Real T, std::size_t History>
 class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
@@ -24,13 +21,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
   using Velocity = typename Base::Velocity;
   using Torque = typename Base::Torque;
   using Row = typename Base::Row;
-  using Correction = typename Base::Correction;
-  /// The begin of a cycle.
-  struct Begun {
-    Correction correction;
-    T dt;  ///< interval of the cycle [s]
-    Status status;
-  };
+  using Begun = typename Base::Begun;
 
   using Base::Base;
 
@@ -46,14 +37,16 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
       const T most = p_.limits.velocity()[i];
       const T dq = clamp(measured.dq[i], T(-most), most);
       if ((dq < T(0) ? -dq : dq) > p_.resting_speed[i]) {
-        m.v[i] = dq;
+        m.v[i] = m.rate[i] = dq;
         command[i] = measured.q[i] + dq * ahead;
       }
       m.q.set(i, command[i]);
-      m.sent.set(i, command[i]);
+      if constexpr (takes_velocity(I)) {
+        m.sent.set(i, command[i]);
+        m.offset.set(i, T(-0.5) * p_.cycle * m.v[i]);
+      }
     }
-    m.rate = m.v;
-    m.settles_for = T(settling_time);
+    m.farthest = measured.q;
     m.under_way = servo_.start(measured.time, measured.q, m.v);
     m.command.time = m.time;
     m.command.position = command;
@@ -72,13 +65,15 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
     return m;
   }
 
-  /// Begins a cycle: takes the measurement and computes the correction for the sub-steps.
+  /// Begins a cycle: takes the measurement, from which the bounds of its sub-steps follow.
   ///
   /// @param pushed  joint torque of the contacts felt [N m].
   template <class Check = AnyState>
   SKINCTL_INLINE Begun begin(Memory& m, const State<N, T>& measured, const Interval& interval,
                              const Check& check = {}, const Torque& pushed = {}) const noexcept {
-    const T dt = seconds<T>(interval.to - interval.from);
+    Begun out;
+    out.dt = seconds<T>(interval.to - interval.from);
+    out.share = seconds<T>(interval.given(p_.period)) / out.dt;
     if (interval.clock_set || interval.to - m.command.time > 1s + p_.longest_interval) [[unlikely]] {
       set_clock(m, interval);
     } else if constexpr (takes_velocity(I)) {
@@ -86,81 +81,87 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
       for (std::size_t i = 0; i < N; ++i)
         m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
     }
-    const Status status = interval.status | measure(m, measured, interval.to, check, pushed);
-    const Begun out{correct(m, interval.to, dt), dt, status};
-    m.mode_for = m.mode_for + dt;
-    choose_mode(m, out.correction, status.has(Reason::state_stale));
+    out.status = interval.status | this->measure(m, measured, interval.to, check, pushed);
+    if constexpr (takes_position(I))
+      m.displaced = m.displaced || any(magnitude(Row(m.gap)) > Row(p_.largest_gap));
+    out.leash = this->leash(m);
+    if constexpr (takes_velocity(I)) {
+      m.displaced = m.displaced || any(beyond(m, out.leash) > Row(p_.largest_gap));
+      if (!m.displaced) take_in(m, out);
+      before_ends(m, out);
+    }
+    m.brakes = m.stop || m.displaced || out.status.has(Reason::state_stale);
+    out.held = this->held(m, out.dt);
     return out;
   }
   /// Ends a cycle: computes `command`, which is sent.
-  SKINCTL_INLINE Status end(Memory& m, const Begun& begun, const Torque& torque) const noexcept {
+  ///
+  /// @param smooth  whether limits of jerk have moved the joints.
+  SKINCTL_INLINE Status end(Memory& m, const Begun& begun, const Torque& torque, bool smooth) const noexcept {
     Status status;
-    if (m.mode == ResolverMode::blocked) status |= Reason::blocked;
-    if (m.mode == ResolverMode::displaced) status |= Reason::displaced;
+    if (begun.held) status |= Reason::blocked;
+    if (m.displaced) status |= Reason::displaced;
     if (m.stop) status |= Reason::stopping;
-    if (begun.correction.lags) [[unlikely]]
-      status |= Reason::lead_limited;
     if (!p_.limits.hold(m.q.value)) status |= Reason::outside_limits;
-    return status | publish(m, begun.correction, torque, begun.dt);
+    this->publish(m, begun, torque, smooth);
+    return status;
   }
 
-  /// The user agrees to go on. A displaced robot follows again from where it stands: the residual becomes the
-  /// gap, if it is at most `largest_gap`; otherwise it stays displaced.
+  /// The user agrees to go on: so does a displaced robot whose gap is `largest_gap` at most.
   SKINCTL_COLD void resume(Memory& m) const noexcept {
-    m.stop = false;
-    if (m.mode != ResolverMode::displaced) return;
-    const Row gap = Row(m.gap) + m.residual;
-    if (any(!(magnitude(gap) <= Row(p_.largest_gap)))) return;
-    gap.store(m.gap);
-    m.measured.q -= m.residual;
-    m.residual = {};
-    m.watched = false;
-    for (auto& w : m.watch) {
-      w = {.slack = w.slack};
-      m.watched = m.watched || w.slack > T(0);
-    }
-    for (T& t : m.off_for) t = T(0);
-    m.mode = ResolverMode::following;
-    m.mode_for = T(0);
-    m.settles_for = T(settling_time);
+    m.stop = m.displaced = false;  // one that still is displaced is found again in the next cycle
   }
 
-  /// See `Resolver::stops_or_corrects`.
-  [[nodiscard]] static SKINCTL_INLINE bool stops_or_corrects(const Memory& m) noexcept {
-    bool any = m.mode != ResolverMode::following || m.rate != m.v;
-    for (const T& t : m.off_for) any = any || t > T(0);
-    return any;
-  }
-
-  /// `command` was sent instead of the last one.
+  /// `command` was sent instead of the last one: it is the state from which the joints go on.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept {
     if (!m.started || !command.valid) return;
     m.command = command;
     m.command.time = m.time;
-    m.behind = false;
-    // A correction is no velocity of the virtual robot's own: it keeps what it had of the velocity that was sent.
-    for (std::size_t i = 0; i < N; ++i) {
-      const T u = command.velocity[i];
-      m.v[i] = m.v[i] == m.rate[i] ? u : (u < T(0) ? clamp(m.v[i], u, T(0)) : clamp(m.v[i], T(0), u));
+    m.rate = m.v = command.velocity;
+    m.last = command.acceleration;
+    m.returns = 0;
+    if constexpr (takes_position(I)) {
+      for (std::size_t i = 0; i < N; ++i) m.q.set(i, command.position[i]);
+    } else {
+      this->at_sent(m);
     }
-    m.rate = command.velocity;
-    m.last = {};
-    // A velocity is held for a period, half of which is still to come.
-    const T behind = takes_velocity(I) ? T(0.5) * p_.cycle : T(0);
-    for (std::size_t i = 0; i < N; ++i) {
-      if constexpr (takes_position(I)) m.sent.set(i, command.position[i]);
-      m.q.set(i, m.sent.value[i] + m.offset.value[i] + behind * m.v[i]);
-    }
-    servo_.correct(m.under_way, m.sent.value, takes_velocity(I) ? command.velocity : Velocity{});
+    servo_.correct(m.under_way, this->under_way(m), takes_velocity(I) ? command.velocity : Velocity{});
   }
 
  private:
-  using Base::choose_mode;
-  using Base::correct;
-  using Base::measure;
   using Base::p_;
-  using Base::publish;
   using Base::servo_;
+
+  /// By what q^ is outside of the leash [rad].
+  [[nodiscard]] static SKINCTL_INLINE Row beyond(const Memory& m, const Leash<N, T>& leash) noexcept {
+    const Row q = m.q.value;
+    return magnitude(q - clamp(q, leash.least, leash.most));
+  }
+  /// Virtual joints by velocity stay with the real ones: q^ goes to the leash at once, and slowly to the
+  /// measured position.
+  SKINCTL_INLINE void take_in(Memory& m, Begun& c) const noexcept {
+    const Row q = m.q.value;
+    const Row moved = clamp(q, c.leash.least, c.leash.most) - q;
+    m.offset.add(moved);
+    m.q.add(moved);
+    (Row(m.residual) - moved).store(m.residual);
+    (p_.drift * Row(m.residual)).store(c.speed.drift);
+  }
+  /// Speeds from which joints by velocity stop before their ends, later than declared by what is borne.
+  SKINCTL_INLINE void before_ends(const Memory& m, Begun& out) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      // Position of the real robot when it has carried out all commands sent up to now.
+      const T arrives = m.measured.q[i] + (m.sent.value[i] - m.under_way.reached[i]);
+      const T late = p_.undeclared * m.measured.dq[i], brake = p_.limits.acceleration()[i] * braking_share<T>;
+      const T above = p_.limits.upper()[i] - arrives, below = arrives - p_.limits.lower()[i];
+      const T up = late > T(0) ? T(above - late) : above, down = late < T(0) ? T(below + late) : below;
+      const T on = p_.reaction * m.rate[i];
+      out.speed.most[i] = speed_to_stop(up, p_.reaction, brake);
+      out.speed.least[i] = -speed_to_stop(down, p_.reaction, brake);
+      out.speed.ends.most[i] = m.q.value[i] + up - (on > T(0) ? on : T(0));
+      out.speed.ends.least[i] = m.q.value[i] - down - (on < T(0) ? on : T(0));
+    }
+  }
 
   /// A clock that leapt, or was set.
   SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept {

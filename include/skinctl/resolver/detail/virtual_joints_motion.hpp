@@ -1,12 +1,21 @@
-// The motion of a virtual robot's joints, and the command that follows it.
+// The motion of a virtual robot's joints, and the command that it becomes.
 #pragma once
 
+#include <limits>
+
+#include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/resolver/detail/virtual_joints_observer.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The part of `VirtualJoints` that moves them within their limits and the max lead.
+/// The part of `VirtualJoints` that plans: one state, the last command with its speed and acceleration, and
+/// nothing else that moves it.
+///
+/// Of a step towards a wish W, and of the quickest stop B, it takes the largest share of W with which the
+/// joint still comes to rest where it may: inside its ends, and inside the leash. A joint whose rest point is
+/// beyond the leash comes back as hard as its limits allow. Both are kept by limits that are convex in the
+/// motion: a mix of two allowed motions is allowed.
 template <Interface I, std::size_t N, Real T, std::size_t History>
 class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
   using Base = VirtualJointsObserver<I, N, T, History>;
@@ -17,180 +26,181 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
   using Velocity = typename Base::Velocity;
   using Torque = typename Base::Torque;
   using Row = typename Base::Row;
-  using Correction = typename Base::Correction;
+  using Begun = typename Base::Begun;
 
   using Base::Base;
 
-  /// One sub-step towards the velocity `v1` (ignored where the mode is another than `following`).
-  SKINCTL_INLINE Status move(Memory& m, const Correction& c, const Velocity& v1, const T& h) const noexcept {
-    const bool follows = m.mode == ResolverMode::following;
-    Velocity back;
-    if (m.mode == ResolverMode::blocked) [[unlikely]]
-      back = way_back(m, h);
-    return shift(m, c, follows ? c.rate : back, c.off || !follows, v1, h);
+  /// The motion of a sub-step.
+  struct Planned {
+    Position displacement;         ///< [rad]
+    Velocity rate;                 ///< at its end [rad/s]
+    Velocity own;                  ///< that laws read: not the speed at which the leash pulls back [rad/s]
+    JointAcceleration<N, T> last;  ///< [rad/s^2]
+    std::uint64_t cut = 0;         ///< joints that the leash holds back
+    std::uint64_t returns = 0;     ///< joints that it pulls back
+    Status status;
+  };
+
+  /// Plans one sub-step of `h` seconds towards the velocity `v1`, or to rest while it brakes.
+  ///
+  /// A command is carried out in a period, whatever time has passed: of a late cycle the joints get that
+  /// share, and what they missed is not caught up.
+  ///
+  /// @param mover  limits of jerk, or `Abrupt`.
+  template <class Mover>
+  [[nodiscard]] SKINCTL_INLINE Planned plan(const Memory& m, const Begun& c, const Velocity& v1, const T& h,
+                                            const Mover& mover) const noexcept {
+    const T given = c.share * h;
+    Planned out;
+    Velocity wish = m.brakes ? Velocity{} : v1;
+    JointRoom<N, T> room;
+    if constexpr (takes_position(I)) {
+      room = p_.limits.room(m.q.value);
+    } else {
+      room.above = room.below = Position::constant(std::numeric_limits<T>::infinity());
+      const Row asked = wish;
+      clamp(asked, c.speed.least, c.speed.most).store(wish);
+      if (any(asked != Row(wish))) out.status |= Reason::position_limited;
+    }
+    const Row q = m.q.value;
+    const JointRoom<N, T> leash{Position(q - c.leash.least), Position(Row(c.leash.most) - q)};
+    const auto take_motion = [&](const auto& motion) SKINCTL_INLINE_LAMBDA {
+      copy_row(motion.displacement, out.displacement);
+      copy_row(motion.velocity, out.rate);
+      copy_row(motion.velocity, out.own);
+      out.status |= motion.status;
+    };
+    if constexpr (std::is_same_v<Mover, Abrupt>) {
+      auto motion = p_.limits.move_inlined(room, m.rate, wish, given);
+      const Row u = motion.velocity, stop = p_.limits.stopping_distance(u);
+      const Row rest = Row(motion.displacement) + select(u < Row(T(0)), -stop, stop);
+      if (!m.brakes && any((rest > leash.above) | (-rest > leash.below))) [[unlikely]]
+        out.cut = hold_back(motion, leash, m.rate, given);
+      take_motion(motion);
+      ((Row(motion.velocity) - m.rate) * T(T(1) / given)).store(out.last);
+    } else {
+      auto motion =
+          m.brakes ? mover.brake(room, m.rate, m.last, given) : mover.move(room, m.rate, m.last, wish, given);
+      if (!m.brakes) out.cut = mover.hold_back(motion, room, leash, m.rate, m.last, given, takes_position(I));
+      if constexpr (takes_velocity(I)) {
+        const JointRoom<N, T> ends{Position(q - c.speed.ends.least), Position(Row(c.speed.ends.most) - q)};
+        if (mover.hold_back(motion, room, ends, m.rate, m.last, given, false) != 0)
+          out.status |= Reason::position_limited;
+      }
+      take_motion(motion);
+      out.last = motion.acceleration;
+    }
+    if (out.cut != 0) out.status |= Reason::lead_limited;
+    if ((m.returns | out.cut) != 0) [[unlikely]]
+      stand(m, wish, out);
+    return out;
+  }
+  /// Takes the motion of a sub-step of `h` seconds.
+  SKINCTL_INLINE Status take(Memory& m, [[maybe_unused]] const Begun& c, const Planned& planned,
+                             [[maybe_unused]] const T& h) const noexcept {
+    if constexpr (takes_position(I)) {
+      const Row q = m.q.value, lower = p_.limits.lower(), upper = p_.limits.upper();
+      m.q.add(planned.displacement);
+      const Row next = m.q.value;
+      const auto passed = ((next > upper) & (q <= upper)) | ((next < lower) & (q >= lower));
+      if (any(passed)) [[unlikely]] {
+        select(passed, clamp(next, lower, upper), next).store(m.q.value);
+        select(passed, Row(T(0)), m.q.rest).store(m.q.rest);
+      }
+    } else {
+      const Row drift = h * Row(c.speed.drift);
+      m.q.add(T(T(0.5) * h) * (Row(m.rate) + planned.rate) + drift);
+      m.offset.add(drift);
+    }
+    copy_row(planned.rate, m.rate);
+    copy_row(planned.own, m.v);
+    copy_row(planned.last, m.last);
+    m.cut |= planned.cut;
+    m.returns = planned.returns;
+    return planned.status;
+  }
+
+  /// Virtual joints by velocity are where the velocities sent bring them: half of a period of the newest is
+  /// to come.
+  SKINCTL_INLINE void at_sent(Memory& m) const noexcept {
+    for (std::size_t i = 0; i < N; ++i)
+      m.q.set(i, m.sent.value[i] + m.offset.value[i] + T(0.5) * p_.cycle * m.rate[i]);
   }
 
  protected:
   using Base::p_;
   using Base::servo_;
 
-  SKINCTL_INLINE Status publish(Memory& m, const Correction& c, const Torque& torque,
-                                const T& dt) const noexcept {
-    Status status;
+  /// The command of the cycle.
+  SKINCTL_INLINE void publish(Memory& m, const Begun& c, const Torque& torque, bool smooth) const noexcept {
     auto& command = m.command;
-    const Row last = command.velocity;
-    m.command_span = dt;
-    if constexpr (takes_position(I)) {
-      const Row moved = Row(m.q.value) - m.sent.value;
-      if (!m.behind && (!(dt > p_.cycle) || is_near(moved))) [[likely]] {
-        m.sent.copy(m.q);
-        copy_row(m.rate, command.velocity);
-      } else {
-        status = follow(m, dt);
-      }
-    } else {
-      // The command follows the virtual robot's position, within the same limits. A velocity is held for a period,
-      // half of which is still to come.
-      auto room = p_.limits.room(m.sent.value);
-      const Row rate = m.rate, sent = m.sent.value, goal = m.q.value - T(T(0.5) * p_.cycle) * rate;
-      const Row target =
-          clamp(rate + p_.catch_up * (goal - sent - m.offset.value), c.speed.least, c.speed.most);
-      room.above = room.below = Position::constant(std::numeric_limits<T>::infinity());
-      const auto motion = p_.limits.move(room, Velocity(last), Velocity(target), dt);
-      status = motion.status;
-      command.velocity = motion.velocity;
-    }
+    const Row before = command.velocity, u = m.rate;
     command.time = m.time;
-    copy_row(takes_position(I) ? m.sent.value : m.q.value, command.position);
-    ((Row(command.velocity) - last) / Row(dt)).store(command.acceleration);
+    copy_row(m.q.value, command.position);
+    copy_row(m.rate, command.velocity);
+    if (smooth) {
+      command.acceleration = m.last;
+    } else {
+      ((u - before) / Row(c.share * c.dt)).store(command.acceleration);
+    }
     copy_row(torque, command.torque);
     command.valid = true;
-    servo_.send(m.under_way, m.time, m.sent.value, takes_velocity(I) ? command.velocity : Velocity{});
-    return status;
+    servo_.send(m.under_way, m.time, under_way(m), takes_velocity(I) ? command.velocity : Velocity{});
+  }
+  /// What the servo holds: the position of the command, or that which the velocities sent have brought.
+  [[nodiscard]] static SKINCTL_INLINE const Position& under_way(const Memory& m) noexcept {
+    return takes_velocity(I) ? m.sent.value : m.q.value;
   }
 
  private:
-  SKINCTL_INLINE Status shift(Memory& m, const Correction& c, const Velocity& rate, bool off,
-                              const Velocity& v1, const T& h) const noexcept {
-    Status status;
-    JointRoom<N, T> room = p_.limits.room(m.q.value);
-    const Row zero = T(0), max_lead = p_.max_lead, e = Row(m.q.value) - m.measured.q;
-    const Row above = max_lead - e, below = max_lead + e;
-    const Row most = select(above > zero, above * p_.per_delay, zero);
-    const Row least = select(below > zero, -below * p_.per_delay, zero);
-    Row v = v1;
-    auto by_lead = above < room.above;
-    if constexpr (takes_position(I)) {
-      by_lead = by_lead | (below < room.below);
-      smaller(room.above, above).store(room.above);
-      smaller(room.below, below).store(room.below);
-    } else {
-      room.above = room.below = Position::constant(std::numeric_limits<T>::infinity());
-      if (any((v > c.speed.most) | (v < c.speed.least))) status |= Reason::position_limited;
-      v = clamp(v, c.speed.least, c.speed.most);
-    }
-    if (any((v > most) | (v < least))) status |= Reason::lead_limited;
-    auto motion = p_.limits.move_inlined(room, m.v, Velocity(clamp(v, least, most)), h);
-    const Row last = m.v, own = motion.velocity;
-    ((own - last) * T(T(1) / h)).store(m.last);
-    own.store(m.v);
-    Status found = motion.status;
-    std::uint64_t braked = motion.braked;
-    if constexpr (takes_position(I)) {
-      if (off || any(last != m.rate)) {
-        motion = p_.limits.move(room, m.rate, Velocity(clamp(own + rate, least, most)), h);
-        found |= motion.status;
-        braked |= motion.braked;
-      }
-      const Row q = m.q.value, lower = p_.limits.lower(), upper = p_.limits.upper();
-      m.q.add(motion.displacement);
-      const Row next = m.q.value;
-      const auto passed = ((next > upper) & (q <= upper)) | ((next < lower) & (q >= lower));
-      if (any(passed)) [[unlikely]] {
-        select(passed, clamp(next, lower, upper), next).store(m.q.value);
-        select(passed, zero, m.q.rest).store(m.q.rest);
-      }
-    } else {
-      for (std::size_t i = 0; i < N; ++i) {
-        const T corrected = h * rate[i];
-        m.offset.add(i, corrected);
-        m.q.add(i, motion.displacement[i] + corrected);
-        const T near = m.measured.q[i] - p_.max_lead[i], far = m.measured.q[i] + p_.max_lead[i];
-        const T kept = clamp(m.q.value[i], near, far);
-        if (kept != m.q.value[i]) {
-          m.offset.add(i, kept - m.q.value[i]);
-          m.q.set(i, kept);
-        }
-      }
-    }
-    copy_row(motion.velocity, m.rate);
-    const std::uint64_t lead_acts = takes_position(I) && braked != 0 ? by_lead.bits() : 0;
-    status |= found.without(Reason::position_limited);
-    if ((braked & lead_acts) != 0) status |= Reason::lead_limited;
-    if ((braked & ~lead_acts) != 0) status |= Reason::position_limited;
-    return status;
-  }
-  /// Velocity towards the place where the real robot was blocked, that ends there at rest. (The present measurement
-  /// would move along with a robot that is not blocked after all.)
-  SKINCTL_COLD Velocity way_back(const Memory& m, const T& h) const noexcept {
-    Velocity u;
+  /// To laws, joints that the leash pulls back stand where they are held: their way back is no momentum,
+  /// which would lead on from there. They go on with what laws ask for as soon as that is the motion.
+  SKINCTL_COLD static void stand(const Memory& m, const Velocity& wish, Planned& out) noexcept {
     for (std::size_t i = 0; i < N; ++i) {
-      const T d = m.back[i] - m.q.value[i];
-      const T far = d < T(0) ? T(-d) : d;
-      const T soft = far / (p_.total_delay + h);
-      const T hard = speed_to_stop(far, h, T(T(0.5) * p_.limits.acceleration()[i]));
-      T speed = soft < hard ? soft : hard;
-      const auto& w = m.watch[i];
-      if (takes_position(I) && w.size > T(0) && w.side * d > T(0) && w.most < speed) speed = w.most;
-      u[i] = d < T(0) ? T(-speed) : speed;
+      const std::uint64_t bit = std::uint64_t(1) << i;
+      const T u = out.rate[i];
+      if ((out.cut & bit) == 0 && ((m.returns & bit) == 0 || !(m.rate[i] * u > T(0)))) continue;
+      out.own[i] = u < T(0) ? clamp(wish[i], u, T(0)) : clamp(wish[i], T(0), u);
+      if (out.own[i] != u) out.returns |= bit;
     }
-    return u;
   }
-  /// The sent position follows the virtual one within the same limits. A position is held until the next one
-  /// comes, so that the robot carries a command out in a period, whatever time has passed: after a late cycle the
-  /// sent position moves as far as in a punctual one at most, and catches up.
-  SKINCTL_NOINLINE Status follow(Memory& m, const T& dt) const noexcept {
-    const Row last = m.command.velocity, rate = m.rate, sent = m.sent.value, a = p_.limits.acceleration();
-    const Row ahead = m.q.value - sent, e = sent - m.measured.q, max_lead = p_.max_lead;
-    auto room = p_.limits.room(m.sent.value);
-    smaller(room.above, max_lead - e).store(room.above);
-    smaller(room.below, max_lead + e).store(room.below);
-    const auto within = [&](const T& h) {
-      const Position left(ahead - T(0.5) * h * (last + rate));
-      const Velocity level(rate);
-      Velocity target;
-      for (std::size_t i = 0; i < N; ++i) {
-        const T d = left[i] < T(0) ? T(-left[i]) : left[i], brake = T(0.5) * p_.limits.acceleration()[i];
-        const T speed = d > T(4) * h * h * brake ? speed_to_stop(d, h, brake) : T(d / h);
-        target[i] = level[i] + (left[i] < T(0) ? T(-speed) : speed);
-      }
-      return p_.limits.move(room, Velocity(last), target, h);
-    };
-    // The sent position is on the virtual one again, as soon as a motion within the limits leads there.
-    const T h = dt > p_.cycle ? p_.cycle : dt;
-    const Row du = rate - last;
-    const Row aside = T(0.25) * (a * Row(T(h * h)) - du * du / a);
-    m.behind = !all((magnitude(du) <= a * Row(h)) & (magnitude(ahead - T(0.5) * h * (last + rate)) <= aside) &
-                    (magnitude(ahead) <= h * Row(p_.limits.velocity())));
-    if (!m.behind) {
-      m.sent = m.q;
-      m.command.velocity = m.rate;
-      m.command_span = h;
-      return {};
+  /// Changes a motion from the speed `u0` such that its rest point is inside `leash`, or gets there as fast
+  /// as it can; by velocity nothing is sent back, as the robot owes no way. Returns the joints whose motion
+  /// it changed.
+  SKINCTL_COLD std::uint64_t hold_back(JointMotion<N, T>& motion, const JointRoom<N, T>& leash,
+                                       const Velocity& u0, const T& h) const noexcept {
+    const T half = T(0.5) * h;
+    std::uint64_t cut = 0;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T limit = p_.limits.acceleration()[i], brake = limit * braking_share<T>, from = u0[i];
+      // The speed whose rest point is `way` ahead: h (u0 + u)/2 + u |u| / (2 a) = way.
+      const auto to_rest = [&](const T& way) {
+        const T d = way - half * from;
+        return d < T(0) ? T(-speed_to_stop(T(-d), half, brake)) : speed_to_stop(d, half, brake);
+      };
+      const T wish = motion.velocity[i];
+      T most = to_rest(leash.above[i]), least = to_rest(T(-leash.below[i]));
+      if (takes_velocity(I) && most < T(0)) most = T(0);
+      if (takes_velocity(I) && least > T(0)) least = T(0);
+      T u = wish > most ? most : (wish < least ? least : wish);
+      if (u == wish) continue;
+      cut |= std::uint64_t(1) << i;
+      const T way = wish > most ? leash.above[i] : T(-leash.below[i]), dv = limit * h;
+      const T top = p_.limits.velocity()[i], straight = half * from;
+      u = clamp(clamp(u, T(-top), top), T(from - dv), T(from + dv));
+      // It rests before it turns, where it may, and stays where it is if that is as good as rounding.
+      const bool turns = (u < T(0)) != (from < T(0)) && from != T(0) && u != T(0);
+      if (turns || (from == T(0) && way <= rounding() && -way <= rounding())) u = T(0);
+      motion.velocity[i] = u;
+      motion.displacement[i] = half * (from + u);
+      if (u != T(0) || from * from > dv * dv) continue;
+      const T soon = from * (from < T(0) ? -from : from) / (T(2) * limit);
+      motion.displacement[i] = from < T(0) ? clamp(way, straight, soon) : clamp(way, soon, straight);
     }
-    auto motion = within(dt);
-    if (dt > p_.cycle && !is_near(Row(motion.displacement))) {
-      motion = within(p_.cycle);
-      m.command_span = p_.cycle;
-    }
-    m.sent.add(motion.displacement);
-    m.command.velocity = motion.velocity;
-    return motion.status;
+    return cut;
   }
-  /// How far a position command may be from the last one.
-  SKINCTL_INLINE bool is_near(const Row& moved) const noexcept {
-    return all(magnitude(moved) <= p_.cycle * Row(p_.limits.velocity()));
-  }
+  /// Distance that is as good as none [rad].
+  [[nodiscard]] static T rounding() noexcept { return T(1024) * std::numeric_limits<T>::epsilon(); }
 };
 
 }  // namespace detail

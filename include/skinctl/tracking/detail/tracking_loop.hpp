@@ -18,8 +18,9 @@ struct TrackingMemory {
   SurfaceBias<Space::coordinates, T> bias;
   Integrals<Space::coordinates, T> I1;  ///< of S_delta
   Integrals<Space::coordinates, T> I2;  ///< of its sign [s]
-  T tb = T(0);                          ///< convergence time [s], stretched if need be; 0: no time base
-  T K_from = T(0);                      ///< without one: the gain at the reset [1/s]
+  IntegralsUsed<Space::coordinates, T> used;
+  T tb = T(0);      ///< convergence time [s], stretched if need be; 0: no time base
+  T K_from = T(0);  ///< without one: the gain at the reset [1/s]
   [[no_unique_address]] typename Space::Memory space = {};  ///< the space's own
 };
 
@@ -117,6 +118,7 @@ class TrackingLoop : public Composable {
         schedule_(gains().K_c, gains().base, gains().settle),
         decay_(gains().kappa, seconds<T>(gains().dt)) {
     check(gains(), damping.fastest());
+    check_gravity(gains(), damping.slowest(), gains().gravity_rate);
   }
 
   [[nodiscard]] static SKINCTL_INLINE T finite(const T& x) noexcept { return x - x == T(0) ? x : T(0); }
@@ -137,14 +139,74 @@ class TrackingLoop : public Composable {
             memory.bias.advanced(dt, ns, decay_),
             memory.I1.advanced(at_t.dI1, dt),
             memory.I2.advanced(at_t.dI2, dt),
+            {},
             memory.tb,
             memory.K_from,
             space_.advanced(memory.space, at_t, dt)};
   }
   using Rates = JointVelocity<Space::coordinates, T>;
   static inline const Rates no_rates{};
-  /// The middle of the interval, as the law predicts it. Built where it stays: a copy in other pieces than it was
-  /// written in would have to wait for them.
+  /// Keeps the integrals of `next` within their limit, in joint torque, or in speed of a virtual robot.
+  template <class K>
+  SKINCTL_INLINE void bound_integrals(Memory& next, const K& known) const noexcept {
+    using R = detail::Row<Space::coordinates, T>;
+    const R first = gains_.K_i1 * R(next.I1.sum), second = gains_.K_i2 * R(next.I2.sum);
+    const R free = K::is_virtual ? T(T(0.5) * gains().integral_speed) : T(0);
+    if (any(magnitude(first) > free) || any(magnitude(second) > free)) [[unlikely]]
+      bound_integrals(next, known, Rates(first + second));
+  }
+  template <class K>
+  SKINCTL_NOINLINE void bound_integrals(Memory& next, const K& known,
+                                        [[maybe_unused]] const Rates& asked) const noexcept {
+    [[maybe_unused]] const auto& limit = gains().integral_limit;
+    if constexpr (K::is_virtual) {
+      for (std::size_t i = 0; i < Space::coordinates; ++i)
+        next.used.I1[i] = gains_.used(T(gains_.K_i1 * next.I1.sum[i]), gains().integral_speed),
+        next.used.I2[i] = gains_.used(T(gains_.K_i2 * next.I2.sum[i]), gains().integral_speed);
+    } else {
+      const auto& shape = gains().virtual_dynamics;
+      const JointVelocity<N, T> v = space_.joint_speed(asked, space_.site(known), next.space);
+      auto load = damping_.torque(known, shape.inertia, v);
+      for (std::size_t i = 0; i < N; ++i) {
+        load.torque[i] = load.torque[i] + shape.viscous[i] * v[i];
+        load.own[i] = load.own[i] + shape.viscous[i];
+      }
+      if constexpr (Space::of_joints) {
+        for (std::size_t i = 0; i < N; ++i) bound_joint(next, i, load.torque[i], load.own[i], limit[i]);
+      } else {
+        bound_together(next, asked, load.torque, limit);
+      }
+    }
+  }
+  /// One joint takes back what is beyond its limit; the others see to theirs, so that the torques settle
+  /// within a few evaluations, as Gauss and Seidel solve `|K_d v| <= limit`.
+  SKINCTL_INLINE void bound_joint(Memory& next, std::size_t i, const T& torque, const T& own,
+                                  const T& limit) const noexcept {
+    next.used.I1[i] = next.used.I2[i] = gains_.used(torque, limit);
+    const T beyond = magnitude(torque) - limit;
+    if (!(beyond > T(0) && beyond - beyond == T(0) && own > T(0))) return;
+    const T less = (torque < T(0) ? beyond : T(-beyond)) / own;
+    const bool first = gains_.K_i1 > T(0);
+    T& sum = first ? next.I1.sum[i] : next.I2.sum[i];
+    sum = sum + less / (first ? gains_.K_i1 : gains_.K_i2);
+  }
+  /// All coordinates as the joint asks that is nearest to its limit: each moves all joints.
+  SKINCTL_INLINE void bound_together(Memory& next, const Rates& asked, const JointTorque<N, T>& torque,
+                                     const JointTorque<N, T>& limit) const noexcept {
+    T most(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      const T share = magnitude(torque[i]) / limit[i];
+      if (share > most) most = share;
+    }
+    if (!(most - most == T(0))) return;
+    const T part = gains_.used(most, T(1));
+    for (std::size_t c = 0; c < Space::coordinates; ++c) {
+      next.used.I1[c] = next.used.I2[c] = asked[c] < T(0) ? T(-part) : part;
+      if (most > T(1)) next.I1.sum[c] = next.I1.sum[c] / most, next.I2.sum[c] = next.I2.sum[c] / most;
+    }
+  }
+  /// The middle of the interval, as the law predicts it. Built where it stays: a copy in other pieces than it
+  /// was written in would have to wait for them.
   struct Middle {
     using R = Row<N, T>;
     template <class K, bool Brief = Space::brief>
@@ -187,6 +249,7 @@ class TrackingLoop : public Composable {
             memory.bias.at(x, decay_, seconds<T>(gains().bumpless_transfer)),
             Rates(R(memory.I1.sum) + x * R(dI1)),
             Rates(R(memory.I2.sum) + x * R(dI2)),
+            memory.used,
             memory.held};
   }
   [[nodiscard]] SKINCTL_NOINLINE typename Space::Inputs inputs_called(const Memory& memory, const T& x,
