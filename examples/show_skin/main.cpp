@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <random>
 #include <thread>
 
 #include "examples/adapters/skin/receiver.hpp"
@@ -14,6 +15,7 @@
 #include "skinctl/core/contract.hpp"
 #include "skinctl/io/skin_export.hpp"
 #include "skinctl/io/skin_file.hpp"
+#include "skinctl/sensing/unrest.hpp"
 
 namespace {
 
@@ -27,13 +29,16 @@ Nanoseconds now() {
   return Clock::now().time_since_epoch();
 }
 
-/// A finger that goes from cell to cell, twice a second, and sends what the skin reads: 250 times a second its
-/// neighbourhood, ten times a second everybody.
+/// A finger that goes from cell to cell, twice a second, and sends what the skin reads: each measurement of
+/// its neighbourhood, 250 times a second, and every 25th of the others.
 class Finger {
  public:
-  Finger(const skinctl::SkinFile& file, std::uint16_t port) : sender_("127.0.0.1", port) {
+  static constexpr double noise = 0.7;  ///< of a force sensor [steps]
+
+  Finger(const skinctl::SkinFile& file, std::uint16_t port, const std::optional<adapters::skin::Key>& key)
+      : sender_("127.0.0.1", port, key) {
     for (const auto& patch : file.patches)
-      for (const auto& cell : patch.cells) cells_.push_back({cell.id, &patch, cell.X_RootCell.p});
+      for (const auto& cell : patch.cells) cells_.push_back({cell.id, &patch, cell.X_RootCell.p, {}});
   }
   void step() {
     const auto t = now();
@@ -47,10 +52,15 @@ class Finger {
       const double press = cells_[i].patch == cells_[at].patch
                                ? 2 * depth * (1 - depth) * std::exp(-d2 / (2 * 0.02 * 0.02))
                                : 0;
+      CellSample sample{.time = t, .cell = cells_[i].id};
+      for (float& f : sample.force)
+        f = static_cast<float>(std::clamp(std::round(1024 * (0.01 + press) + noise_(random_)), 0.0, 1024.0) /
+                               1024);
+      sample.proximity = std::min(1.0f, static_cast<float>(0.01 + 3 * press));
+      unrest_.measure(cells_[i].unrest, sample);
       if (press < 0.004 && (i + round_) % 25 != 0) continue;
-      const auto f = static_cast<float>(0.004 + press);
-      samples_.push_back(
-          {.time = t, .cell = cells_[i].id, .force = {f, f, f}, .proximity = std::min(1.0f, 3 * f)});
+      unrest_.tell(cells_[i].unrest, sample);
+      samples_.push_back(sample);
     }
     ++round_;
     sender_.send(samples_, t);
@@ -61,11 +71,15 @@ class Finger {
     std::uint32_t id;
     const skinctl::SkinFile::Patch* patch;
     skinctl::Xyz<double> p;
+    skinctl::Unrest<>::Memory unrest;
   };
   adapters::skin::Sender sender_;
   std::vector<Cell> cells_;
   std::vector<CellSample> samples_;
   std::size_t round_ = 0;
+  skinctl::Unrest<> unrest_;
+  std::mt19937 random_{1};
+  std::normal_distribution<> noise_{0, noise};
 };
 
 struct Options {
@@ -78,13 +92,14 @@ struct Options {
 
 job::Exit run(Options& o, bool simulate) {
   const auto skin = o.file.empty() ? skinctl::ur5_skin_file<260>({}) : skinctl::read_skin_file(o.file);
+  if (simulate) o.receiver.noise = Finger::noise;
   if (!o.key_file.empty()) o.receiver.key = adapters::skin::Key::read(o.key_file);
   adapters::skin::Receiver receiver(o.receiver);
   const bool terminal = ::isatty(STDOUT_FILENO) == 1;
   o.screen.colours = terminal && !o.plain;
   show_skin::Screen screen(skin, o.screen);
   std::unique_ptr<Finger> finger;
-  if (simulate) finger = std::make_unique<Finger>(skin, receiver.port());
+  if (simulate) finger = std::make_unique<Finger>(skin, receiver.port(), o.receiver.key);
   const job::StopSignals signals;
   const auto start = now();
   auto next = start + 200ms;  // the receiver listens first
@@ -106,7 +121,10 @@ job::Exit run(Options& o, bool simulate) {
           screen.heard(t), screen.cells(), static_cast<double>(samples) / skinctl::seconds<double>(t - start),
           static_cast<unsigned long long>(s.lost), static_cast<unsigned long long>(s.stray()),
           static_cast<unsigned long long>(screen.unknown()), finger ? "  (simulated)" : "");
+      const std::string frozen = receiver.frozen(), refused = adapters::skin::refusals(s);
       std::string text = screen.draw(t, status);
+      if (!frozen.empty()) text += frozen + "\n";
+      if (!refused.empty()) text += "refused: " + refused + "\n";
       if (terminal) {  // in place, and what is left of longer lines goes
         std::string lines = "\x1b[H";
         for (const char c : text) lines += c == '\n' ? std::string("\x1b[K\n") : std::string(1, c);
@@ -137,6 +155,10 @@ int main(int argc, char** argv) {
   app.add_option("--address", o.receiver.address, "of this computer")->capture_default_str();
   app.add_option("--sender", o.receiver.sender, "the only address that is listened to");
   app.add_option("--key", o.key_file, "file with the key of sealed datagrams")->check(CLI::ExistingFile);
+  app.add_option("--noise", o.receiver.noise,
+                 "of a force sensor at rest [steps]: above 0.3, frozen cells are named; 0: not known")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
   app.add_option("--skin", o.file, "skin file; without it that of the UR5 with 260 cells")
       ->check(CLI::ExistingFile);
   app.add_option("--width", o.screen.width, "of the terminal")

@@ -19,6 +19,7 @@
 #include "examples/support/output_file.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
+#include "skinctl/sensing/unrest.hpp"
 
 namespace {
 
@@ -42,7 +43,7 @@ struct Counters {
 struct Options {
   std::string from, to, topic, key_file, address;
   double speed = 1, seconds = 0;
-  bool quiet = false;
+  bool quiet = false, version_2 = false;
 };
 
 std::pair<std::string, std::uint16_t> host_and_port(const std::string& text, const char* option) {
@@ -57,7 +58,8 @@ std::pair<std::string, std::uint16_t> host_and_port(const std::string& text, con
           static_cast<std::uint16_t>(number)};
 }
 
-/// A message whenever its time has come; stamps of the cells move to this computer's clock with it.
+/// A message whenever its time has come; stamps of the cells move to this computer's clock with it. `lost`
+/// where part of the bag could not be carried, `refused` where none of it is a skin's.
 job::Exit from_bag(const std::string& file, const Options& o, const Sink& sink, Counters& count,
                    const std::function<bool()>& ended) {
   skin::BagReader bag(file);
@@ -90,12 +92,22 @@ job::Exit from_bag(const std::string& file, const Options& o, const Sink& sink, 
   }
   if (bag.cut_short())
     std::fprintf(stderr, "skin_bridge: %s ends within a record; what came before was read\n", file.c_str());
-  return job::Exit::fine;
+  if (count.messages == 0 && count.refused == 0) {
+    std::fprintf(stderr, "skin_bridge: %s: no message %s\n", file.c_str(),
+                 o.topic.empty() ? "of type SkinCellDataArray" : ("of topic " + o.topic).c_str());
+    return job::Exit::refused;
+  }
+  if (count.refused > 0)
+    std::fprintf(stderr, "skin_bridge: %s: %llu messages are none of a skin and were left out\n",
+                 file.c_str(), static_cast<unsigned long long>(count.refused));
+  return bag.cut_short() || count.refused > 0 ? job::Exit::lost : job::Exit::fine;
 }
 
 template <can::CanLink Link>
 job::Exit from_can(Link link, const Sink& sink, Counters& count, const std::function<bool()>& ended) {
   std::vector<CellSample> samples;
+  const skinctl::Unrest<> unrest(1.0 / 255);  // each frame is a measurement
+  std::vector<skinctl::Unrest<>::Memory> cells(16 * skin::icub_taxels_of_a_board);
   while (!ended()) {
     samples.clear();
     const auto until = Clock::now() + 4ms;
@@ -108,7 +120,11 @@ job::Exit from_can(Link link, const Sink& sink, Counters& count, const std::func
         ++count.refused;
         continue;
       }
-      for (std::size_t k = 0; k < triangle->count; ++k) samples.push_back(triangle->sample(k, now()));
+      for (std::size_t k = 0; k < triangle->count; ++k) {
+        samples.push_back(triangle->sample(k, now()));
+        auto& cell = cells.at(samples.back().cell);
+        unrest.measure(cell, samples.back()), unrest.tell(cell, samples.back());
+      }
     }
     count.samples += samples.size();
     sink(samples, now());
@@ -124,6 +140,7 @@ job::Exit from_datagrams(const std::string& at, const Options& o, const Sink& si
   config.address = host;
   config.port = port;
   if (!o.key_file.empty()) config.key = skin::Key::read(o.key_file);
+  config.version_2 = o.version_2;
   skin::Receiver receiver(config);
   std::printf("ready port=%u\n", unsigned{receiver.port()});
   std::fflush(stdout);
@@ -132,10 +149,13 @@ job::Exit from_datagrams(const std::string& at, const Options& o, const Sink& si
     const auto samples = receiver.poll(t);
     count.samples += samples.size();
     count.messages = receiver.statistics().datagrams;
-    count.refused = receiver.statistics().stray() + receiver.statistics().bad_samples;
+    const auto& s = receiver.statistics();
+    count.refused = s.stray() + s.unasked + s.bad_samples + s.repeated;
     if (!samples.empty()) sink(samples, t);
     std::this_thread::sleep_for(4ms);
   }
+  if (const std::string refused = skin::refusals(receiver.statistics()); !refused.empty())
+    std::fprintf(stderr, "skin_bridge: refused: %s\n", refused.c_str());
   return job::Exit::interrupted;
 }
 
@@ -207,11 +227,13 @@ job::Exit run(const Options& o) {
   };
   Sink sink;
   std::unique_ptr<skin::Sender> sender;
+  bool asks = false;  // the receiver
   std::unique_ptr<skin::BagWriter> writer;
   if (const auto to = after(o.to, "udp:")) {
     const auto [host, port] = host_and_port(*to, "--to udp:");
     std::optional<skin::Key> key;
     if (!o.key_file.empty() && !o.from.starts_with("udp:")) key = skin::Key::read(o.key_file);
+    asks = key.has_value();
     sender = std::make_unique<skin::Sender>(host, port, key);
     sink = [&](auto samples, Nanoseconds t) { sender->send(samples, t); };
   } else if (const auto file = after(o.to, "bag:")) {
@@ -245,6 +267,11 @@ job::Exit run(const Options& o) {
         "': expected ros1:[HOST:]PORT, bag:FILE, icub:INTERFACE, icub:/dev/TTY or udp:[HOST:]PORT");
   if (writer) writer->close();
   progress.clear();
+  if (asks && sender->asked() == 0)
+    std::fprintf(stderr,
+                 "skin_bridge: no receiver with this key has asked: nothing that was sent is taken (%llu "
+                 "datagrams came back)\n",
+                 static_cast<unsigned long long>(sender->foreign()));
   std::printf("%llu messages, %llu samples, %llu refused\n", static_cast<unsigned long long>(count.messages),
               static_cast<unsigned long long>(count.samples), static_cast<unsigned long long>(count.refused));
   return over ? job::Exit::fine : exit;
@@ -268,6 +295,8 @@ int main(int argc, char** argv) {
   app.add_option("--address", o.address,
                  "of this computer for the nodes of ROS 1; default: the one on the way to the master");
   app.add_option("--key", o.key_file, "file with the key of sealed datagrams")->check(CLI::ExistingFile);
+  app.add_flag("--version-2", o.version_2,
+               "takes sealed datagrams of version 2 too, whose recordings cannot be told from the skin");
   app.add_option("--speed", o.speed, "of a bag, times real time")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();

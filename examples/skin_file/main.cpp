@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "examples/skin_file/geometry.hpp"
 #include "examples/skin_file/picture.hpp"
 #include "examples/support/output_file.hpp"
 #include "examples/support/svg_plot.hpp"
@@ -124,7 +125,12 @@ int run(int argc, char** argv) {
                 patch.gains.proximity);
   }
   std::printf("%zu cells, %zu of them masked, %zu regions\n", skin.cells(), masked, skin.regions.size());
-  return 0;
+  constexpr std::size_t most = 20;
+  const auto faults = skin_file::geometry_faults(skin, placed);
+  for (std::size_t i = 0; i < std::min(faults.size(), most); ++i)
+    std::fprintf(stderr, "skin_file: %s: %s\n", file.c_str(), faults[i].c_str());
+  if (faults.size() > most) std::fprintf(stderr, "skin_file: and %zu more\n", faults.size() - most);
+  return faults.empty() ? 0 : 2;
 }
 
 }  // namespace

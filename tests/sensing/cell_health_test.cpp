@@ -158,6 +158,91 @@ TEST_CASE(
   }
 }
 
+TEST_CASE(
+    "CellHealth: a cell that says its unrest is frozen without any, and else healthy whatever it repeats") {
+  const Unrest unrest;
+  // Each 100 ms one message, at rest or pressed; returns when the cell is masked by half, 0: never in 20 s.
+  const auto masked_at = [&](double sigma, double declared, double force, Nanoseconds freezes,
+                             bool constant) {
+    const SensorNoise noise{.force = float(declared), .rest = 20};
+    const Health health({.delta = 2}, std::span(&noise, 1));
+    const auto m = std::make_unique<Health::Memory>();
+    Unrest<>::Memory meter;
+    Sensed cell(sigma);
+    for (Nanoseconds t = 4ms; t <= 20s; t += 4ms) {
+      cell.force = force, cell.frozen = t >= freezes;
+      CellSample s = cell.at(t);
+      unrest.measure(meter, s);
+      if (t % 100ms == 0ns) {
+        unrest.tell(meter, s);
+        if (constant) s.force = {0.1f, 0.1f, 0.1f}, s.acceleration = {}, s.proximity = 0;  // filtered, say
+        health.take(*m, 17, s);
+      }
+      health.scan(*m, t, nobody);
+      if (Health::mask(*m, 17) > 0.5f) {
+        CHECK(Health::faults(*m, 17).has(CellFault::stuck));
+        return seconds<double>(t - (freezes < 20s ? freezes : 0ns));
+      }
+    }
+    return 0.0;
+  };
+  for (const double sigma : {0.31, 0.4, 0.7, 2.0})
+    for (const double force : {20.0, 20.5, 300.0}) {
+      CAPTURE(sigma);
+      CAPTURE(force);
+      CHECK(masked_at(sigma, sigma, force, 60s, false) == 0);
+      CHECK(masked_at(sigma, sigma, force, 60s, true) == 0);
+      const double found = masked_at(sigma, sigma, force, 2s, false);
+      CHECK(found > 0);
+      CHECK(found <= 0.004 * Stillness::frozen_after(sigma, 3) + 0.2);
+    }
+  CHECK(masked_at(0.31, 0.4, 20, 60s, false) == 0);  // quieter by a quarter than declared
+  CHECK(masked_at(0, 0.3, 20, 60s, false) == 0);     // a sensor that may stand still
+}
+
+TEST_CASE(
+    "Unrest: measurements since the last message, and 512 sigma^2; rounded up, and never what says nothing") {
+  const Unrest unrest;
+  Unrest<>::Memory m;
+  const auto told = [&] {
+    CellSample s;
+    unrest.tell(m, s);
+    return std::pair(s.measured, s.unrest);
+  };
+  CellSample s;
+  CHECK(told() == std::pair(std::uint16_t(0), unsaid));
+  unrest.measure(m, s);
+  CHECK(told() == std::pair(std::uint16_t(1), unsaid));  // nothing to compare with
+  unrest.measure(m, s);
+  CHECK(told() == std::pair(std::uint16_t(1), std::uint16_t(0)));
+  for (int k = 0; k < 70000; ++k) unrest.measure(m, s);
+  s.force[1] = 1.0f / 1024;
+  unrest.measure(m, s);
+  CHECK(told() == std::pair(Unrest<>::most, std::uint16_t(1)));  // one step in 70 001
+  s.force = {1, 1, 1};
+  unrest.measure(m, s);
+  CHECK(told() == std::pair(std::uint16_t(1), Unrest<>::most));
+  s.force[0] = std::numeric_limits<float>::quiet_NaN();
+  unrest.measure(m, s);
+  CHECK(told() == std::pair(std::uint16_t(1), Unrest<>::most));
+  Sensed cell(0.7);
+  m = {};
+  for (Nanoseconds t = 0ns; t < 40s; t += 4ms) unrest.measure(m, cell.at(t));
+  CHECK(told().second == doctest::Approx(512 * (0.49 + 1.0 / 12)).epsilon(0.05));
+  CHECK_THROWS_AS(Unrest<>(0), ConfigurationError);
+
+  Stillness still;
+  s = {};
+  still.take(s);
+  CHECK(still.measurements == 0);  // does not say
+  s.measured = 60000, s.unrest = 0;
+  still.take(s), still.take(s);
+  CHECK(still.measurements == 65534);
+  s.unrest = 1;
+  still.take(s);
+  CHECK(still.measurements == 0);
+}
+
 TEST_CASE("CellHealth: a cell that sends changes only is not noisy because of their steps") {
   const SensorNoise noise{.force = 0.31f, .rest = 20};
   const SendOnDelta sends({});
@@ -309,6 +394,7 @@ TEST_CASE("CellHealth: memories are equal only if all that they remember is") {
   differs([](auto& m) { m.suspect[1] = 2; });
   differs([](auto& m) { m.fresh[1] = 2; });
   differs([](auto& m) { m.at_top[1] = 2; });
+  differs([](auto& m) { m.jumped[1] = 2; });
   differs([](auto& m) { m.row[1].mask[1] = 1; });
 }
 
@@ -326,47 +412,4 @@ TEST_CASE("CellHealth: a cell that blinks faster than its witnesses have time is
       CHECK(blinking > 0);
       CHECK(blinking <= 0.3);
     }
-}
-
-TEST_CASE("CellHealth: a force that steps is in doubt until it has moved, and one that stands is no hand's") {
-  const SensorNoise noise{.force = 0.7f, .rest = 20};
-  // What the sensors read from 1 s on, by the time since then [s]; when its doubt is over [s], and whether it stands.
-  const auto judge = [&](bool changes, bool seen, Nanoseconds first, const auto& force) {
-    const Health health({.delta = changes ? 2.0 : 0.0}, std::span(&noise, 1));
-    Health::Memory m;
-    SendOnDelta::Memory sent;
-    const SendOnDelta sender({});
-    Sensed cell(0.7);
-    double over = -1;
-    for (Nanoseconds t = 4ms; t <= 4s; t += 4ms) {
-      const double since = seconds<double>(t) - 1;
-      cell.force = since < 0 ? 20 : force(since);
-      CellSample s = cell.at(t);
-      for (float& a : s.acceleration) a *= 0.02f;
-      if (t >= first && (!changes || sender.send(sent, s))) health.take(m, 3, s);
-      health.scan(m, t, [&](std::size_t) { return Health::Witness{.touched = seen, .seen = seen}; });
-      if (since < 0) REQUIRE_FALSE(Health::in_doubt(m, 3));
-      if (Health::in_doubt(m, 3)) over = since + 0.004;
-    }
-    return std::pair(over, Health::stands(m, 3));
-  };
-  const auto stuck = [](double) { return 500.0; };
-  const auto hand = [](double t) { return 500 + 20 * std::sin(50 * t); };
-  const auto creeps = [](double t) { return 500 + 7 * t; };
-  const auto late = [](double t) { return t < 2 ? 500.0 : 500 + 20 * std::sin(50 * t); };
-  for (const bool changes : {false, true})
-    for (const Nanoseconds first : {Nanoseconds(4ms), Nanoseconds(1s)}) {
-      CAPTURE(changes);
-      CAPTURE(first.count());
-      CHECK(judge(changes, false, first, stuck).second);
-      CHECK(judge(changes, false, first, creeps).second);
-      const auto alive = judge(changes, false, first, hand);
-      CHECK(alive.first == doctest::Approx(0.5).epsilon(0.02));
-      CHECK_FALSE(alive.second);
-      const auto woken = judge(changes, false, first, late);
-      CHECK(woken.first > 1.99);
-      CHECK(woken.first < 2.05);
-    }
-  CHECK(judge(false, true, 4ms, stuck).first < 0);
-  CHECK(judge(true, true, 4ms, stuck).first < 0);
 }

@@ -1,3 +1,10 @@
+// Promise: the stamps of a sensor with a clock of its own are right to 5 us rms, 20 us at worst, and
+// never run back
+// Tried: +-100 ppm, jitter to 3 ms, a message each ms, from 30 s on, 96 runs: 2.9 and 14 us; a third
+// lost, a fifth overtaken, queues, messages each 4 ms: 7.4 and 28 us; a clock that leaps by 5 ms to an
+// hour: within 0.5 ms after 3 s; a rate that changes by 40 ppm: 0.6 ms off for 15 s. Also:
+// `examples/adapters`
+
 #include "skinctl/sensing/clock_offset.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,7 @@
+// Promise: the joints at a sample's time
+// Tried: accelerations of 15 rad/s^2, states each 8 ms: 0.12 mrad between states, 0.48 mrad up to a
+// period beyond the newest
+
 #include "skinctl/sensing/joint_history.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,8 @@
+// Promise: filters do not care about the rate: first order exact for linear pieces and for events, at any
+// ratio of step and time constant
+// Tried: float and double against 50 digits (4 units in the last place), closed forms; NaN, denormals,
+// steps of 1 ns to 584 years
+
 #include "skinctl/sensing/low_pass.hpp"
 
 #include <doctest/doctest.h>

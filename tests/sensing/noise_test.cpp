@@ -1,3 +1,9 @@
+// Promise: a threshold from 2 s of noise, two samples in a row, is not touched by noise
+// Tried: 1000 cells, an hour of 250 Hz, sigma 0.5 to 3 steps: Gaussian 0.15 % of cells with one sample,
+// 1e-9 % with two; a hundredth of samples half as much again wider: 22 and 1e-5 %; three times as wide:
+// 96 and 2.5 %; drift of 3 sigma in the 2 s, proximity, a press: the file's level stays and the finding
+// says why
+
 #include "skinctl/sensing/noise.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,23 @@
+// Promise: the rest level of a cell is the same at any rate and by events
+// Tried: against its equations integrated with a tiny step: seven stories of drift, contact, fall and
+// release at 20 to 1000 Hz, by events, in rows of 16, float and double: within 0.5 % of the threshold at
+// any instant, by events 0.6; a hundred random days: more than 1 % off for less than 0.06 % of the time.
+// Also: study `rest_level`
+//
+// Promise: a contact of an hour from 0.05 thresholds on is not learnt away
+// Tried: noise of 0.7 steps, grown within 1 s: 0.2 % of the contact at most; 1019 recorded taxels held
+// for half an hour: none lost. Also: study `rest_level`
+//
+// Promise: a drift that was taken for a contact is released by evidence, and a cell that nothing explains
+// is named
+// Tried: patch, one cell, creep, 2 to 40 steps/s, nothing near: all below the threshold within 60 s;
+// without evidence it stays, and is named after 60 s. Also: `sensing/evidence_test.cpp`,
+// `io/skin_report_test.cpp`, study `rest_level`
+//
+// Promise: a rest level does not stall in float
+// Tried: 12 h at 1 kHz about 60 000 steps: 5e-5 steps from double, where a plain sum does not move. Also:
+// study `rest_level`
+
 #include "skinctl/sensing/rest_level.hpp"
 
 #include <doctest/doctest.h>

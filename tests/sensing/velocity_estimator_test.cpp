@@ -1,3 +1,8 @@
+// Promise: devices that report positions only get velocities whose lag and noise are as stated
+// Tried: windows of 2 to 12 samples, lines and parabolas, 0.5 to 20 Hz: response to 1e-6 on time, to 3 %
+// with stamps that jitter by 30 %; noise of encoder steps within 8 %; the recorded Allegro, stamps off by
+// 3 ms: 12 ms found, 10.5 stated
+
 #include "skinctl/sensing/velocity_estimator.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,10 @@
+// Promise: a skin that was glued on finds its ids and its tree, whatever its links and cells do
+// Tried: any topology, islands and loops; frames lost, flipped; links cut while reports are on their way,
+// memories corrupt, cells that lie, a PC that starts anew: as an all-seeing search sees it, ids kept, 4
+// links + cells messages. 10 000 cells: labelled in 0.12 s (token: 15.8 s), 0.133 s with 10 % of the
+// frames lost, 0.167 s with 30 % (worst of 8 seeds: `bench/studies/skin_network.cpp`). Also:
+// `skin_network/cell_link_test.cpp`
+
 #include "skinctl/skin_network/cell_network.hpp"
 
 #include <doctest/doctest.h>

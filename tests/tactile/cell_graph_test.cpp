@@ -1,3 +1,9 @@
+// Promise: a place that no cell near it feels stops the main job, which says where, however many cells
+// report
+// Tried: 25 neighbours silent: at rest before the finger comes, exit code 4; 26 single ones: it goes on.
+// Also: `tactile/trusted_skin_test.cpp`, `limits/skin_watch_test.cpp`,
+// `examples/compliant_ur5/tests/main_job_test.cpp`
+
 #include "skinctl/tactile/cell_graph.hpp"
 
 #include <doctest/doctest.h>
@@ -154,43 +160,4 @@ TEST_CASE("CellGraph: lists are taken as they are, or refused with the number") 
   auto broken = lattice(2, 2, 0.01);
   broken[1].place.y = NAN;
   CHECK_THROWS_AS(CellGraph(broken, 1.3), ConfigurationError);
-}
-
-TEST_CASE(
-    "cells_within: those of one patch and side within the distance; a hole is where none of them counts") {
-  constexpr double pitch = 0.028, reach = 0.04;
-  std::vector<CellPlace> cells = lattice(7, 9, pitch);
-  const std::size_t flat = cells.size();
-  for (std::size_t i = 0; i < flat; ++i) {  // another patch just above it, and the other side of its plate
-    CellPlace above = cells[i], below = cells[i];
-    above.patch = 1, above.place.z = 0.001;
-    below.normal = {0.0, 0.0, -1.0}, below.place.z = -0.001;
-    cells.push_back(above), cells.push_back(below);
-  }
-  const CellGraph graph = cells_within(cells, reach);
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    for (std::size_t j = 0; j < cells.size(); ++j) {
-      const auto way = cells[i].place - cells[j].place;
-      const bool near = i != j && dot(way, way) <= reach * reach && cells[i].patch == cells[j].patch &&
-                        dot(cells[i].normal, cells[j].normal) > -0.5;
-      if (graph.joined(i, j) != near) FAIL_CHECK("cells ", i, " and ", j);
-    }
-  // The middle cell of the lattice, then its six neighbours as well.
-  const std::size_t middle = 3 * 9 + 4;
-  std::vector<bool> dead(cells.size());
-  const auto holes = [&] {
-    std::vector<std::size_t> out;
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      if (is_hole(graph, i, [&](std::size_t j) { return !dead[j]; })) out.push_back(i);
-    return out;
-  };
-  CHECK(holes().empty());
-  dead[middle] = true;
-  CHECK(holes().empty());
-  for (const Index n : graph.neighbours(middle)) dead[n] = true;
-  CHECK(holes() == std::vector{middle});
-  dead[graph.neighbours(middle)[2]] = false;
-  CHECK(holes().empty());
-  CHECK_THROWS_AS(static_cast<void>(cells_within(cells, 0)), ConfigurationError);
-  CHECK_THROWS_AS(static_cast<void>(cells_within(cells, std::nan(""))), ConfigurationError);
 }

@@ -1,3 +1,6 @@
+// Promise: the mass felt at a cell is that of the robot
+// Tried: UR5, 5 to 40 cells a link, against MuJoCo: mobility to 1e-9
+
 #include "skinctl/tactile/cell_mass.hpp"
 
 #include <doctest/doctest.h>

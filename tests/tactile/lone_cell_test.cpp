@@ -1,3 +1,6 @@
+// Promise: what one cell alone may count up to holds in every pose
+// Tried: 300 poses: no joint gets more than 0.9 of its Coulomb friction
+
 #include "skinctl/tactile/lone_cell.hpp"
 
 #include <doctest/doctest.h>

@@ -36,7 +36,7 @@ TEST_CASE("Patch: what cannot be is refused with its number") {
   CHECK_NOTHROW(Two(Cells{{1, at}, {2, at}}));
   CHECK_NOTHROW(Two(Cells{{1, at}, {2, at}}, CellGains{0, 0}));
   CHECK_THROWS_WITH_AS(Two(Cells{{1, at}, {2, at}}, CellGains{-1, 0}),
-                       "skinctl: Patch: gain of force = -1, allowed: >= 0 N", ConfigurationError);
+                       "skinctl: Patch: gain of force = -1, allowed: 0 to 1e4 N", ConfigurationError);
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   CHECK_THROWS_AS(Two(Cells{{1, at}, {2, at}}, CellGains{nan, 0}), ConfigurationError);
   CHECK_THROWS_AS(Two(Cells{{1, at}, {2, at}}, CellGains{1, inf}), ConfigurationError);

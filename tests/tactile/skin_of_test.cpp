@@ -1,3 +1,10 @@
+// Promise: sums of events differ from the exact ones by 0, in any order
+// Tried: 20 300 cells, 1.8e6 samples: late, ahead, stale, damaged, unknown, of cells that fade, end and
+// are heard again. Also: 1e9 in the study `skin_exact`
+//
+// Promise: a skin that is known at run time is a `Skin` to the bit; each cell has its threshold and gain
+// Tried: 260 cells, any samples, one or two parts; gains of a cell to 2^-16 of the patch's largest
+
 #include "skinctl/tactile/skin_of.hpp"
 
 #include <doctest/doctest.h>
@@ -247,8 +254,8 @@ TEST_CASE("SkinOf: what does not fit is refused") {
 
 TEST_CASE("SkinOf: its sums differ from the exact ones by 0, with 20 000 cells a patch") {
   Random rng = seeded(1);
-  const std::vector<SkinPatch> patches = {some_patch(rng, 1, 20000, 1, {16384, 65536}),
-                                          some_patch(rng, 4, 300, 30000, {16384, 65536})};
+  const std::vector<SkinPatch> patches = {some_patch(rng, 1, 20000, 1, {4096, 8192}),
+                                          some_patch(rng, 4, 300, 30000, {4096, 8192})};
   using Large = SkinOf<ur5::Model, double, 20300>;
   const Large skin(patches);
   const auto memory = std::make_unique<Large::Memory>(skin.start(0ns));
@@ -266,7 +273,7 @@ TEST_CASE("SkinOf: its sums differ from the exact ones by 0, with 20 000 cells a
   CHECK(skin.recomputed(*memory) == *memory);
   CHECK(skin.silent(*memory) < skin.size());
   // The exact sums in whole steps, of 2^-24 for forces and of 2^-24 times the next power of two of the largest
-  // moment of the patch. Gains make one count 1 N, so that nothing is rounded.
+  // moment of the patch. Gains make one count 1/4 and 1/8 N, so that nothing is rounded.
   std::size_t i = 0;
   const auto touch = skin.touch(*memory);
   for (const SkinPatch& patch : patches) {
@@ -288,7 +295,7 @@ TEST_CASE("SkinOf: its sums differ from the exact ones by 0, with 20 000 cells a
       }
     }
     const auto exact = [&](std::size_t kind, std::size_t r) {
-      return std::ldexp(static_cast<double>(steps[kind][r]), (r < 3 ? 0 : reach) - 24);
+      return std::ldexp(static_cast<double>(steps[kind][r]), (r < 3 ? 0 : reach) - 24 - (kind == 0 ? 2 : 3));
     };
     for (std::size_t r = 0; r < 6; ++r) {
       CHECK(exact(0, r) != 0);

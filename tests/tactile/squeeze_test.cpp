@@ -1,3 +1,6 @@
+// Promise: a soft body is told from a stiff one
+// Tried: 400 against 1500 N/m, each scattering by 15 %: at most 1 % confused
+
 #include "skinctl/tactile/squeeze.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,11 @@
+// Promise: a slip is heard, and a moving arm is not one
+// Tried: 0.2 m/s^2: 21 ms, 95 % within 46 ms; 8 cell-hours of motion: none
+//
+// Promise: thresholds learnt on one recording of a real arm hold on the other
+// Tried: 67 s of an ABB arm at 0.3 m/s, poses at 15 Hz, nothing touched: 281 impacts and 21 slips by the
+// defaults, none by `MotionThresholds` of the other recording (10.8 and 14.9 m/s^2, 435 and 406), and
+// each of 70 knocks of 4 g is heard. Also: with recordings
+
 #include "skinctl/tactile/touch_motion.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,24 @@
+// Promise: one faulty cell does not move an arm with dry friction, and many do not make it numb
+// Tried: UR5, 260 cells, friction of 5 % of its torques: the eight faults, of the forces or of all that a
+// cell sends, 48 runs: 0 mm, to the last bit; 10 % of the cells, touched: found in 0.25 s (saturated 0.4,
+// blinking 2), no healthy cell masked, torque 2 s later within 5 % of the healthy skin's (study, other
+// places: 8 %), cross-talk apart (study: 72 of 78 found, 95 % in 2 s). Also:
+// `sensing/cell_health_test.cpp`, study `skin_faults`
+//
+// Promise: many cells that fail at once, next to each other or not, move it by millimetres
+// Tried: UR5, 260 cells, untouched: 10 %, 30 % (study) and all of them stuck, saturated or noisy from one
+// sample to the next: 12 mm at most, blinking 40; pairs and patches of 9, whose cells stream or send
+// changes, from the start or later: 15 mm. Stuck or creeping with the noise of a sound sensor, untouched,
+// touched elsewhere or there by hands that are springs: 30 mm, creeping 75. In the main job a pair: 30 mm
+// at most, and a finger on it meets no more than on silent cells. A push that neither moves nor trembles
+// counts 8 mm of way and 30 N at most. Hands of 400 and 8000 N/m that tremble by 2 % push as on a skin
+// that believes everything, within 15 %, and mask nobody; a touch that rises in 2 ms loses 5 % of half a
+// second's impulse. Also: `sensing/cell_life_test.cpp`, `examples/compliant_ur5/tests/main_job_test.cpp`,
+// study `skin_faults`, program `ur5_skin_faults`
+//
+// Promise: a stale, dead or lying cell does not push; a held contact does not fade
+// Tried: any bits in a sample. Also: `tactile/`
+
 #include "skinctl/tactile/trusted_skin.hpp"
 
 #include <doctest/doctest.h>
@@ -23,7 +44,7 @@ const auto base = ur5_skin<260>(fault_gains);
 using Plain = std::remove_cvref_t<decltype(base)>;
 using Trusted = TrustedSkin<Plain>;
 static_assert(std::is_trivially_copyable_v<Trusted::Memory>);
-static_assert(sizeof(Trusted::Memory) <= sizeof(Plain::Memory) + 260 * 144 + 12000);
+static_assert(sizeof(Trusted::Memory) <= sizeof(Plain::Memory) + 260 * 232 + 12000);
 
 /// Trusts every cell that has no fault: nothing is taken off, nothing capped.
 TrustSettings trusting() {
@@ -130,7 +151,7 @@ TEST_CASE("TrustedSkin: one faulty cell does not move the arm, whatever its faul
       }
 }
 
-TEST_CASE("TrustedSkin: many cells that fail at once do not move the arm, next to each other or not") {
+TEST_CASE("TrustedSkin: many cells that fail at once move the arm little, next to each other or not") {
   for (const CellFault fault :
        {CellFault::stuck, CellFault::saturated, CellFault::blinking, CellFault::noisy})
     for (const double share : {0.1, 1.0}) {
@@ -139,15 +160,16 @@ TEST_CASE("TrustedSkin: many cells that fail at once do not move the arm, next t
       many.share = share, many.touched = false, many.moves = true;
       many.begins = 300ms, many.length = sanitized ? 500ms : 1s;
       const SkinFaultResult r = run(many);
-      CAPTURE(name(fault));
+      CAPTURE(int(fault));
       CAPTURE(share);
-      CHECK(r.motion == 0);
+      // In mm: as quiet pushes may; one that blinks is masked by its own rule.
+      CHECK(r.motion < (fault == CellFault::blinking ? 40 : 12));
       CHECK(r.plain > 0.5);
     }
 }
 
 TEST_CASE(
-    "TrustedSkin: neighbours that fail in one moment do not move the arm, whether they stream or send "
+    "TrustedSkin: neighbours that fail in one moment move the arm little, whether they stream or send "
     "changes, "
     "from the start too") {
   for (const bool changes : {false, true})
@@ -162,20 +184,69 @@ TEST_CASE(
           const SkinFaultResult r = run(some);
           CAPTURE(changes);
           CAPTURE(begins.count());
-          CAPTURE(name(fault));
+          CAPTURE(int(fault));
           CAPTURE(together);
-          CHECK(r.motion == 0);
+          CHECK(r.motion < 15);  // mm
           CHECK(r.plain > 0.5);
           CHECK(r.false_masks == 0);
-          if (fault == CellFault::stuck) CHECK(r.found == together);
-          if (fault == CellFault::stuck) CHECK(r.percentile(1) < 0.6);
+          if (fault == CellFault::stuck && !changes) CHECK(r.found == together);
+          if (fault == CellFault::stuck && !changes) CHECK(r.percentile(1) < 0.2);
         }
 }
 
 TEST_CASE(
-    "TrustedSkin: a fast touch is felt at once: seen, however fast; unseen, if it takes more than a sample") {
+    "TrustedSkin: neighbours that stick or creep with live noise move the arm by 30 mm at most, whoever "
+    "touches it") {
+  struct Failing {
+    std::size_t cells;
+    std::function<double(double)> reads;
+    double most;  ///< motion [mm]
+  };
+  const Failing all[] = {{2, [](double) { return 0.9; }, 30},
+                         {9, [](double) { return 0.2; }, 30},
+                         {9, [](double t) { return 0.02 + 0.02 * t; }, 75}};
+  for (const Failing& f : all)
+    for (const bool changes : {false, true})
+      for (const int touch : {0, 1, 2}) {  // untouched, elsewhere, there
+        if (sanitized && (changes || touch != 2)) continue;
+        SkinFaultRun some;
+        some.reads = f.reads, some.together = f.cells, some.changes = changes, some.moves = true;
+        some.touched = touch > 0, some.there = touch == 2, some.seed = 2;
+        some.hand_stiffness = 400, some.hand_force = 25, some.tremor = 0.02;
+        some.begins = 1500ms, some.length = sanitized ? 2s : 5s;
+        CAPTURE(f.cells);
+        CAPTURE(changes);
+        CAPTURE(touch);
+        CHECK(run(some).motion < f.most);
+      }
+}
+
+TEST_CASE(
+    "TrustedSkin: hands that tremble push as on a skin that believes everything, and no cell is masked") {
+  // A stiff spring without mass trembles with the arm's delay if it leads it: noise, and masked as such.
+  for (const double stiffness : {400.0, 8000.0})
+    for (const bool changes : {false, true}) {
+      const double force = stiffness > 1000 ? 25 : 60;  // [N]
+      if (sanitized && changes) continue;
+      SkinFaultRun hands;
+      hands.fault.fault = CellFault::unheard;  // after the end
+      hands.there = false, hands.changes = changes, hands.moves = true, hands.believes_all = true;
+      hands.hand_stiffness = stiffness, hands.hand_force = force, hands.tremor = 0.02;
+      hands.begins = 5s, hands.length = sanitized ? 1s : 3s;
+      const SkinFaultResult r = run(hands);
+      CAPTURE(stiffness);
+      CAPTURE(changes);
+      CHECK(r.healthy_peak > force);
+      CHECK(r.peak < 1.15 * r.healthy_peak);
+      CHECK(r.false_masks == 0);
+    }
+}
+
+TEST_CASE(
+    "TrustedSkin: a fast touch is felt before it has shown life: it loses 5 % of half a second's impulse at "
+    "most") {
   const auto pitch = patch_pitches(places);
-  const auto impulse = [&](std::uint64_t seed, Nanoseconds rise, bool seen, Nanoseconds doubt) {
+  const auto impulse = [&](std::uint64_t seed, Nanoseconds rise, bool seen, double most) {
     SkinSignals signals(places, {}, seed);
     Normal normal(seed + 100);
     const std::size_t i = 40 + normal.bits()() % 215;
@@ -188,7 +259,7 @@ TEST_CASE(
                                .rise = rise,
                                .seen = seen});
     TrustSettings settings = fault_trust(signals.settings(), places);
-    settings.health.doubt = doubt;
+    settings.life.force = most;
     const Trusted trusted(base, settings);
     const auto m = std::make_unique<Trusted::Memory>(trusted.start(0ns));
     std::vector<CellSample> samples;
@@ -204,12 +275,11 @@ TEST_CASE(
   for (std::uint64_t seed = 1; seed <= (sanitized ? 1 : 3); ++seed)
     for (const Nanoseconds rise : {2ms, 4ms, 8ms, 16ms, 80ms})
       for (const bool seen : {true, false}) {
-        const double without = impulse(seed, rise, seen, 0ns), with = impulse(seed, rise, seen, 500ms);
+        const double without = impulse(seed, rise, seen, 1e6), with = impulse(seed, rise, seen, 30);
         CAPTURE(seed);
         CAPTURE(rise.count());
         CAPTURE(seen);
-        if (seen) CHECK(with == without);
-        if (!seen && rise >= 8ms) CHECK(with >= 0.97 * without);
+        CHECK(with >= 0.95 * without);
       }
 }
 
@@ -395,43 +465,58 @@ TEST_CASE("TrustedSkin: the skin of a cycle with contact limits, and one summand
   CHECK(moved(sum, signals) == 0);
 }
 
-TEST_CASE("TrustedSkin: a cable of cells that fall silent leaves a hole, a cell here and there does not") {
-  constexpr double reach = 0.04;
-  TrustSettings settings = trusting();
-  settings.reach = reach;
-  const Trusted trusted(base, settings);
+TEST_CASE("TrustedSkin: what is said to be noticed is noticed, by a push that rises until it is felt") {
   const CellGraph near(places);
-  const auto hole = [&](const std::vector<std::size_t>& silent) {
+  const std::size_t middle = 169;
+  const auto around = near.neighbours(middle);
+  REQUIRE(around.size() == 6);
+  struct Case {
+    std::vector<std::size_t> dead;
+    double lone;
+    bool felt;
+  };
+  const std::size_t a = around[0];
+  std::vector<std::size_t> all(around.begin(), around.end()), hole = all, ring = all;
+  hole.push_back(middle);
+  ring.erase(ring.begin());  // one neighbour is left
+  for (const Case& given : {Case{{}, 0, true}, Case{{middle}, 0, true}, Case{{a}, 0, true},
+                            Case{all, 0, false}, Case{all, 4, true}, Case{hole, 4, false},
+                            Case{ring, 0, true}, Case{cells_around(near, middle, 25), 4, false}}) {
+    const auto& dead = given.dead;
+    const double lone = given.lone;
+    const bool felt = given.felt;
+    TrustSettings settings = trusting();
+    settings.lone_force = {lone};
+    settings.answer = 0.05;
+    settings.noise = {{.force = 0.7f, .rest = 0.02f * 1024}};
+    const Trusted trusted(base, settings);
     SkinSignals signals(places, {}, 3);
     auto m = trusted.start(0ns);
     std::vector<CellSample> samples;
     Plain::Wrenches w;
-    for (Nanoseconds to = 8ms; to <= 400ms; to += 8ms) {
+    double said = 0, noticed = std::numeric_limits<double>::infinity();
+    for (Nanoseconds to = 8ms; to <= 4s; to += 8ms) {
       signals.samples(to, samples);
       std::erase_if(samples, [&](const CellSample& s) {
-        return std::find(silent.begin(), silent.end(), s.cell - 1) != silent.end();
+        return std::find(dead.begin(), dead.end(), s.cell - 1) != dead.end();
       });
+      const double push = 0.6 * std::max(0.0, seconds<double>(to) - 1) / 3;  // of each force sensor
+      for (CellSample& s : samples)
+        for (float& x : s.force)
+          x += static_cast<float>(push * (s.cell - 1 == middle              ? 1
+                                          : near.joined(middle, s.cell - 1) ? 0.07
+                                                                            : 0));
       trusted.receive(m, samples, to - 8ms, to, 1, &w);
+      if (to == 800ms) said = trusted.noticed(m, middle);
+      if (size_of(w) > 0) noticed = std::min(noticed, 3 * push);
     }
-    CHECK(trusted.coverage(m).usable == 260 - silent.size());
-    return trusted.coverage(m).hole;
-  };
-  CHECK(hole({}) == Coverage::whole);
-  std::vector<std::size_t> every_eighth;
-  for (std::size_t i = 0; i < 260; i += 8) every_eighth.push_back(i);
-  CHECK(hole(every_eighth) == Coverage::whole);
-  const std::vector<std::size_t> cable = cells_around(near, 169, 25);
-  const std::size_t found = hole(cable);
-  REQUIRE(found != Coverage::whole);
-  double nearest = 1;
-  for (std::size_t i = 0; i < 260; ++i) {
-    if (places[i].patch != places[169].patch || std::find(cable.begin(), cable.end(), i) != cable.end())
-      continue;
-    const auto way = places[i].place - places[found].place;
-    nearest = std::min(nearest, std::sqrt(dot(way, way)));
+    CAPTURE(dead.size());
+    CAPTURE(noticed);
+    CAPTURE(said);
+    CAPTURE(lone);
+    CHECK((said < 3) == felt);
+    if (felt) CHECK(noticed >= 0.7 * said);
+    if (felt) CHECK(noticed <= said + 0.1);
+    CHECK(trusted.coverage(m).usable == 260 - dead.size());
   }
-  CHECK(nearest > reach);
-  CHECK(std::find(cable.begin(), cable.end(), found) != cable.end());
-  settings.reach = 0;
-  CHECK_THROWS_AS(Trusted(base, settings), ConfigurationError);
 }

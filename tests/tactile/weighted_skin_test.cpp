@@ -1,3 +1,7 @@
+// Promise: patches count as much as the scene says: a masked patch sees nothing, and what is pressed
+// stays pressed
+// Tried: force and proximity apart, ramps; in a cycle, replayed
+
 #include "skinctl/tactile/weighted_skin.hpp"
 
 #include <doctest/doctest.h>

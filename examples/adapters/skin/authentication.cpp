@@ -3,11 +3,8 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cstring>
 #include <fstream>
 
-#include "examples/adapters/skin/datagram.hpp"
 #include "skinctl/core/contract.hpp"
 
 #if SKINCTL_HAS_SODIUM
@@ -15,6 +12,11 @@
 #endif
 
 namespace adapters::skin {
+
+using skinctl::Nanoseconds;
+
+/// Of the keys that are derived from the secret.
+[[maybe_unused]] static constexpr char derived_keys[] = {'s', 'k', 'i', 'n', 'c', 't', 'l', '3'};
 
 Key::Key(std::span<const std::uint8_t, size> bytes) {
 #if SKINCTL_HAS_SODIUM
@@ -25,7 +27,12 @@ Key::Key(std::span<const std::uint8_t, size> bytes) {
       "install "
       "libsodium-dev");
 #endif
-  std::copy(bytes.begin(), bytes.end(), bytes_.begin());
+  std::copy(bytes.begin(), bytes.end(), keys_[0].begin());
+#if SKINCTL_HAS_SODIUM
+  static_assert(size == crypto_kdf_KEYBYTES && sizeof derived_keys == crypto_kdf_CONTEXTBYTES);
+  for (std::size_t k = 1; k < keys_.size(); ++k)
+    crypto_kdf_derive_from_key(keys_[k].data(), size, k, derived_keys, keys_[0].data());
+#endif
 }
 
 Key Key::read(const std::string& file) {
@@ -60,48 +67,78 @@ Key Key::read(const std::string& file) {
 
 Key::~Key() {
 #if SKINCTL_HAS_SODIUM
-  sodium_memzero(bytes_.data(), bytes_.size());
+  for (auto& key : keys_) sodium_memzero(key.data(), key.size());
 #endif
 }
 
-std::array<std::uint8_t, tag_size> Key::tag(std::span<const std::uint8_t> bytes) const noexcept {
+std::array<std::uint8_t, tag_size> Key::tag(Sealed what, std::span<const std::uint8_t> bytes) const noexcept {
   std::array<std::uint8_t, tag_size> out{};
 #if SKINCTL_HAS_SODIUM
-  crypto_generichash(out.data(), out.size(), bytes.data(), bytes.size(), bytes_.data(), bytes_.size());
+  const auto& key = keys_[static_cast<std::size_t>(what)];
+  crypto_generichash(out.data(), out.size(), bytes.data(), bytes.size(), key.data(), key.size());
 #else
-  static_cast<void>(bytes);  // no key exists
+  static_cast<void>(what), static_cast<void>(bytes);  // no key exists
 #endif
   return out;
 }
 
-bool Key::made(std::span<const std::uint8_t> datagram) const noexcept {
+bool Key::made(Sealed what, std::span<const std::uint8_t> bytes) const noexcept {
 #if SKINCTL_HAS_SODIUM
-  if (datagram.size() < tag_size) return false;
-  const auto expected = tag(datagram.first(datagram.size() - tag_size));
-  return sodium_memcmp(expected.data(), datagram.last(tag_size).data(), tag_size) == 0;
+  if (bytes.size() < tag_size) return false;
+  const auto expected = tag(what, bytes.first(bytes.size() - tag_size));
+  return sodium_memcmp(expected.data(), bytes.last(tag_size).data(), tag_size) == 0;
 #else
-  static_cast<void>(datagram);
+  static_cast<void>(what), static_cast<void>(bytes);
   return false;
 #endif
 }
 
-std::size_t seal(std::span<std::uint8_t> buffer, std::size_t size, std::uint64_t session,
-                 const Key& key) noexcept {
-  Datagram plain;
-  if (size > buffer.size() || buffer.size() - size < session_size + tag_size) return 0;
-  if (!parse(buffer.first(size), plain) || plain.sealed || plain.count() > max_sealed_samples) return 0;
-  std::uint8_t* const samples = buffer.data() + header_size;
-  std::memmove(samples + session_size, samples, size - header_size);
-  buffer[4] = 2;
-  for (std::size_t i = 0; i < session_size; ++i) samples[i] = static_cast<std::uint8_t>(session >> (8 * i));
-  const auto tag = key.tag(buffer.first(size + session_size));
-  std::memcpy(buffer.data() + size + session_size, tag.data(), tag_size);
-  return size + session_size + tag_size;
+std::size_t Key::seal(Sealed what, std::span<std::uint8_t> buffer, std::size_t used) const noexcept {
+  const auto made = tag(what, buffer.first(used));
+  std::copy(made.begin(), made.end(), buffer.begin() + static_cast<std::ptrdiff_t>(used));
+  return used + tag_size;
 }
 
-std::uint64_t session_now() noexcept {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+QuestionBytes question_datagram(const Question& question, const Key& key) noexcept {
+  QuestionBytes out{'S', 'K', 'I', 'Q'};
+  std::copy(question.begin(), question.end(), out.begin() + 4);
+  key.seal(Sealed::question, out, 4 + question_size);
+  return out;
+}
+
+bool parse_question(std::span<const std::uint8_t> bytes, const Key& key, Question& out) noexcept {
+  if (bytes.size() != QuestionBytes().size() || bytes[0] != 'S' || bytes[1] != 'K' || bytes[2] != 'I' ||
+      bytes[3] != 'Q' || !key.made(Sealed::question, bytes))
+    return false;
+  std::copy_n(bytes.begin() + 4, question_size, out.begin());
+  return true;
+}
+
+bool Questions::ask(Nanoseconds now) noexcept {
+  const Asked& last = asked_[newest_];
+  if (last.asked && now >= last.at && now - last.at < every) return false;
+  newest_ = (newest_ + 1) % asked_.size();
+  asked_[newest_] = {.at = now, .asked = true};
+#if SKINCTL_HAS_SODIUM
+  randombytes_buf(asked_[newest_].question.data(), question_size);
+#endif
+  return true;
+}
+
+Questions::Answer Questions::judge(const Question& question, std::uint32_t number, Nanoseconds now) noexcept {
+  for (Asked& asked : asked_) {
+    if (!asked.asked || now - asked.at > valid || asked.question != question) continue;
+    if (asked.answered && number <= asked.number) return Answer::repeated;
+    // Where questions have overtaken each other, an older one is answered with a higher number.
+    const bool newer = !heard_ || asked.at > answered_at_;
+    if (!newer && number <= number_) return Answer::repeated;
+    const bool restarted = heard_ && number <= number_;
+    if (newer) answered_at_ = asked.at;
+    asked.answered = heard_ = true;
+    asked.number = number_ = number;
+    return restarted ? Answer::restarted : Answer::fresh;
+  }
+  return Answer::unasked;
 }
 
 }  // namespace adapters::skin

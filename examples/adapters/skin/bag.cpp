@@ -197,6 +197,7 @@ bool BagReader::next(BagMessage& message) {
     const auto op = field(header_, "op");
     if (op.size() != 1) fail("a record without its kind");
     if (op[0] == op_connection) connect({header_, data_});
+    if (op[0] == op_message) return deliver({header_, data_}, message);  // legal outside of a chunk
     if (op[0] == op_chunk) {
       const auto compression = field(header_, "compression");
       unpack({reinterpret_cast<const char*>(compression.data()), compression.size()},

@@ -49,12 +49,26 @@ std::uint64_t send_all(std::uint16_t port, std::uint64_t total, std::size_t samp
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   const int handle = ::socket(AF_INET, SOCK_DGRAM, 0);
   if (handle < 0 || ::connect(handle, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) std::abort();
-  std::vector<std::array<std::uint8_t, largest + tag_size + session_size>> bytes(batch);
+  std::vector<std::array<std::uint8_t, largest>> bytes(batch);
+  std::vector<skinctl::CellSample> news(samples);
+  Question question{};
+  const auto listen = [&] {
+    std::array<std::uint8_t, QuestionBytes().size()> heard;
+    while (key && ::recv(handle, heard.data(), heard.size(), MSG_DONTWAIT) == ssize_t(heard.size()))
+      static_cast<void>(parse_question(heard, *key, question));
+  };
   std::array<iovec, batch> part{};
   std::array<mmsghdr, batch> message{};
   for (std::size_t i = 0; i < batch; ++i)
     message[i].msg_hdr.msg_iov = &part[i], message[i].msg_hdr.msg_iovlen = 1;
-  const std::uint64_t session = session_now();
+  if (key) {  // the first one answers nothing, and is asked at once
+    const std::size_t size = write(bytes[0], 0, now(), {}, &question);
+    while (!stop && question == Question{}) {
+      static_cast<void>(::send(handle, bytes[0].data(), key->seal(Sealed::samples, bytes[0], size), 0));
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      listen();
+    }
+  }
   const auto start = Clock::now();
   std::uint64_t sent = 0, late = 0;
   std::uint32_t cell = 0;
@@ -68,24 +82,16 @@ std::uint64_t send_all(std::uint16_t port, std::uint64_t total, std::size_t samp
     const std::size_t n = std::min<std::uint64_t>(batch, due - sent);
     if (double(due - sent) > 5e-3 * a_second) late += n;
     const std::int64_t time = now().count();
+    listen();
     for (std::size_t i = 0; i < n; ++i) {
       auto& b = bytes[i];
-      const auto put = [&](std::size_t at, auto value) { std::memcpy(&b[at], &value, sizeof value); };
-      std::memcpy(b.data(), "SKIN", 4);
-      put(4, std::uint16_t(1));
-      put(6, static_cast<std::uint16_t>(samples));
-      put(8, static_cast<std::uint32_t>(sent + i + 1));
-      put(12, time);
-      for (std::size_t k = 0; k < samples; ++k) {
-        const std::size_t at = header_size + k * sample_size;
-        std::memset(&b[at], 0, sample_size);
-        put(at, cell);
-        put(at + 4, time);
-        put(at + 12, 0.25f);
+      for (skinctl::CellSample& sample : news) {
+        sample = {.time = nanoseconds(time), .cell = cell, .force = {0.25f}, .measured = 1, .unrest = 1};
         cell = (cell + 1) % cells;
       }
-      std::size_t size = header_size + samples * sample_size;
-      if (key) size = seal(b, size, session, *key);
+      std::size_t size = write(b, static_cast<std::uint32_t>(sent + i + 1), nanoseconds(time),
+                               std::span(std::as_const(news)), key ? &question : nullptr);
+      if (key) size = key->seal(Sealed::samples, b, size);
       part[i] = {b.data(), size};
     }
     std::size_t done = 0;
@@ -120,7 +126,7 @@ int main(int argc, char** argv) {
   const job::StopSignals signals;
   std::optional<Key> key;
   if (sealed) key.emplace(std::array<std::uint8_t, Key::size>{1, 2, 3});
-  const std::size_t samples = sealed ? max_sealed_samples : max_samples;
+  constexpr std::size_t samples = max_samples(skinctl::KindTable<skinctl::Hexagon>::readings);
   const double a_second = rate / double(samples);
   const auto total = static_cast<std::uint64_t>(seconds * a_second);
 

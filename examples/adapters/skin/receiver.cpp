@@ -15,8 +15,15 @@ namespace adapters::skin {
 using skinctl::Nanoseconds;
 namespace ip = boost::asio::ip;
 
+namespace {
+
+/// Questions in one poll to those who have not heard the newest one: each costs a system call.
+constexpr std::size_t most_replies = 16;
+
+}  // namespace
+
 /// What one system call receives.
-struct Receiver::Batch {
+struct ReceiverCore::Batch {
   static constexpr std::size_t size = 64;
 
   std::array<std::array<std::uint8_t, largest + 1>, size> bytes;  // one more, to see that one is too long
@@ -40,12 +47,18 @@ struct Receiver::Batch {
   }
 };
 
-Receiver::Receiver(const ReceiverConfig& config) : config_(config), socket_(io_), clock_(config.clock) {
-  skinctl::require(config.max_samples >= max_samples && config.max_samples <= (1u << 24),
-                   "skin receiver: max_samples", double(config.max_samples), "33 to 2^24");
+ReceiverCore::ReceiverCore(const ReceiverConfig& config, const Kind& kind)
+    : config_(config), socket_(io_), kind_(kind), clock_(config.clock) {
+  skinctl::require(config.max_samples >= kind.most && config.max_samples <= (1u << 24),
+                   "skin receiver: max_samples", double(config.max_samples),
+                   (std::to_string(kind.most) + " to 2^24").c_str());
   skinctl::require(config.max_datagrams >= 1 && config.max_datagrams <= (1u << 20),
                    "skin receiver: max_datagrams", double(config.max_datagrams), "1 to 2^20");
   skinctl::require(config.buffer <= (1u << 30), "skin receiver: buffer", double(config.buffer), "up to 2^30");
+  skinctl::require(config.noise >= 0 && config.noise <= 1000, "skin receiver: noise", config.noise,
+                   "0 to 1000 steps");
+  skinctl::require(config.max_cells <= (1u << 20), "skin receiver: max_cells", double(config.max_cells),
+                   "up to 2^20");
   try {
     const ip::udp::endpoint endpoint(ip::make_address(config.address), config.port);
     if (!config.sender.empty()) {
@@ -75,18 +88,20 @@ Receiver::Receiver(const ReceiverConfig& config) : config_(config), socket_(io_)
     throw ConnectionError("cannot receive skin at " + config.address + ":" + std::to_string(config.port) +
                           ": " + e.what());
   }
-  session_ = config.after_session;
   batch_ = std::make_unique<Batch>();
-  samples_.reserve(config.max_samples);
+  if (kind.sensors > 0) frozen_after_ = skinctl::Stillness::frozen_after(config.noise, kind.sensors);
+  if (frozen_after_ < 65535) watched_.reserve(config.max_cells);
 }
-Receiver::~Receiver() = default;
+ReceiverCore::~ReceiverCore() = default;
 
-std::span<const skinctl::CellSample> Receiver::poll(Nanoseconds now) noexcept {
-  samples_.clear();
+void ReceiverCore::receive(Nanoseconds now) noexcept {
+  taken_ = 0;
+  replies_ = most_replies;
+  if (config_.key && questions_.ask(now) && has_sender_) ask(sender_.data(), sender_size_);
   // Bounded: a flood cannot keep the loop here.
   std::size_t left = config_.max_datagrams;
   while (left > 0) {
-    const std::size_t room = (config_.max_samples - samples_.size()) / max_samples;
+    const std::size_t room = (config_.max_samples - taken_) / kind_.most;
     const std::size_t most = std::min({Batch::size, left, room});
     const std::size_t n = most > 0 ? batch_->receive(socket_.native_handle(), most) : 0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -97,43 +112,28 @@ std::span<const skinctl::CellSample> Receiver::poll(Nanoseconds now) noexcept {
     left -= n;
     if (n < most || n == 0) break;
   }
-  return samples_;
 }
 
-void Receiver::receive(std::span<const std::uint8_t> bytes, const void* from, std::size_t from_size,
-                       Nanoseconds now) noexcept {
+void ReceiverCore::receive(std::span<const std::uint8_t> bytes, const void* from, std::size_t from_size,
+                           Nanoseconds now) noexcept {
   Datagram datagram;
   if (!parse(bytes, datagram)) {
     ++statistics_.nonsense;
     return;
   }
-  bool fresh = false;
-  if (!admit(datagram, bytes, from, from_size, fresh, now)) return;
-  if (fresh) {
-    has_sender_ = true;
-    sender_size_ = std::min(from_size, sender_.size());
-    std::memcpy(sender_.data(), from, sender_size_);
-    session_ = datagram.session;
-    clock_memory_ = {};
-  } else {
-    // Sequence numbers of a sealed session end before they begin anew.
-    const std::int64_t step = datagram.sealed ? std::int64_t(datagram.sequence) - std::int64_t(newest_)
-                                              : static_cast<std::int32_t>(datagram.sequence - newest_);
-    if (step <= 0) {
-      ++statistics_.late;
-      return;
-    }
-    statistics_.lost += static_cast<std::uint64_t>(step - 1);
-  }
+  if (!admit(datagram, bytes, from, from_size, now)) return;
+  has_sender_ = true;
+  sender_size_ = std::min(from_size, sender_.size());
+  std::memcpy(sender_.data(), from, sender_size_);
   newest_ = datagram.sequence;
   heard_at_ = now;
   ++statistics_.datagrams;
-  take(datagram, now);
+  hear(datagram, now);
 }
 
-/// Whether the datagram is one of our sender's; `fresh` if it is the first one.
-bool Receiver::admit(const Datagram& datagram, std::span<const std::uint8_t> bytes, const void* from,
-                     std::size_t from_size, bool& fresh, Nanoseconds now) noexcept {
+/// Whether the datagram is one of our sender's, and fresh.
+bool ReceiverCore::admit(const Datagram& datagram, std::span<const std::uint8_t> bytes, const void* from,
+                         std::size_t from_size, Nanoseconds now) noexcept {
   const auto* address = static_cast<const std::uint8_t*>(from);
   const std::size_t at =
       only_size_ == 4 ? offsetof(sockaddr_in, sin_addr) : offsetof(sockaddr_in6, sin6_addr);
@@ -142,51 +142,177 @@ bool Receiver::admit(const Datagram& datagram, std::span<const std::uint8_t> byt
     ++statistics_.strangers;
     return false;
   }
-  if (config_.key) {
-    if (!datagram.sealed || !config_.key->made(bytes)) {
-      ++statistics_.forged;
-      return false;
-    }
-    fresh = datagram.session > session_;
-    if (datagram.session < session_ || (!fresh && !has_sender_)) {
-      ++statistics_.replayed;
-      return false;
-    }
-    return true;
-  }
-  if (datagram.sealed) {  // nobody here can say who made it
-    ++statistics_.nonsense;
+  if (!config_.key && datagram.sealed) {
+    ++statistics_.sealed;
     return false;
   }
-  fresh = !has_sender_ || now - heard_at_ > config_.forget;
-  if (!fresh && (from_size != sender_size_ || std::memcmp(address, sender_.data(), sender_size_) != 0)) {
-    ++statistics_.strangers;
+  if (config_.key && !datagram.sealed) {
+    ++statistics_.unsealed;
     return false;
   }
+  if (datagram.kind != kind_.fingerprint || datagram.readings != kind_.readings) {
+    ++statistics_.other_kind;
+    return false;
+  }
+  return config_.key ? sealed(datagram, bytes, from, from_size, now) : open(datagram, from, from_size, now);
+}
+
+/// A newer datagram of the sender whose numbers rise by `step`; counts those in between as lost.
+bool ReceiverCore::follows(std::int64_t step) noexcept {
+  if (step <= 0) {
+    ++statistics_.late;
+    return false;
+  }
+  statistics_.lost += static_cast<std::uint64_t>(step - 1);
   return true;
 }
 
-void Receiver::take(const Datagram& datagram, Nanoseconds now) noexcept {
+/// Without a key: the first sender is kept to until it is silent.
+bool ReceiverCore::open(const Datagram& datagram, const void* from, std::size_t from_size,
+                        Nanoseconds now) noexcept {
+  if (!has_sender_ || now - heard_at_ > config_.forget) {
+    clock_memory_ = {};
+    return true;
+  }
+  if (from_size != sender_size_ || std::memcmp(from, sender_.data(), sender_size_) != 0) {
+    ++statistics_.strangers;
+    return false;
+  }
+  return follows(static_cast<std::int32_t>(datagram.sequence - newest_));
+}
+
+/// With a key: a right tag, and an answer to a question of ours.
+bool ReceiverCore::sealed(const Datagram& datagram, std::span<const std::uint8_t> bytes, const void* from,
+                          std::size_t from_size, Nanoseconds now) noexcept {
+  const bool old = datagram.version == 2;
+  if (old && (!config_.version_2 || answers_)) {
+    ++statistics_.version_2;
+    return false;
+  }
+  if (!config_.key->made(old ? Sealed::version_2 : Sealed::samples, bytes)) {
+    ++statistics_.forged;
+    return false;
+  }
+  if (old) return session(datagram);
+  const std::int64_t step = std::int64_t(datagram.sequence) - std::int64_t(newest_);
+  switch (questions_.judge(datagram.question, datagram.sequence, now)) {
+    case Questions::Answer::unasked:
+      ++(datagram.question == Question{} ? statistics_.deaf : statistics_.unasked);
+      if (replies_ > 0) --replies_, ask(from, from_size);
+      return false;
+    case Questions::Answer::repeated:
+      ++statistics_.late;
+      return false;
+    case Questions::Answer::restarted:
+      ++statistics_.restarts;
+      break;
+    case Questions::Answer::fresh:
+      if (answers_) static_cast<void>(follows(step));
+  }
+  answers_ = true;
+  return true;
+}
+
+/// Version 2: sessions rise, and the numbers within each.
+bool ReceiverCore::session(const Datagram& datagram) noexcept {
+  std::uint64_t session = 0;
+  for (std::size_t k = question_size; k > 0; --k) session = session << 8 | datagram.question[k - 1];
+  if (session > session_) {
+    session_ = session;
+    clock_memory_ = {};
+    return true;
+  }
+  if (session < session_) {
+    ++statistics_.late;
+    return false;
+  }
+  return follows(std::int64_t(datagram.sequence) - std::int64_t(newest_));
+}
+
+/// Sends the newest question; a lost one is asked again.
+void ReceiverCore::ask(const void* to, std::size_t to_size) noexcept {
+  const auto bytes = question_datagram(questions_.newest(), *config_.key);
+  static_cast<void>(::sendto(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT,
+                             static_cast<const sockaddr*>(to), static_cast<socklen_t>(to_size)));
+}
+
+void ReceiverCore::hear(const Datagram& datagram, Nanoseconds now) noexcept {
   const auto heard = clock_.hear(clock_memory_, datagram.sent, now);
   if (heard == skinctl::ClockOffset::Heard::refused) {
     ++statistics_.nonsense;
     return;
   }
   if (heard == skinctl::ClockOffset::Heard::leapt) ++statistics_.leaps;
-  if (!skinctl::ClockOffset::ready(clock_memory_)) {
+  if (skinctl::ClockOffset::ready(clock_memory_))
+    take(datagram);
+  else
     statistics_.untimed += datagram.count();
-    return;
+}
+
+bool ReceiverCore::counts(bool plausible, std::uint32_t cell, std::uint16_t measured, std::uint16_t unrest,
+                          bool at_zero) noexcept {
+  if (!plausible || measured == 0) {
+    ++(plausible ? statistics_.repeated : statistics_.bad_samples);
+    return false;
   }
-  for (std::size_t i = 0; i < datagram.count(); ++i) {
-    skinctl::CellSample sample = datagram.sample(i);
-    if (!plausible(sample, datagram, config_.oldest)) {
-      ++statistics_.bad_samples;
-      continue;
-    }
-    sample.time = skinctl::ClockOffset::stamp(clock_memory_, sample.time);
-    samples_.push_back(sample);
-    ++statistics_.samples;
+  if (frozen_after_ < 65535) watch(cell, measured, unrest, at_zero);
+  ++statistics_.samples, ++taken_;
+  return true;
+}
+
+/// Counts the measurements for which a cell has stood still. A cell beyond `max_cells` is not watched, and
+/// one that rests below its range is not dead.
+void ReceiverCore::watch(std::uint32_t cell, std::uint16_t measured, std::uint16_t unrest,
+                         bool at_zero) noexcept {
+  auto at = std::lower_bound(watched_.begin(), watched_.end(), cell,
+                             [](const Watched& w, std::uint32_t id) { return w.cell < id; });
+  if (at == watched_.end() || at->cell != cell) {
+    if (watched_.size() == watched_.capacity()) return;
+    at = watched_.insert(at, {.cell = cell, .still = {}});
   }
+  const bool before = at->still.measurements >= frozen_after_;
+  struct {
+    std::uint16_t measured, unrest;
+  } const said{measured, unrest};
+  at->still.take(said);
+  if (at_zero) at->still = {};
+  const bool after = at->still.measurements >= frozen_after_;
+  if (after != before) after ? ++statistics_.frozen : --statistics_.frozen;
+}
+
+std::string ReceiverCore::frozen() const {
+  constexpr std::size_t most = 8;  // ids that one reads
+  std::string out;
+  std::size_t count = 0;
+  for (const Watched& w : watched_) {
+    if (w.still.measurements < frozen_after_ || ++count > most) continue;
+    out += (count == 1 ? "" : ", ") + std::to_string(w.cell);
+  }
+  if (count == 0) return out;
+  return std::to_string(count) + (count == 1 ? " cell stands" : " cells stand") +
+         " still, without the noise of a sensor: frozen or dead (" + out + (count > most ? ", ...)" : ")");
+}
+
+std::string refusals(const Statistics& s) {
+  std::string out;
+  const auto add = [&out](std::uint64_t count, const char* cause) {
+    if (count > 0) out += (out.empty() ? "" : "; ") + std::to_string(count) + " " + cause;
+  };
+  add(s.nonsense, "no skin datagrams");
+  add(s.other_kind, "of another kind of cells");
+  add(s.strangers, "from another address");
+  add(s.unsealed, "without a seal, though a key is given here");
+  add(s.sealed, "sealed, though no key is given here");
+  add(s.version_2, "of version 2, whose recordings nobody could tell from the skin");
+  add(s.forged, "with a wrong tag: another key, or forged");
+  add(s.unasked,
+      "with no answer to a question of the last 100 ms: a recording, or a sender far away or of another "
+      "receiver");
+  add(s.deaf,
+      "of a sender that had heard no question yet: if it goes on, UDP does not pass from this program to it");
+  add(s.late, "repeated or overtaken");
+  add(s.repeated, "samples of old readings that somebody repeats");
+  return out;
 }
 
 }  // namespace adapters::skin

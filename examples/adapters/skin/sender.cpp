@@ -1,5 +1,7 @@
 #include "examples/adapters/skin/sender.hpp"
 
+#include <sys/socket.h>
+
 #include <algorithm>
 
 #include "examples/adapters/socket.hpp"
@@ -7,7 +9,7 @@
 namespace adapters::skin {
 
 Sender::Sender(const std::string& host, std::uint16_t port, std::optional<Key> key)
-    : socket_(io_), key_(std::move(key)), session_(session_now()) {
+    : socket_(io_), key_(std::move(key)) {
   try {
     const boost::asio::ip::udp::endpoint to(boost::asio::ip::make_address(host), port);
     socket_.open(to.protocol());
@@ -18,20 +20,29 @@ Sender::Sender(const std::string& host, std::uint16_t port, std::optional<Key> k
   }
 }
 
-std::size_t Sender::send(std::span<const skinctl::CellSample> samples, skinctl::Nanoseconds now) noexcept {
-  std::size_t sent = 0;
-  const std::size_t most = key_ ? max_sealed_samples : max_samples;
-  do {
-    const auto some = samples.first(std::min(samples.size(), most));
-    samples = samples.subspan(some.size());
-    std::size_t size = write(buffer_, sequence_, now, some);
-    if (key_) size = seal(buffer_, size, session_, *key_);
-    if (++sequence_ == 0) session_ = session_now();
-    boost::system::error_code error;
+/// Takes the questions that have come; the last one counts.
+void Sender::listen() noexcept {
+  constexpr int most = 16;                                     // bounded: a flood cannot keep the sender here
+  std::array<std::uint8_t, QuestionBytes().size() + 1> bytes;  // one more, to see that one is too long
+  for (int k = 0; key_ && k < most; ++k) {
+    const auto n = ::recv(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+    if (n < 0) return;
+    (parse_question(std::span(bytes).first(static_cast<std::size_t>(n)), *key_, question_) ? asked_
+                                                                                           : foreign_) += 1;
+  }
+}
+
+/// Seals and sends what lies in the buffer.
+std::size_t Sender::pass_on(std::size_t size) noexcept {
+  if (key_) size = key_->seal(Sealed::samples, buffer_, size);
+  boost::system::error_code error;
+  for (int attempt = 0; attempt < 2;
+       ++attempt) {  // the first may only tell that an earlier one met a closed port
     socket_.send(boost::asio::buffer(buffer_.data(), size), 0, error);
-    (error ? failed_ : sent) += 1;
-  } while (!samples.empty());
-  return sent;
+    if (error != boost::asio::error::connection_refused) break;
+  }
+  failed_ += error ? 1u : 0u;
+  return error ? 0 : 1;
 }
 
 }  // namespace adapters::skin

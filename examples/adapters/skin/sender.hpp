@@ -14,25 +14,47 @@
 
 namespace adapters::skin {
 
-/// Packs samples into datagrams to one receiver. Throws `ConnectionError` for an address that is none; sending does
-/// not throw or wait.
+/// Packs samples into datagrams of version 3 to one receiver. Throws `ConnectionError` for an address that
+/// is none; sending does not throw, wait or allocate.
 class Sender {
  public:
-  /// With a key: version 2.
+  /// With a key the datagrams are sealed, and answer the receiver's questions.
   Sender(const std::string& host, std::uint16_t port, std::optional<Key> key = {});
 
   /// Sends `samples`, whose times are of the clock that shows `now`; without samples a heartbeat. Samples whose time
   /// is after `now` are refused by the receiver. Returns how many datagrams went out.
-  std::size_t send(std::span<const skinctl::CellSample> samples, skinctl::Nanoseconds now) noexcept;
+  template <skinctl::SensorKind Kind = skinctl::Hexagon>
+  std::size_t send(std::span<const skinctl::SampleOf<Kind>> samples, skinctl::Nanoseconds now) noexcept {
+    listen();
+    std::size_t sent = 0;
+    do {
+      const auto some =
+          samples.first(std::min(samples.size(), max_samples(skinctl::KindTable<Kind>::readings)));
+      samples = samples.subspan(some.size());
+      sent += pass_on(write<Kind>(buffer_, sequence_++, now, some, key_ ? &question_ : nullptr));
+    } while (!samples.empty());
+    return sent;
+  }
+  std::size_t send(std::span<const skinctl::CellSample> samples, skinctl::Nanoseconds now) noexcept {
+    return send<skinctl::Hexagon>(samples, now);
+  }
   /// Datagrams that the system did not take.
   [[nodiscard]] std::uint64_t failed() const noexcept { return failed_; }
+  /// With a key: the receiver's questions so far. 0: nobody asks, and nothing will be taken.
+  [[nodiscard]] std::uint64_t asked() const noexcept { return asked_; }
+  /// With a key: what came in place of a question, of another key for example.
+  [[nodiscard]] std::uint64_t foreign() const noexcept { return foreign_; }
 
  private:
+  void listen() noexcept;
+  std::size_t pass_on(std::size_t size) noexcept;
+
   boost::asio::io_context io_;
   boost::asio::ip::udp::socket socket_;
   std::optional<Key> key_;
-  std::array<std::uint8_t, largest + session_size + tag_size> buffer_{};
-  std::uint64_t session_ = 0, failed_ = 0;
+  std::array<std::uint8_t, largest> buffer_{};
+  Question question_{};  ///< the newest; zeros: none yet
+  std::uint64_t failed_ = 0, asked_ = 0, foreign_ = 0;
   std::uint32_t sequence_ = 0;
 };
 

@@ -117,6 +117,39 @@ TEST_CASE("skin_bridge: datagrams become a bag") {
   std::filesystem::remove(file);
 }
 
+#if SKINCTL_HAS_SODIUM
+TEST_CASE(
+    "skin_bridge: sealed, from bag to datagrams and from datagrams to a bag; one that nobody asks says so") {
+  const std::string file = temporary("sealed.bag"), key = temporary("key"), out = temporary("sealed_out.bag");
+  std::ofstream(key) << std::string(64, 'a');
+  std::filesystem::permissions(key, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  {
+    BagWriter writer(file, "/skin", skin_message_type, skin_message_definition, skin_message_md5);
+    for (int k = 0; k < 100; ++k) writer.write(1000s + k * 5ms, ros1_message(touch(k / 4, 1000s + k * 5ms)));
+  }
+  Program to("--from udp:0 --to bag:" + out + " --seconds 2 --key " + key);
+  const std::string ready = to.line();
+  REQUIRE(ready.starts_with("ready port="));
+  Program from("--from bag:" + file + " --key " + key +
+               " --to udp:127.0.0.1:" + std::to_string(std::stoi(ready.substr(11))));
+  CHECK(from.line() == "100 messages, 4000 samples, 0 refused\n");
+  CHECK(from.end() == 0);
+  CHECK(to.line().find("of a sender that had heard no question yet") != std::string::npos);
+  const std::string sum = to.line();
+  CHECK_MESSAGE(sum.find(" 0 refused") != std::string::npos, sum);
+  CHECK(to.end() == 0);
+  BagReader bag(out);
+  BagMessage m;
+  std::vector<CellSample> samples;
+  while (bag.next(m)) REQUIRE(parse_ros1(m.bytes, samples));
+  CHECK(samples.size() > 2500);  // the clock is followed after a tenth of a second
+  Program unheard("--from bag:" + file + " --key " + key + " --to udp:127.0.0.1:9 --speed 10");
+  CHECK(unheard.line().find("no receiver with this key has asked") != std::string::npos);
+  unheard.end();
+  for (const auto& each : {file, key, out}) std::filesystem::remove(each);
+}
+#endif
+
 TEST_CASE("skin_bridge: iCub's taxels come through an adapter at a serial line") {
   const int adapter = ::posix_openpt(O_RDWR | O_NOCTTY);
   REQUIRE(adapter >= 0);
@@ -230,6 +263,34 @@ TEST_CASE("skin_bridge: a bag is not written onto itself, nor onto the key") {
   examples::check_own_input_is_kept(SKIN_BRIDGE_PROGRAM, "-q --from udp:0 --key IN --to bag:OUT",
                                     std::string(64, 'a') + "\n", 2);
   std::filesystem::remove(file);
+}
+
+TEST_CASE("skin_bridge: a bag of which a part is left out does not end as carried") {
+  const std::string file = temporary("part.bag"), to = temporary("carried.bag");
+  const auto carried = [&](const std::string& more, int exit, const char* words) {
+    Program bridge("-q --from bag:" + file + " --to bag:" + to + more);
+    std::string said;
+    for (std::string line = bridge.line(); !line.empty(); line = bridge.line()) said += line;
+    CHECK(bridge.end() == exit);
+    CHECK_MESSAGE(said.find(words) != std::string::npos, said);
+  };
+  {
+    BagWriter bag(file, "/skin", skin_message_type, skin_message_definition, skin_message_md5);
+    bag.write(now(), ros1_message(touch(1, now())));
+    bag.write(now(), ros1_message(touch(2, now())));
+    bag.close();
+  }
+  carried("", 0, "2 messages");
+  carried(" --topic /other", 2, "no message of topic /other");
+  {
+    BagWriter bag(file, "/skin", skin_message_type, skin_message_definition, skin_message_md5);
+    bag.write(now(), ros1_message(touch(1, now())));
+    const std::vector<std::uint8_t> nonsense{1, 2, 3};
+    bag.write(now(), nonsense);
+    bag.close();
+  }
+  carried("", 1, "1 messages are none of a skin");
+  for (const auto& name : {file, to}) std::filesystem::remove(name);
 }
 
 TEST_CASE("skin_bridge: what cannot be has words and an exit code") {

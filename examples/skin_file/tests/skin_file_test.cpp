@@ -58,6 +58,47 @@ TEST_CASE("skin_file: what is wrong is said, with exit code 2") {
   CHECK(output("draw", 2).find("file is required") != std::string::npos);
 }
 
+TEST_CASE("skin_file: cells that cannot be where the file says are named, with exit code 2") {
+  const std::string path = (std::filesystem::temp_directory_path() / "skinctl_wrong_skin.json").string();
+  const SkinFile good = read_skin_file(EXAMPLES_DATA "/ur5_skin.json");
+  const auto says = [&](const char* words, const auto& change) {
+    SkinFile file = good;
+    change(file);
+    write_skin_file(file, path);
+    const std::string said = output("check " + path, 2);
+    CAPTURE(said);
+    CHECK(said.find(words) != std::string::npos);
+  };
+  const auto every = [](auto change) {
+    return [change](SkinFile& file) {
+      for (auto& patch : file.patches)
+        for (auto& cell : patch.cells) change(cell.X_RootCell);
+    };
+  };
+  const auto turned = [](SkinPose& X) {
+    X.q = {X.q[3], X.q[2], -X.q[1], -X.q[0]};
+  };  // half around its own x axis
+  says("link 'forearm_link': the normals of its cells point into the body", every(turned));
+  says("patch 'forearm', cell 135: its normal points against",
+       [&](SkinFile& f) { turned(f.patches[2].cells[1].X_RootCell); });
+  const auto small = every([](SkinPose& X) { X.p = {X.p.x / 1000, X.p.y / 1000, X.p.z / 1000}; });
+  says("patch 'forearm': its cells are 0.027 mm apart", small);
+  says("are its numbers millimetres?",
+       every([](SkinPose& X) { X.p = {X.p.x * 30, X.p.y * 30, X.p.z * 30}; }));
+  says("are its numbers millimetres?", [](SkinFile& f) { f.patches[5].X_LinkRoot.p = {2.7, 2.5, -2.2}; });
+  says("cells 134 and 135 coincide",
+       [](SkinFile& f) { f.patches[2].cells[1].X_RootCell.p = f.patches[2].cells[0].X_RootCell.p; });
+  for (const int axis : {0, 1, 2})
+    says("mirrored", every([axis](SkinPose& X) { (axis == 0 ? X.p.x : axis == 1 ? X.p.y : X.p.z) *= -1; }));
+  for (const char* cells : {"60", "260", "383", "1260"}) {
+    CHECK(output(std::string("ur5 --cells ") + cells + " -o " + path).empty());
+    CHECK(output("check " + path).find(" regions\n") != std::string::npos);
+  }
+  const std::string arm = " --urdf " EXAMPLES_DATA "/arm7.urdf --tip hand_link";
+  CHECK(output("check " EXAMPLES_DATA "/arm7_skin.json" + arm).find("4 cells") != std::string::npos);
+  std::filesystem::remove(path);
+}
+
 TEST_CASE("skin_file: poses of a URDF's links are those of its model") {
   const Urdf urdf = read_urdf(EXAMPLES_DATA "/arm7.urdf", {.tip = "hand_link"});
   const auto model = calibrated_from<Chain<7>>(urdf);

@@ -17,14 +17,15 @@ enum class CellFault : std::uint8_t {
   noisy,       ///< reads far more noise than it should
   cross_talk,  ///< reads a share of what a cell elsewhere feels
   discharge,   ///< rest level that has jumped, as after an electrostatic discharge, and creeps back
-  unheard      ///< samples that come late, or not at all
+  unheard,     ///< samples that come late, or not at all
+  quiet        ///< pushes and has no life, while its place gives way: see `LifeSettings`
 };
-inline constexpr std::size_t cell_faults = 7;
+inline constexpr std::size_t cell_faults = 8;
 
 /// In words, for reports: "stuck".
 [[nodiscard]] constexpr const char* name(CellFault fault) noexcept {
   constexpr std::array<const char*, cell_faults> names = {"stuck",      "saturated", "blinking", "noisy",
-                                                          "cross-talk", "discharge", "unheard"};
+                                                          "cross-talk", "discharge", "unheard",  "quiet"};
   const auto k = static_cast<std::size_t>(fault);
   return k < cell_faults ? names[k] : "unknown";
 }

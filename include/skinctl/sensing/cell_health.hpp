@@ -12,6 +12,7 @@
 #include "skinctl/sensing/cell_health_settings.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/detail/frame_scan.hpp"
+#include "skinctl/sensing/unrest.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -21,25 +22,32 @@ template <std::size_t Sensors>
 struct MessageRecord {
   std::array<std::uint16_t, Sensors + 1> last{};   ///< of each sensor [steps]; a hash of all readings
   std::array<std::uint16_t, Sensors + 1> equal{};  ///< each of these for so many times in a row
+  Stillness still;                                 ///< of a cell that says its unrest
   CellFaults faults;                               ///< found, while the mask is held
   bool known = false;                              ///< a sample has come
+  bool says = false;                               ///< the last one said its unrest
   friend bool operator==(const MessageRecord&, const MessageRecord&) noexcept = default;
 };
 }  // namespace detail
 
-/// Finds faulty cells of a skin with `Cells` cells. sigma is that of the sum of the force sensors, with rounding.
+/// Finds faulty cells of a skin with `Cells` cells. sigma is that of the sum of the force sensors, with
+/// rounding.
 ///
 /// | fault      | found when                                                                                  |
 /// |------------|---------------------------------------------------------------------------------------------|
-/// | stuck      | one force sensor sends n equal readings, n = 23 / -ln erf(1/(2 sqrt2 noise)): 1 in 1e10 by chance. At 0 only where its rest is above 4 noise + 1 step, at the top only without witness. Or `equal_messages`. A `TrustedSkin` also masks what `stands` |
+/// | stuck      | one force sensor sends n equal readings, n = 23 / -ln erf(1/(2 sqrt2 noise)): 1 in 1e10 by chance. At 0 only where its rest is above 4 noise + 1 step, at the top only without witness. Or `equal_messages` |
 /// | saturated  | a force sensor at its top for `saturated_for`, without witness (else it is an overload)      |
 /// | blinking   | jumps by max(12 sigma, 0.1 of the range) in 6 ms, no witness moving within 12 ms: more than 2.5, leaking over 1 s |
 /// | noisy      | squared second differences over 0.2 s where the force turns, each capped at (16 sigma)^2: > 40 sigma^2, and uncapped > 1.5 times the squared first differences |
 ///
-/// Cross-talk needs other cells: `detail/cross_talk.hpp`. A discharge is a matter of the rest level, a cell that is
-/// not heard one of its age. Masks fade in over `fade_in`, and out over `fade_out` after `hold` without finding.
+/// Cross-talk needs other cells: `detail/cross_talk.hpp`. A discharge is a matter of the rest level, a cell
+/// that is not heard one of its age. Masks fade in over `fade_in`, and out over `fade_out` after `hold`
+/// without finding.
 ///
-/// A sample is a measurement: a network that repeats old readings under new stamps makes healthy cells look stuck.
+/// A cell that says its unrest (`CellSample::unrest`) is stuck when it has none for
+/// `Stillness::frozen_after` measurements, pressed or at rest, and else not, however often its readings
+/// repeat. Of the others a sample is a measurement: a network that repeats old readings under new stamps
+/// makes healthy cells look stuck.
 ///
 /// Of another kind than the hexagon, the force sensors are the readings of its pressures, as shares of their
 /// greatest value; its proximity is what it sees.
@@ -59,11 +67,11 @@ class CellHealth {
     std::array<std::uint16_t, rows> suspect{};  ///< cells whose messages repeat
     std::array<std::uint16_t, rows> fresh{};    ///< a sample has come since the last frame
     std::array<std::uint16_t, rows> at_top{};   ///< a force sensor is at its top
+    std::array<std::uint16_t, rows> jumped{};   ///< the force has jumped since somebody cleared this
     Nanoseconds time = Nanoseconds::min();      ///< end of the last frame
-    Nanoseconds window = Nanoseconds::min();    ///< begin of the window of movements
     friend bool operator==(const Memory& a, const Memory& b) noexcept {
-      return a.time == b.time && a.window == b.window && a.record == b.record && a.suspect == b.suspect &&
-             a.fresh == b.fresh && a.at_top == b.at_top &&
+      return a.time == b.time && a.record == b.record && a.suspect == b.suspect && a.fresh == b.fresh &&
+             a.at_top == b.at_top && a.jumped == b.jumped &&
              std::equal(a.row.begin(), a.row.end(), b.row.begin(), [](const auto& x, const auto& y) {
                return std::bit_cast<std::array<std::uint32_t, sizeof(x) / 4>>(x) ==
                       std::bit_cast<std::array<std::uint32_t, sizeof(y) / 4>>(y);
@@ -74,7 +82,6 @@ class CellHealth {
   struct Witness {
     bool moved = false;    ///< whether a neighbour has moved within the last 24 ms
     bool touched = false;  ///< whether a neighbour is touched, too
-    bool seen = false;     ///< a proximity saw it come
   };
 
   /// @param noise  of each cell, or one for all. Throws `ConfigurationError` for a number out of its range.
@@ -102,7 +109,8 @@ class CellHealth {
       const double p = std::erf(1 / (2 * std::sqrt(2.0) * std::max(double(n.force), 0.05)));
       const double needed = p < 1 && !n.repeats ? std::ceil(23 / -std::log(p)) : 1e9;
       cell_[i] = {static_cast<float>(sigma), static_cast<std::uint16_t>(needed < 60000 ? needed : 65535),
-                  double(n.rest) > 4 * double(n.force) + 1, float(sensors) * n.rest};
+                  n.repeats ? std::uint16_t(65535) : Stillness::frozen_after(double(n.force), sensors),
+                  double(n.rest) > 4 * double(n.force) + 1};
     }
     max_messages_ = s_.equal_messages > 0 ? s_.equal_messages : 65535;
     per_step_ = static_cast<float>(1 / s_.step),
@@ -112,7 +120,8 @@ class CellHealth {
   /// Standard deviation of the sum of cell `i`'s forces, with rounding [steps].
   [[nodiscard]] float sigma(std::size_t i) const noexcept { return cell_[i].sigma; }
 
-  /// Whether cell `i` has spoken since the last frame: then the frame is to be scanned before its next sample.
+  /// Whether cell `i` has spoken since the last frame: then the frame is to be scanned before its next
+  /// sample.
   [[nodiscard]] static bool spoke(const Memory& m, std::size_t i) noexcept {
     return ((m.fresh[i / 16] >> (i % 16)) & 1u) != 0;
   }
@@ -131,11 +140,12 @@ class CellHealth {
     for (const float number : x)
       hash = ((hash ^ (hash >> 32)) + std::bit_cast<std::uint32_t>(number)) * 0xD6E8FEB86659FD93u;
     std::uint32_t suspect = 0, top = 0;
+    r.says = Stillness::said(s);
     const auto note = [&](std::size_t c, std::uint32_t steps, std::uint32_t most) SKINCTL_INLINE_LAMBDA {
       const auto n = static_cast<std::uint16_t>(steps);
       const std::uint32_t equal = n != r.last[c] ? 1u : r.equal[c] < 65534 ? r.equal[c] + 1u : 65534u;
       r.last[c] = n, r.equal[c] = static_cast<std::uint16_t>(equal);
-      suspect |= equal >= most ? 1u : 0u;
+      suspect |= equal >= most && !r.says ? 1u : 0u;
     };
     std::size_t sensor = 0;
     for (std::size_t c = 0; c < Table::readings; ++c) {
@@ -145,7 +155,10 @@ class CellHealth {
       top |= r.last[sensor++] >= top_ ? 1u : 0u;
     }
     note(sensors, static_cast<std::uint32_t>(hash >> 48), max_messages_);
-    const std::uint32_t messages = r.equal[sensors];
+    r.still.take(s);
+    const bool frozen = r.still.measurements >= cell_[i].frozen;
+    const bool repeats = r.says ? frozen : s_.equal_messages > 0 && r.equal[sensors] >= 3;
+    suspect |= frozen ? 1u : 0u;
     const std::size_t b = i / 16;
     const auto set = [k](std::uint16_t& bits, std::uint32_t value) {
       bits = static_cast<std::uint16_t>((bits & ~(1u << k)) | (value << k));
@@ -153,12 +166,9 @@ class CellHealth {
     set(m.suspect[b], suspect), set(m.at_top[b], top), set(m.fresh[b], 1);
     row.force[k] = force, row.proximity[k] = proximity;
     // A message that repeats sees nothing, and the first one after a silence has no predecessor.
-    if (s_.equal_messages > 0 && messages >= 3) row.seen[k] = 0;
+    if (repeats) row.seen[k] = 0;
     if (!r.known || row.gap[k] > 0.5f) {
       row.last[k] = force, row.last_proximity[k] = proximity, row.change[k] = 0, row.gap[k] = 0;
-      row.anchor[k] = row.force[k], row.life[k] = 0;
-      // Nobody knows how it came to be pressed.
-      if (row.force[k] - cell_[i].rest > limits_[b].jump[k]) row.doubt[k] = seconds<float>(s_.doubt);
     }
     r.known = true;
   }
@@ -173,20 +183,13 @@ class CellHealth {
     m.time = until;
     detail::HealthStep k;
     k.dt = seconds<float>(dt), k.leak = std::exp(-k.dt), k.saturated = seconds<float>(s_.saturated_for);
-    k.doubt = seconds<float>(s_.doubt);
-    k.anchors = m.window == Nanoseconds::min() || until < m.window || until - m.window >= movement_window;
-    if (k.anchors) m.window = until;
     // What a cell that sends changes has not sent has not moved.
     if (s_.delta > 0) k.per_gap = 0;
     k.rise = k.dt / seconds<float>(s_.fade_in), k.fall = k.dt / seconds<float>(s_.fade_out);
     for (std::size_t b = 0; 16 * b < count; ++b) {
       const detail::HealthBits bits = detail::frame_scan(m.row[b], limits_[b], k, m.fresh[b], m.at_top[b]);
       m.fresh[b] = 0;
-      // What steps up before eyes is a touch.
-      for (std::uint32_t stepped = bits.stepped; stepped != 0; stepped &= stepped - 1) {
-        const auto lane = static_cast<std::size_t>(std::countr_zero(stepped));
-        if (16 * b + lane < count && witness(16 * b + lane).seen) m.row[b].doubt[lane] = 0;
-      }
+      m.jumped[b] = static_cast<std::uint16_t>(m.jumped[b] | bits.jumped);
       if (!judges) continue;
       for (std::uint32_t look = bits.look | m.suspect[b]; look != 0; look &= look - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(look));
@@ -204,15 +207,8 @@ class CellHealth {
     m.record[i].faults |= fault;
   }
 
-  /// Whether the force of cell `i` has stepped, and neither was it seen to come nor has it moved since for so long that
-  /// it may be a touch.
-  [[nodiscard]] static SKINCTL_INLINE bool in_doubt(const Memory& m, std::size_t i) noexcept {
-    return m.row[i / 16].doubt[i % 16] > 0;
-  }
-  /// Whether it has stood for all of `doubt` since its step: no hand does.
-  [[nodiscard]] static SKINCTL_INLINE bool stands(const Memory& m, std::size_t i) noexcept {
-    return in_doubt(m, i) && m.row[i / 16].doubt[i % 16] <= detail::HealthRow::overdue;
-  }
+  /// Limits of the cells of row `b`.
+  [[nodiscard]] const detail::HealthLimitsRow& limits(std::size_t b) const noexcept { return limits_[b]; }
 
   /// 0: the cell counts; 1: it does not.
   [[nodiscard]] static float mask(const Memory& m, std::size_t i) noexcept {
@@ -225,13 +221,11 @@ class CellHealth {
 
  private:
   static constexpr SensorNoise usual_noise{};
-  /// Time within which a movement counts: three quarters of the period of a hand's tremor, 8 Hz.
-  static constexpr Nanoseconds movement_window = 96ms;
   struct Constants {
     float sigma = 1;
-    std::uint16_t equal = 65535;  ///< n of the first rule
+    std::uint16_t equal = 65535;   ///< n of the first rule
+    std::uint16_t frozen = 65535;  ///< measurements without unrest
     bool rests_above_zero = false;
-    float rest = 0;  ///< of the sum of the forces [steps]
   };
 
   template <class Ask>
@@ -247,10 +241,11 @@ class CellHealth {
     CellFaults found;
     for (std::size_t c = 0; c < sensors; ++c) {
       const bool zero = r.last[c] == 0, top = r.last[c] >= top_;
-      if (r.equal[c] >= cell_[i].equal && (!zero || cell_[i].rests_above_zero) && !(top && witness.touched))
+      const bool stands = r.says ? r.still.measurements >= cell_[i].frozen : r.equal[c] >= cell_[i].equal;
+      if (stands && (!zero || cell_[i].rests_above_zero) && !(top && witness.touched))
         found |= CellFault::stuck;
     }
-    if (r.equal[sensors] >= max_messages_) found |= CellFault::stuck;
+    if (!r.says && r.equal[sensors] >= max_messages_) found |= CellFault::stuck;
     if (row.top[k] >= seconds<float>(s_.saturated_for) && !witness.touched) found |= CellFault::saturated;
     if (row.capped[k] > 40 && row.second[k] > 1.5f * row.first[k]) found |= CellFault::noisy;
     if (row.jumps[k] > 2.5f) found |= CellFault::blinking;

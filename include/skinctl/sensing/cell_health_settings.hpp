@@ -34,9 +34,6 @@ struct CellHealthSettings {
   Nanoseconds fade_in = 50ms, fade_out = 250ms;  ///< of masks
   Nanoseconds hold = 2s, hold_blinking = 10s;    ///< a mask stays for so long after the last finding
   Nanoseconds witnessed_within = 12ms;           ///< before or after a jump
-  /// A force that steps is no touch for so long, in which the rules find its fault, and not before it has
-  /// moved since.
-  Nanoseconds doubt = 500ms;
 
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD void check() const {
@@ -51,7 +48,6 @@ struct CellHealthSettings {
     time(saturated_for, "CellHealth: saturated_for"), time(fade_in, "CellHealth: fade_in");
     time(fade_out, "CellHealth: fade_out"), time(hold, "CellHealth: hold");
     time(hold_blinking, "CellHealth: hold_blinking"), time(witnessed_within, "CellHealth: witnessed_within");
-    require(doubt >= 0ns && doubt <= 60s, "CellHealth: doubt", milliseconds(doubt), "0 ms to 60 s");
   }
 };
 

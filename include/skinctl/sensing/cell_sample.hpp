@@ -18,6 +18,9 @@ struct CellSample {
   float proximity = 0;                  ///< in [0, 1]
   std::array<float, 3> acceleration{};  ///< proper acceleration [m/s^2]: at rest g, upwards
   float temperature = 0;                ///< [C]
+  std::uint16_t measured = unsaid;      ///< measurements since the last message of this cell; 0: old readings
+  std::uint16_t unrest =
+      unsaid;  ///< mean square of the change from measurement to measurement [1/256 step^2]
 };
 
 /// The kind of these cells: what a skin is made of unless another kind is named.
@@ -41,7 +44,7 @@ struct Hexagon {
 
 namespace detail {
 /// The readings lie side by side.
-static_assert(std::is_standard_layout_v<CellSample> &&
+static_assert(std::is_standard_layout_v<CellSample> && sizeof(CellSample) == 48 &&
               offsetof(CellSample, proximity) == offsetof(CellSample, force) + 12 &&
               offsetof(CellSample, acceleration) == offsetof(CellSample, force) + 16 &&
               offsetof(CellSample, temperature) == offsetof(CellSample, force) + 28);

@@ -71,12 +71,16 @@ concept SensorKind = requires {
   requires K::readings.size() > 0 && K::readings.size() <= 32;
 };
 
+/// `measured` or `unrest` of a cell that does not say it.
+inline constexpr std::uint16_t unsaid = 65535;
+
 /// One message of one cell of a kind.
 template <SensorKind Kind>
 struct SensorSample {
   Nanoseconds time{};      ///< time of the measurement
   std::uint32_t cell = 0;  ///< id of the cell
   std::array<float, Kind::readings.size()> readings{};
+  std::uint16_t measured = unsaid, unrest = unsaid;  ///< see `CellSample`
 };
 
 namespace detail {

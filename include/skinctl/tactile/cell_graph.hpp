@@ -138,22 +138,4 @@ class CellGraph {
   std::vector<Index> first_, to_;  // neighbours of i: to_[first_[i]] to to_[first_[i + 1]]
 };
 
-/// The cells of the same patch, facing to the same side to within 120 degrees, that lie within `reach` [m] of each
-/// other. Throws `ConfigurationError` unless `reach` is in (0, 1].
-[[nodiscard]] SKINCTL_COLD inline CellGraph cells_within(std::span<const CellPlace> cells, double reach) {
-  require(reach > 0 && reach <= 1, "cells_within: reach", reach, "> 0, <= 1 m");
-  std::vector<std::vector<CellGraph::Index>> lists(cells.size());
-  detail::each_pair(cells, [&](std::uint32_t i, std::uint32_t j, double distance) {
-    if (cells[i].patch == cells[j].patch && distance <= reach) lists[i].push_back(j);
-  });
-  return CellGraph(std::move(lists));
-}
-
-/// Whether nothing is felt about cell `i`: neither it nor any of its neighbours `counts(j)`.
-template <class Counts>
-[[nodiscard]] bool is_hole(const CellGraph& graph, std::size_t i, const Counts& counts) noexcept {
-  const auto near = graph.neighbours(i);
-  return !counts(i) && std::none_of(near.begin(), near.end(), counts);
-}
-
 SKINCTL_END_NAMESPACE

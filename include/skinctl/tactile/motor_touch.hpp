@@ -10,6 +10,8 @@
 #include "skinctl/tactile/detail/touch_rows.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
 #include "skinctl/tactile/momentum_observer.hpp"
+#include "skinctl/tactile/push_watch.hpp"
+#include "skinctl/tactile/touch_sum.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -26,7 +28,11 @@ struct MotorTouchSettings {
   typename MomentumObserver<M, T>::Settings observer = {};
   /// Per joint, on |residual| [N m]: above what friction and the model leave. No default suits two robots.
   std::array<EventGate<T>, M::joints> gates;
-  T gain = T(1);                ///< torque that the laws see per torque found, > 0
+  T gain = T(1);  ///< torque that the laws see per torque found, > 0
+  /// Per joint, standard deviation of the residual's mean over 8 ms [N m]: with all of them known, what friction
+  /// or a payload that is told wrong leaves does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
+  std::array<double, M::joints> noise = {};
+  LifeSettings life = {};       ///< of the contact that stands for the unknown one: see `assumed_lever`
   Nanoseconds max_age = 100ms;  ///< age of the last state from which nothing is felt
   Nanoseconds fade = 50ms;      ///< in the last part of `max_age` the torque goes linearly to 0
 };
@@ -42,6 +48,9 @@ struct MotorTouchSettings {
 ///
 /// A stiff contact is felt late by the filter: `StiffestContact::skin_delay` is `1/rate` and a period here.
 ///
+/// **Bias.** With `noise` declared a residual has to live, as a hand's does: see `WristSensor`. Below the gates
+/// nothing is followed: a joint at rest hides up to its dry friction in either direction.
+///
 /// Each state with a new stamp is a sample. Between samples the torque is linear in time, delayed by one
 /// sample; without new states it fades (`sample_stale`).
 template <RobotModel M, Real T = double>
@@ -52,16 +61,22 @@ class MotorTouch : public sensor_sums::Summand {
   using Wrenches = JointTouch<M, T>;
   using Sensed = MotorInput<joints, T>;
   using Settings = MotorTouchSettings<M, T>;
+  static constexpr std::size_t sizes = joints < 16 ? joints : 16;  ///< that are looked at for life
+  using Watch = PushWatch<joints, sizes>;
   static constexpr LinkMask links = 0;
   struct Memory {
     typename MomentumObserver<M, T>::Memory observer;
     detail::SampledRow<joints, T> row;  ///< the torque behind the gates [N m]
+    typename Watch::Memory watch;       ///< of residuals
+    State<joints, T> followed;          ///< how the robot stood when its way was last counted
+    LinkMask open = 0;                  ///< joints whose gates are open
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD MotorTouch(const M& model, const Settings& settings)
-      : observer_(model, settings.observer), s_(settings) {
+      : observer_(model, settings.observer), s_(settings), watch_(s_.life, noise_of(s_.noise), {}) {
+    require_masses(model, "MotorTouch");
     require(s_.gain > T(0) && s_.gain <= T(1000), "MotorTouch: gain", double(s_.gain), "> 0, <= 1000");
     require(s_.fade > 0ns, "MotorTouch: fade", milliseconds(s_.fade), "> 0 ms");
     require(s_.max_age >= s_.fade && s_.max_age <= 10s, "MotorTouch: max_age", milliseconds(s_.max_age),
@@ -73,6 +88,17 @@ class MotorTouch : public sensor_sums::Summand {
     Memory memory;
     memory.row.begin = now;
     return memory;
+  }
+
+  /// Counts the way that the arm gives to a push; called by a scene.
+  template <class Model, class State>
+  void follow_robot(Memory& m, const Model&, const State& state) const noexcept {
+    watch_.follow_robot(m.watch, m.followed, state, [&] {
+      const double force = force_of(m.row.held);
+      double work = 0;
+      for (std::size_t i = 0; i < joints; ++i) work += double(m.row.held[i] * (state.q[i] - m.followed.q[i]));
+      return force > Watch::min_push ? work / force : 0.0;
+    });
   }
 
   /// Takes a measured state and gives the mean torque over each of `parts` >= 1 equal parts of `(from, to]`.
@@ -93,13 +119,12 @@ class MotorTouch : public sensor_sums::Summand {
       status |= seen;
       if (!seen.any() && !interval.admits(to).any()) {
         T value[joints];
-        for (std::size_t i = 0; i < joints; ++i)
-          value[i] = gated(i, memory.observer.residual[i], memory.row.held[i]);
+        find(memory, value);
         interval.take(to, value);
       }
     }
     if (interval.end()) status |= Reason::sample_stale;
-    return status;
+    return status | watch_.settle(memory.watch, to);
   }
 
   [[nodiscard]] Wrenches wrenches(const Memory& memory) const noexcept {
@@ -130,14 +155,41 @@ class MotorTouch : public sensor_sums::Summand {
   }
 
  private:
-  [[nodiscard]] SKINCTL_INLINE T gated(std::size_t i, const T& r, const T& before) const noexcept {
-    const T size = r < T(0) ? T(-r) : r;
-    const T passed = s_.gain * s_.gates[i].pass(size, before != T(0));
-    return r < T(0) ? T(-passed) : passed;
+  /// Of the contact that stands for the unknown one [N].
+  [[nodiscard]] static double force_of(const T (&torque)[joints]) noexcept {
+    double square = 0;
+    for (const T& x : torque) square += double(x * x);
+    return std::sqrt(square) / assumed_lever<double>;
+  }
+  [[nodiscard]] static std::array<double, sizes> noise_of(const std::array<double, joints>& noise) noexcept {
+    std::array<double, sizes> out{};
+    for (std::size_t i = 0; i < joints; ++i) out[i % sizes] += noise[i];
+    return out;
+  }
+  /// The residual behind the gates, as far as it counts.
+  SKINCTL_INLINE void find(Memory& m, T (&value)[joints]) const noexcept {
+    std::array<double, joints> rest{};
+    std::array<double, sizes> size{};
+    LinkMask open = 0;
+    std::uint16_t pressed = 0;
+    for (std::size_t i = 0; i < joints; ++i) {
+      const T r = m.observer.residual[i] - T(m.watch.bias[i]);
+      const T amount = r < T(0) ? T(-r) : r;
+      const T passed = s_.gates[i].pass(amount, ((m.open >> i) & 1u) != 0);
+      if (passed > T(0))
+        open |= LinkMask(1) << i, pressed = static_cast<std::uint16_t>(pressed | 1u << i % sizes);
+      value[i] = r < T(0) ? T(-passed) : passed;
+      rest[i] = double(r), size[i % sizes] += double(amount);
+    }
+    m.open = open;
+    watch_.take(m.watch, rest, size, pressed);
+    const T share = s_.gain * T(watch_.share(m.watch, force_of(value)));
+    for (T& x : value) x = share * x;
   }
 
   MomentumObserver<M, T> observer_;
   Settings s_;
+  Watch watch_;
 };
 
 /// The same gate for all joints of a model.

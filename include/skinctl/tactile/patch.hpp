@@ -58,8 +58,8 @@ template <class Kind>
 SKINCTL_COLD void require_gains(const GainsOf<Kind>& gains) {
   const auto list = gain_list(gains);
   for (std::size_t c = 0; c < list.size(); ++c)
-    require(list[c] >= 0 && list[c] - list[c] == 0,
-            ("Patch: gain of " + std::string(Kind::channels[c].name)).c_str(), list[c], ">= 0 N");
+    require(list[c] >= 0 && list[c] <= 1e4, ("Patch: gain of " + std::string(Kind::channels[c].name)).c_str(),
+            list[c], "0 to 1e4 N");
 }
 
 SKINCTL_COLD inline void require_cells(const std::vector<AnyCell>& placed, std::size_t cells) {
@@ -70,6 +70,8 @@ SKINCTL_COLD inline void require_cells(const std::vector<AnyCell>& placed, std::
     const Xyz<double>& p = cell.X_LC.origin();
     const double place = p.x + p.y + p.z;
     require(place - place == 0, "Patch: position of a cell", place, "finite m");
+    const double distance = norm(p);
+    require(distance <= 10, "Patch: distance of a cell from its link's origin", distance, "<= 10 m");
     const double error = rotation_error(cell.X_LC.axes());
     require(error <= 1e-6, "Patch: |R'R - 1| of a cell", error, "<= 1e-6");
   }
@@ -96,8 +98,8 @@ class Patch {
     detail::require_gains<Kind>(gains);
   }
   /// The same for cells without a link in their type; the link is not checked.
-  explicit Patch(std::vector<detail::AnyCell> placed, const Gains& gains)
-      : placed_(std::move(placed)), gains_(gains) {
+  template <std::same_as<detail::AnyCell> C>  // of no other type, so that braces are cells of this link
+  explicit Patch(std::vector<C> placed, const Gains& gains) : placed_(std::move(placed)), gains_(gains) {
     detail::require_cells(placed_, Cells);
     detail::require_gains<Kind>(gains);
   }

@@ -1,6 +1,8 @@
-// The protocol of a touch: what a scene asks of skins, sensors, their wrappers and sums, and what it assumes of the rest.
+// The protocol of a touch: what a scene asks of skins, sensors, their wrappers and sums, and what it assumes
+// of the rest.
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "skinctl/core/state.hpp"
@@ -16,15 +18,18 @@ SKINCTL_BEGIN_NAMESPACE
 /// No sensor of the scene but cells.
 struct NoSensors {};
 
-/// A source of touch: an immutable value whose changing data are kept outside. A skin, a sensor, a wrapper of one, a sum.
+/// A source of touch: an immutable value whose changing data are kept outside. A skin, a sensor, a wrapper of
+/// one, a sum.
 ///
 /// Every touch has
 /// - `Memory`: the data that change from cycle to cycle, trivially copyable;
-/// - `Wrenches`: what laws read, a `LinkWrenches`, a `JointTouch`, or a sum of them: `scalar`, `links`, `model_type`;
+/// - `Wrenches`: what laws read, a `LinkWrenches`, a `JointTouch`, or a sum of them: `scalar`, `links`,
+///   `model_type`;
 /// - `start(now)`: the memory with which it begins;
-/// - `receive(memory, samples, from, to, parts, means)`: takes what arrived, and gives the mean touch over each of
-///   `parts` equal parts of `(from, to]`. One that reads more than cells names it in `Sensed`, and takes it and the
-///   newest good state of the robot behind the samples: `receive(memory, samples, sensed, measured, from, to, ...)`;
+/// - `receive(memory, samples, from, to, parts, means)`: takes what arrived, and gives the mean touch over
+///   each of `parts` equal parts of `(from, to]`. One that reads more than cells names it in `Sensed`, and
+///   takes it and the newest good state of the robot behind the samples:
+///   `receive(memory, samples, sensed, measured, from, to, ...)`;
 /// - `wrenches(memory)`: the `Wrenches` that are held.
 ///
 /// Optional members, with the default where a touch has none, and the rule of a sum `a + b`:
@@ -36,12 +41,14 @@ struct NoSensors {};
 /// | `pressed(memory, touch)` | the areas that are pressed | the contact part of `touch` | both |
 /// | `contacts(memory)` | the contacts that skills wait for, each a `Found` | none are found | both |
 /// | `coverage(memory)` | how much of it feels | no cells | together |
+/// | `noticed(memory, i)` | least reading of a push on its `i`-th cell that somebody notices | infinite | b's behind a's |
 /// | `nearest<I>(memory)` | bound of proximity on link `I` | 1: somebody may be there | greatest of those that tell |
 /// | `index(id)`, `size()` | place of a cell; `size()`: not its own | no cells | b's behind a's |
 /// | `each_cell(f, most)` | unit wrenches of cells, for checks of stability | none | both |
 /// | `each_point(f)` | the same for a sensor | none | both |
 /// | `gain_everywhere()` | newtons that laws see per newton anywhere | none | greater |
 /// | `understands(other)` | whether it goes on with the memory of another one | true | and |
+/// | `follow_robot(memory, model, state)` | told before `receive` how the robot stands: the virtual one, by torque the measured one | - | both |
 /// | `beyond(found, q, contact)` | what of its own others do not feel | all | b beyond a |
 template <class S>
 concept TouchSource = detail::HasTouchTypes<S> && requires(const S& s, const typename S::Memory& m) {
@@ -75,6 +82,7 @@ struct TouchTable {
   /// It takes the samples of a cycle's input: its cells are hexagons, or do not say what they are.
   static constexpr bool takes_hexagons = detail::TakesHexagons<S>::value;
   static constexpr bool has_coverage = detail::HasCoverage<S>;
+  static constexpr bool has_noticed = detail::HasNoticed<S>;
   static constexpr bool has_cell_list = detail::HasEachCell<S>;
   static constexpr bool has_points = detail::HasEachPoint<S>;
   static constexpr bool feels_everywhere = detail::HasGainEverywhere<S>;
@@ -93,6 +101,11 @@ struct TouchTable {
     } else {
       return s.receive(m, in.samples, in.from, in.to, in.parts, means, std::forward<Front>(front)...);
     }
+  }
+  template <class M, class State>
+  static SKINCTL_INLINE void follow_robot(const S& s, Memory& m, const M& model,
+                                          const State& state) noexcept {
+    if constexpr (detail::HasFollowRobot<S, M, State>) s.follow_robot(m, model, state);
   }
   [[nodiscard]] static SKINCTL_INLINE Touch touch(const S& s, const Memory& m) noexcept {
     if constexpr (tells_apart) {
@@ -121,6 +134,13 @@ struct TouchTable {
       return s.coverage(m);
     } else {
       return {};
+    }
+  }
+  [[nodiscard]] static SKINCTL_INLINE double noticed(const S& s, const Memory& m, std::size_t i) noexcept {
+    if constexpr (has_noticed) {
+      return s.noticed(m, i);
+    } else {
+      return std::numeric_limits<double>::infinity();
     }
   }
   template <std::size_t I, class W = typename S::Wrenches>
@@ -224,8 +244,9 @@ struct TakesTouch {
 };
 }  // namespace detail
 
-/// Base of a touch that is made of another one, `S`: everything that `S` has passes, and `Own` hides what it changes.
-/// `Own` has a `Memory` that derives from that of `S`, and `take`, which hands on what it receives by `take_on`.
+/// Base of a touch that is made of another one, `S`: everything that `S` has passes, and `Own` hides what it
+/// changes. `Own` has a `Memory` that derives from that of `S`, and `take`, which hands on what it receives
+/// by `take_on`.
 ///
 ///     struct Filtered : WrappedTouch<Filtered, MySkin> {
 ///       struct Memory : MySkin::Memory { double filtered; };

@@ -109,9 +109,10 @@ inline constexpr bool sense_apart =
     !std::is_base_of_v<typename TouchTable<B>::Sensed, typename TouchTable<A>::Sensed>;
 }  // namespace detail
 
-/// Two sources of touch as one: `skin + wrist_sensor<5>(model, {...})`, `arm_skin + hand_skin`. Each receives its own
-/// samples; laws see the sum of their torques. Where the second feels all contacts of the robot (`MotorTouch`), it counts
-/// only beyond what the first one feels. The rules of its members: see `TouchSource`.
+/// Two sources of touch as one: `skin + wrist_sensor<5>(model, {...})`, `arm_skin + hand_skin`. Each receives
+/// its own samples; laws see the sum of their torques. Where the second feels all contacts of the robot
+/// (`MotorTouch`), it counts only beyond what the first one feels. The rules of its members: see
+/// `TouchSource`.
 template <TouchSource A, TouchSource B>
 class TouchSources : public detail::ApartOfSum<A, B>,
                      public detail::SensedOfSum<A, B>,
@@ -150,6 +151,11 @@ class TouchSources : public detail::ApartOfSum<A, B>,
 
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept { return {a_.start(now), b_.start(now)}; }
 
+  template <class M, class State>
+  SKINCTL_INLINE void follow_robot(Memory& memory, const M& model, const State& state) const noexcept {
+    First::follow_robot(a_, memory.first, model, state);
+    Second::follow_robot(b_, memory.second, model, state);
+  }
   /// For `receive`: samples of cells go to those that have cells; one that neither knows is reported.
   template <class Given, class Means>
   Status take(Memory& memory, const Given& in, Means* means) const noexcept {
@@ -228,6 +234,13 @@ class TouchSources : public detail::ApartOfSum<A, B>,
     requires(First::has_coverage || Second::has_coverage)
   {
     return together(First::coverage(a_, memory.first), Second::coverage(b_, memory.second));
+  }
+  [[nodiscard]] double noticed(const Memory& memory, std::size_t i) const noexcept
+    requires(First::has_noticed || Second::has_noticed)
+  {
+    const std::size_t of_first = First::size(a_);
+    return i < of_first ? First::noticed(a_, memory.first, i)
+                        : Second::noticed(b_, memory.second, i - of_first);
   }
   template <std::size_t I>
   [[nodiscard]] scalar nearest(const Memory& memory) const noexcept

@@ -1,24 +1,25 @@
 // What a trusted skin is told of its cells.
 #pragma once
 
-#include <limits>
 #include <span>
 #include <vector>
 
 #include "skinctl/sensing/cell_health.hpp"
+#include "skinctl/sensing/life_settings.hpp"
 #include "skinctl/sensing/rest_level.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
 /// See `TrustedSkin`. The defaults are for TUM's cells at 250 Hz.
 struct TrustSettings {
-  /// F_1 of each cell [N], or one for all: what a cell counts up to while no witness is touched, too. `lone_forces`
-  /// gives what the arm's Coulomb friction holds. Required: 0 mutes a lone cell, infinity trusts it.
+  /// F_1 of each cell [N], or one for all: what a cell counts up to while no witness is touched, too.
+  /// `lone_forces` gives what the arm's Coulomb friction holds. Required: 0 mutes a lone cell, infinity
+  /// trusts it.
   std::vector<double> lone_force;
   std::vector<SensorNoise> noise{SensorNoise{}};  ///< of each cell, or one for all
   Nanoseconds period = 4ms;  ///< of a cell that sends all readings; shortest of one that sends changes
-  /// The cells have a proximity sensor: it is a witness, and evidence that a frozen cell drifts. False: its readings
-  /// count, but say nothing of forces.
+  /// The cells have a proximity sensor: it is a witness, and evidence that a frozen cell drifts. False: its
+  /// readings count, but say nothing of forces.
   bool proximity = true;
   Nanoseconds seen_for = 25ms;   ///< a proximity above 0.1 for so long, without a jump, is a witness
   double answer = 0.1;           ///< share of a cell's force that a neighbour has to feel to be its witness
@@ -26,17 +27,16 @@ struct TrustSettings {
   double explained = 0.05;       ///< largest share of a cell that cross-talk leaves unexplained
   double explained_far = 0.25;   ///< such a share of a cell whose own proximity is below 0.05
   CellHealthSettings health;
+  LifeSettings life;
   RestSettings rest;
-  /// Greatest distance of a cell that does not count from one of its patch that does [m]; beyond it, `Coverage` has a
-  /// hole. Infinity: holes are not looked for.
-  double reach = std::numeric_limits<double>::infinity();
+  double spread = 0.07;     ///< share of a push on the middle of a cell that each neighbour feels
   bool find_faults = true;  ///< false: no cell is masked
   bool follow_rest = true;  ///< false: readings have no drift, their rest levels stay those of `noise`
 
-  /// Throws `ConfigurationError` for a number out of its range, and for lists that do not have one entry or one
-  /// for each of `cells`.
+  /// Throws `ConfigurationError` for a number out of its range, and for lists that do not have one entry or
+  /// one for each of `cells`.
   SKINCTL_COLD void check(std::size_t cells) const {
-    health.check();
+    health.check(), life.check();
     require(lone_force.size() == 1 || lone_force.size() == cells, "TrustSettings: lone_force",
             double(lone_force.size()), "one for all cells, or one a cell: see lone_forces()");
     for (const double f : lone_force) require(f >= 0, "TrustSettings: lone_force", f, ">= 0 N");
@@ -45,7 +45,7 @@ struct TrustSettings {
     require(period >= 100us && period <= 50ms, "TrustSettings: period", milliseconds(period), "0.1 to 50 ms");
     require(seen_for >= 0ns && seen_for <= 1s, "TrustSettings: seen_for", milliseconds(seen_for),
             "0 to 1000 ms");
-    require(reach > 0, "TrustSettings: reach", reach, "> 0 m");
+    require(spread > 0 && spread <= 1, "TrustSettings: spread", spread, "> 0, <= 1");
     const auto share = [](double x, const char* name) { require(x >= 0 && x <= 1, name, x, "0 to 1"); };
     share(answer, "TrustSettings: answer"), share(other_proximity, "TrustSettings: other_proximity");
     share(explained, "TrustSettings: explained"), share(explained_far, "TrustSettings: explained_far");

@@ -7,24 +7,28 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A skin `S` behind rest levels (`RestLevel`), fault rules (`CellHealth`) and masks; the skin of any `Cycle` in place
-/// of `S`.
+/// A skin `S` behind rest levels (`RestLevel`), fault rules (`CellHealth`) and masks; the skin of any `Cycle`
+/// in place of `S`.
 ///
 /// - **Reading.** What counts of a cell is its reading above its rest level, times 1 minus its mask.
-/// - **One cell alone.** A cell that no witness is touched with counts up to its `lone_force`: found or not, one
-///   faulty cell does not move an arm whose dry friction holds that force. Witnesses are its own proximity, if it
-///   has come up without a jump, and a neighbour that is not masked and feels `answer` of its force, or sees
-///   something. A cell that has lost its witness fades to `lone_force` within 0.1 s.
-/// - **Many at once.** All cells without a witness share one lone force: the sum of their pushes, each as a share of
-///   its own F_1, is at most 1, so that however many there are give no joint more than one alone may. A cell whose force
-///   steps within one sample, as no body presses (`CellHealth`), or which is pressed when it is first heard, and which saw
-///   nothing come, is nobody's witness for `doubt` and until its force moves, and its neighbours' forces are not its
-///   own: cells that fail together do not vouch for each other. One that has not moved for `doubt` is masked as stuck.
+/// - **One cell alone.** A cell that no witness is touched with counts up to its `lone_force`: found or not,
+///   one faulty cell does not move an arm whose dry friction holds that force. Witnesses are its own
+///   proximity, if it has come up without a jump, and a neighbour that is not masked and feels `answer` of
+///   its force, or sees something. A cell that has lost its witness fades to `lone_force` within 0.1 s.
+/// - **Many at once.** All cells without a witness share one lone force: the sum of their pushes, each as a
+///   share of its own F_1, is at most 1, so that however many there are give no joint more than one alone
+///   may.
+/// - **Without life.** Cells share bus, supply and plug: they fail together. So a witness is not enough: a
+///   push that neither moves nor trembles (`CellLife`) counts less with the way that its place gives to it,
+///   and nothing after `LifeSettings::way`, whether it is witnessed or not. What does not count of it shares
+///   the lone force; the cell is masked as quiet until it has pushed nothing for `LifeSettings::calm`. A bag
+///   that lies on the arm is quiet, too. A scene says how its places move (`follow_robot`); where nobody
+///   does, such pushes count up to `LifeSettings::force`.
 /// - **Filling in.** A cell that is masked, or silent, counts as `FillIn` makes it from the cells around it.
 ///
-/// Everything is a function of the samples and the intervals: a recording is replayed bit for bit. Per call, time is
-/// bounded: a scan of all cells every `period` of the samples, and a constant for each sample, each cell that pushes
-/// and each faulty one.
+/// Everything is a function of the samples and the intervals: a recording is replayed bit for bit. Per call,
+/// time is bounded: a scan of all cells every `period` of the samples, and a constant for each sample, each
+/// cell that pushes and each faulty one.
 template <class S>
 class TrustedSkin : public detail::TrustCore<S> {
   using Core = detail::TrustCore<S>;
@@ -56,7 +60,8 @@ class TrustedSkin : public detail::TrustCore<S> {
   [[nodiscard]] const TrustSettings& trust() const noexcept { return this->s_; }
   [[nodiscard]] const FillIn& fill() const noexcept { return this->fill_; }
 
-  /// The memory of a skin that starts to receive at `now`: nothing is masked, rest levels are those of `noise`.
+  /// The memory of a skin that starts to receive at `now`: nothing is masked, rest levels are those of
+  /// `noise`.
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
     Memory m = Core::start(now);
     m.health.time = now;
@@ -81,6 +86,13 @@ class TrustedSkin : public detail::TrustCore<S> {
       add_between(means[j], before, m.filled, after);
     }
     return status;
+  }
+
+  /// Counts the ways of pressed places; called by a scene. Joints that have moved by less than 0.2 mrad (0.2
+  /// mm), an encoder's noise, wait for the next call.
+  template <class M, class State>
+  void follow_robot(Memory& m, const M& model, const State& state) const noexcept {
+    this->give_way(m, model, state);
   }
 
   [[nodiscard]] Wrenches wrenches(const Memory& m) const noexcept {
@@ -115,7 +127,8 @@ class TrustedSkin : public detail::TrustCore<S> {
       if (const T push = filled_in(i, share); push > T(0)) f(i, push);
     });
   }
-  /// See `Skin::nearest`. What a masked cell sees is left to its neighbours, if one of them is heard and not masked.
+  /// See `Skin::nearest`. What a masked cell sees is left to its neighbours, if one of them is heard and not
+  /// masked.
   template <std::size_t I>
   [[nodiscard]] T nearest(const Memory& m) const noexcept {
     if constexpr (!Table::sees) return T(1);
@@ -133,19 +146,23 @@ class TrustedSkin : public detail::TrustCore<S> {
     }
     return T(most < 1 ? most : 1.0f);
   }
-  /// How much of the skin feels (cells that are heard and not masked), also of its worst patch, and a place where nothing is felt.
+  /// How much of the skin feels: cells that are heard and not masked.
   [[nodiscard]] Coverage coverage(const Memory& m) const noexcept {
     Coverage out;
-    for (std::size_t i = 0; i < size();) {
-      const std::uint32_t patch = cell_[i].patch;
-      std::size_t count = 0, of = 0;
-      for (; i < size() && cell_[i].patch == patch; ++i, ++of) {
+    for (std::size_t k = 0; k + 1 < this->first_.size(); ++k) {
+      std::size_t count = 0;
+      for (std::size_t i = this->first_[k]; i < this->first_[k + 1]; ++i)
         count += this->counts(m, i) ? 1u : 0u;
-        if (out.hole == Coverage::whole && this->in_hole(m, i)) out.hole = i;
-      }
-      out.add(count, of);
+      out.add(count, this->first_[k + 1] - this->first_[k]);
     }
     return out;
+  }
+  /// See `Skin::noticed`: by cell `i`, or by a neighbour, which feels `TrustSettings::spread` of the push. One
+  /// that needs a witness notices what its witness notices, too.
+  [[nodiscard]] double noticed(const Memory& m, std::size_t i) const noexcept {
+    double least = this->noticed_by(m, i, i);
+    for (const std::size_t j : this->near(i)) least = std::min(least, this->noticed_by(m, j, i));
+    return least;
   }
 
   /// 0: the cell counts; 1: it does not.
@@ -175,8 +192,8 @@ class TrustedSkin : public detail::TrustCore<S> {
   [[nodiscard]] std::span<const detail::TrustCell<Kind>> table() const noexcept { return cell_; }
 
  private:
-  /// Adds what lies the share `after` of the way from `before` to `now`. A function of its own, since a cycle begins with cold code:
-  /// inlined it is 1.3 KB longer and no faster.
+  /// Adds what lies the share `after` of the way from `before` to `now`. A function of its own, since a cycle
+  /// begins with cold code: inlined it is 1.3 KB longer and no faster.
   template <class To>
   static SKINCTL_NOINLINE void add_between(To& to, const Touch& before, const Touch& now,
                                            const T& after) noexcept {

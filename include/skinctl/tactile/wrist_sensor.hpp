@@ -1,45 +1,25 @@
 // A force-torque sensor as touch: the wrench that it measures acts on the link that carries it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "skinctl/core/state.hpp"
 #include "skinctl/frames/transform.hpp"
-#include "skinctl/frames/wrench.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
-#include "skinctl/sensing/event_gate.hpp"
 #include "skinctl/sensing/sample_span.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 #include "skinctl/tactile/detail/sampled_row.hpp"
 #include "skinctl/tactile/detail/touch_rows.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
+#include "skinctl/tactile/push_watch.hpp"
+#include "skinctl/tactile/skin_torque.hpp"
+#include "skinctl/tactile/touch_sum.hpp"
+#include "skinctl/tactile/wrist_sensor_settings.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// The frame of a force-torque sensor: forces along its axes, moments about its origin.
-struct ForceSensor : FrameTag {};
-
-/// Place, tool, thresholds and times of a force-torque sensor on link `I`.
-template <std::size_t I>
-struct WristSensorSettings {
-  Transform<Link<I>, ForceSensor> X_LS = {};  ///< pose of the sensor on the link
-  double mass = 0;                 ///< of what the sensor carries [kg]; 0 if it takes that off itself
-  Xyz<double> centre = {0, 0, 0};  ///< centre of that mass, along the sensor's axes [m]
-  double reach = 0.2;              ///< of the tool from the sensor's origin [m], for checks of stability
-  /// Reading without load and without weight: see `WristSensor::tared`.
-  Wrench<ForceSensor> bias = {};
-  EventGate<> force = EventGate<>(3.0, 2.0, 2.0);   ///< on |force| [N]
-  EventGate<> moment = EventGate<>(0.3, 0.2, 0.2);  ///< on |moment| about the sensor's origin [N m]
-  double gain = 1;                                  ///< newtons that the laws see per newton measured, > 0
-  double max_force = 1000, max_moment = 100;        ///< greatest component that it can measure [N], [N m]
-  Nanoseconds max_age = 50ms;   ///< age of the last sample from which the sensor does not push
-  Nanoseconds fade = 25ms;      ///< in the last part of `max_age` its wrench goes linearly to 0
-  Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample
-  Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
-  Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end
-};
 
 /// What a wrist sensor adds to the input of a cycle.
 struct WristInput {
@@ -63,6 +43,10 @@ struct WristInput {
 /// to zero. A sample that shows that it had changed before the interval began has its missing impulse added,
 /// up to `catch_up` back.
 ///
+/// **Bias.** `tared` finds it at the start. With `noise` declared a push has to live, as a hand's does: a bias that
+/// creeps or jumps moves the arm by 8 mm, is reported (`push_without_life`), and becomes the reading of rest once
+/// the arm stands. So does a weight that hangs on the tool, and a push of a few newtons without any tremor.
+///
 /// What the skin beyond the sensor feels, the sensor feels too: leave one of them out. A single wrench is one
 /// contact, with a lever no longer than the link's reach (see `contacts_of`).
 template <std::size_t I, RobotModel M, Real T = double>
@@ -73,6 +57,7 @@ class WristSensor : public sensor_sums::Summand {
   using Wrenches = LinkWrenches<M, link_bit<I>, T>;
   using Sensed = WristInput;
   using Settings = WristSensorSettings<I>;
+  using Watch = PushWatch<6, 2>;
   static constexpr std::size_t link = I;
   static constexpr LinkMask links = Wrenches::links;
 
@@ -80,11 +65,16 @@ class WristSensor : public sensor_sums::Summand {
   struct Memory {
     detail::SampledRow<6, T> row;         ///< on the link, about its origin [N], [N m]
     bool pushed = false, turned = false;  ///< whether the gates of force and moment are open
+    typename Watch::Memory watch;         ///< of forces, then moments, along the sensor's axes
+    State<M::joints, T> followed;         ///< how the robot stood when its way was last counted
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
-  SKINCTL_COLD WristSensor(const M& model, const Settings& settings) : model_(model), s_(settings) {
+  SKINCTL_COLD WristSensor(const M& model, const Settings& settings)
+      : model_(model),
+        s_(settings),
+        watch_(s_.life, {s_.noise, s_.moment_noise}, creep_of(s_.creep, s_.creep * s_.reach)) {
     const auto finite = [](const Xyz<double>& v, double most, const char* what) {
       for (const double x : {v.x, v.y, v.z})
         require(x >= -most && x <= most, what, x, "finite, within range");
@@ -159,6 +149,26 @@ class WristSensor : public sensor_sums::Summand {
     memory.row.begin = now;
     return memory;
   }
+  /// The reading of rest that was found while running, beyond `Settings::bias`.
+  [[nodiscard]] static Wrench<ForceSensor> bias(const Memory& memory) noexcept {
+    const auto& b = memory.watch.bias;
+    return {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+  }
+  /// Counts the way that the arm gives to a push; called by a scene.
+  template <class Model, class State>
+  void follow_robot(Memory& m, const Model&, const State& state) const noexcept {
+    watch_.follow_robot(m.watch, m.followed, state, [&] {
+      if (!m.pushed && !m.turned) return 0.0;
+      const T* w = m.row.held;
+      const double force = std::sqrt(double(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])),
+                   moment = std::sqrt(double(w[3] * w[3] + w[4] * w[4] + w[5] * w[5]));
+      const double push = std::max(force, moment / std::max(s_.reach, shortest_reach));
+      const JointTorque<M::joints, T> tau = skin_torque(model_, state.q, wrenches(m));
+      double work = 0;
+      for (std::size_t i = 0; i < M::joints; ++i) work += double(tau[i] * (state.q[i] - m.followed.q[i]));
+      return push > Watch::min_push ? work / push : 0.0;
+    });
+  }
 
   /// Takes the samples that arrived and gives the mean wrench over each of `parts` >= 1 equal parts of the
   /// interval `(from, to]`, as `Skin::receive` does. Ignored and reported: a sample that is not finite or
@@ -192,7 +202,7 @@ class WristSensor : public sensor_sums::Summand {
       memory.pushed = memory.turned = false;
       status |= Reason::sample_stale;
     }
-    return status;
+    return status | watch_.settle(memory.watch, to);
   }
 
   /// The wrench of the last sample; zero once the sensor is silent.
@@ -218,6 +228,7 @@ class WristSensor : public sensor_sums::Summand {
   }
 
  private:
+  static constexpr double shortest_reach = 0.01;  ///< lever by which a moment alone counts as a force [m]
   /// The sensor's axes along those of the base.
   [[nodiscard]] Rotation<double> axes_in_base(const JointPosition<M::joints, T>& q) const noexcept {
     const JointAngles<M, T, link_bit<I>> angles(model_, q);
@@ -242,16 +253,31 @@ class WristSensor : public sensor_sums::Summand {
     const Xyz<double> f{sample.force[0], sample.force[1], sample.force[2]};
     const Xyz<double> m{sample.moment[0], sample.moment[1], sample.moment[2]};
     Wrench<ForceSensor> F;
-    F.force = s_.gain * gated(s_.force, f - s_.bias.force - weight.force, memory.pushed);
-    F.moment = s_.gain * gated(s_.moment, m - s_.bias.moment - weight.moment, memory.turned);
+    const auto rest = s_.bias + weight + bias(memory);
+    const Xyz<double> df = f - rest.force, dm = m - rest.moment;
+    F.force = gated(s_.force, df, memory.pushed);
+    F.moment = gated(s_.moment, dm, memory.turned);
+    const double force = std::sqrt(dot(F.force, F.force)), moment = std::sqrt(dot(F.moment, F.moment));
+    watch_.take(memory.watch, {df.x, df.y, df.z, dm.x, dm.y, dm.z},
+                {std::sqrt(dot(df, df)), std::sqrt(dot(dm, dm))},
+                static_cast<std::uint16_t>((memory.pushed ? 1 : 0) | (memory.turned ? 2 : 0)));
+    const double share =
+        s_.gain * watch_.share(memory.watch, std::max(force, moment / std::max(s_.reach, 0.01)));
+    F.force = share * F.force;
+    F.moment = share * F.moment;
     const auto on_link = transformed(s_.X_LS, F);
-    const Xyz<T> force = skinctl::cast<T>(on_link.force), moment = skinctl::cast<T>(on_link.moment);
-    out[0] = force.x, out[1] = force.y, out[2] = force.z;
-    out[3] = moment.x, out[4] = moment.y, out[5] = moment.z;
+    const Xyz<T> F_L = skinctl::cast<T>(on_link.force), M_L = skinctl::cast<T>(on_link.moment);
+    out[0] = F_L.x, out[1] = F_L.y, out[2] = F_L.z;
+    out[3] = M_L.x, out[4] = M_L.y, out[5] = M_L.z;
+  }
+
+  static std::array<double, 6> creep_of(double force, double moment) noexcept {
+    return {force, force, force, moment, moment, moment};
   }
 
   [[no_unique_address]] M model_;
   Settings s_;
+  Watch watch_;
 };
 
 /// `wrist_sensor<5>(model, {...})`: a sensor on link 5 of the robot with that model.

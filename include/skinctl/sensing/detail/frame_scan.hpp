@@ -30,11 +30,7 @@ struct alignas(64) HealthRow {
   Row still{}, still_proximity{};   ///< since the force moved, since the proximity moved
   Row seen{};                       ///< for so long the proximity has been above 0.1; -10 at a jump
   Row hold{}, mask{};               ///< time left for the mask; the mask, 0 to 1
-  Row trust{};                      ///< 1: witnessed, 0: not for 0.1 s
-  Row doubt{};   ///< time left for which a step of the force is no touch; `overdue`: until the force moves
-  Row anchor{};  ///< reading that the force is compared with to see whether it moves
-  Row life{};    ///< time left for which the last movement of the force counts
-  static constexpr float overdue = 1e-6f;
+  Row trust{};                      ///< share of its push that counts; fades within 0.1 s without a witness
 };
 /// Constants of the cells of a row.
 struct alignas(64) HealthLimitsRow {
@@ -46,15 +42,13 @@ struct alignas(64) HealthLimitsRow {
 /// What a frame of length `dt` multiplies with.
 struct HealthStep {
   float dt = 0, leak = 1, rise = 0, fall = 0;  ///< of the jumps' count, and of the masks
-  float saturated = 0.2f, doubt = 0.5f;
+  float saturated = 0.2f;
   float per_gap = 1 / 0.006f;  ///< how much more a cell may move in a longer gap [1/s]
-  bool anchors = false;        ///< whether a new window of movements begins
 };
 
 /// A bit for each of 16 cells.
 struct HealthBits {
   std::uint32_t jumped = 0;   ///< in this frame
-  std::uint32_t stepped = 0;  ///< up, in this frame, as no body presses
   std::uint32_t expired = 0;  ///< the time for a witness of the last jump is over
   std::uint32_t look = 0;     ///< worth a look: one of these, or a mask, noise, a sensor at its top
 };
@@ -75,17 +69,15 @@ template <std::size_t W = native_lanes<float>>
 template <class L>
 struct ForceChange {
   using Mask = LaneMask<float, L::lanes>;
-  L d{0.0f};       ///< change since the last sample [steps]; 0 without a new one
-  Mask jumped{};   ///< jump within one sample, no part of a fast movement
-  Mask step{};     ///< jump upwards with nothing before it
-  Mask settled{};  ///< movement with the sample behind a jump, which was no step then
-  Mask noisy{};    ///< noise beyond that of a sound cell
+  L d{0.0f};      ///< change since the last sample [steps]; 0 without a new one
+  Mask jumped{};  ///< jump within one sample, no part of a fast movement
+  Mask noisy{};   ///< noise beyond that of a sound cell
 };
 /// The statistics of the forces in lanes from `i` on, and what they show.
 ///
 /// Differences `d` of samples that follow each other and their differences `dd` are averaged over 0.2 s:
-/// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>`, where the force turns, in units of sigma^2. White
-/// noise gives 2, 6, 5.3; a jump does not turn, and what trembles turns seldom.
+/// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>`, where the force turns, in units of
+/// sigma^2. White noise gives 2, 6, 5.3; a jump does not turn, and what trembles turns seldom.
 template <class L>
 [[nodiscard]] SKINCTL_INLINE ForceChange<L> force_change(HealthRow& r, const HealthLimitsRow& c,
                                                          std::size_t i,
@@ -105,9 +97,6 @@ template <class L>
   out.noisy = (now_capped > L(40.0f)) & (now_second > L(1.5f) * now_first);
   out.jumped = abs(d) > jump * slow;
   if (any(out.jumped | (before > jump))) [[unlikely]] {
-    out.step = out.jumped & (d > zero) & (before < L(0.1f) * d);
-    out.settled = fresh & (before > jump) &
-                  ((d > L(0.1f) * before) | ((d < L(-0.1f) * before) & (d > L(-0.7f) * before)));
     // What goes on as fast as before is a fast movement, and no jump; an edge that takes two samples is one.
     const auto goes_on = (before * d > zero) & (abs(before) > jump);
     out.jumped = out.jumped & (before * d < L(0.25f) * d * d) & !goes_on;
@@ -118,34 +107,14 @@ template <class L>
   return out;
 }
 
-/// Whether the forces in lanes from `i` on may be touches.
-///
-/// A force that rises by a jump in a single sample, and neither before nor after it by a tenth as much, does so as no
-/// body does that is pressed on: it is in doubt for a while, and from then on until it moves within a window and not
-/// by a jump: a hand trembles. One that moves on with the next sample, up by a tenth or down by a tenth to seven, is
-/// not in doubt.
-template <class L>
-SKINCTL_INLINE void doubt_forces(HealthRow& r, const HealthLimitsRow& c, const HealthStep& k, std::size_t i,
-                                 const ForceChange<L>& now) noexcept {
-  const auto get = [i](const HealthRow::Row& row) SKINCTL_INLINE_LAMBDA { return L::load(row.data() + i); };
-  const L dt(k.dt), zero(0.0f), overdue(HealthRow::overdue), force = get(r.force), held = get(r.doubt);
-  // A jump alone proves no life: its end is what further movements are compared with.
-  const L anchor = get(r.anchor), left = max(get(r.life) - dt, zero);
-  const auto moves = abs(force - anchor) > get(c.moves);
-  const L life = select(now.step, zero, select(moves & !now.jumped, L(k.doubt), left));
-  const L over = select(life > zero, zero, min(held, overdue));
-  const L waits = select(held - dt > overdue, held - dt, over);
-  select(now.step, L(k.doubt), select(now.settled, zero, waits)).store(r.doubt.data() + i);
-  life.store(r.life.data() + i);
-  (k.anchors ? force : select(moves | now.jumped, force, anchor)).store(r.anchor.data() + i);
-}
-
 /// Moves 16 cells on by one frame.
 ///
-/// A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in 6 ms has not
-/// seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may differ the more.
+/// A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in 6 ms
+/// has not seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may
+/// differ the more.
 ///
-/// @param spoke, at_top  a bit for each cell: a sample has come since the last frame; a force sensor is at its top.
+/// @param spoke, at_top  a bit for each cell: a sample has come since the last frame; a force sensor is at
+///               its top.
 SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, const HealthStep& k,
                                      std::uint32_t spoke, std::uint32_t at_top) noexcept {
   using L = Lane<float>;
@@ -156,7 +125,6 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     const auto fresh = lanes_of(spoke >> i);
     const L gap = get(r.gap) + dt, slow = max(gap * L(k.per_gap), one);
     const ForceChange<L> now = force_change(r, c, i, fresh, gap, slow);
-    doubt_forces(r, c, k, i, now);
 
     const L p = get(r.proximity), dp = select(fresh, abs(p - get(r.last_proximity)), zero);
     const auto p_moved = (dp > get(c.proximity)) & (dp <= L(0.3f) * slow);
@@ -179,10 +147,10 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     hold.store(r.hold.data() + i), max(min(mask, one), zero).store(r.mask.data() + i);
     max(get(r.trust) - dt * L(10.0f), zero).store(r.trust.data() + i);
 
-    if (any(look | now.step))
+    if (any(look))
       for (std::size_t lane = 0; lane < L::lanes; ++lane) {
         const std::uint32_t bit = 1u << (i + lane);
-        bits.stepped |= now.step[lane] ? bit : 0u, bits.jumped |= now.jumped[lane] ? bit : 0u;
+        bits.jumped |= now.jumped[lane] ? bit : 0u;
         bits.expired |= expired[lane] ? bit : 0u, bits.look |= look[lane] ? bit : 0u;
       }
   }

@@ -181,7 +181,18 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
 
   /// Number of silent cells: never received, or not within `max_age`.
   [[nodiscard]] std::size_t silent(const Memory& memory) const noexcept { return size() - memory.heard; }
-  /// How much of the skin feels, also of its worst patch: cells that were received within `max_age`, and have a gain.
+  /// The least reading of a push on the middle of cell `i` that somebody notices, 0 <= i < size(): that opens
+  /// the gate of its pressure; infinite for a silent cell, of whose neighbours a plain skin knows nothing.
+  [[nodiscard]] double noticed(const Memory& memory, std::size_t i) const noexcept {
+    double least = std::numeric_limits<double>::infinity();
+    if (!memory.hears(i) || numb(memory, i, 1) > 0) return least;
+    for (std::size_t c = 0; c < Table::pushing; ++c) {
+      const double opens = (tables_.cells[i].tuning[c].opens + 1) * Table::step(c);
+      if (Table::is_pressure(c) && opens < least) least = opens;
+    }
+    return least;
+  }
+  /// How much of the skin feels: cells that were received within `max_age`, and have a gain.
   [[nodiscard]] Coverage coverage(const Memory& memory) const noexcept {
     Coverage out;
     for (const PatchRow<Kind, T>& patch : tables_.patches)

@@ -14,12 +14,14 @@ template <class S>
 concept MeantAsTouch = requires { typename S::Wrenches; };
 
 struct NamesOfATouch {
-  int touch, pressed, contacts, coverage, nearest, index, each_cell, each_point, gain_everywhere, understands;
+  int touch, pressed, contacts, coverage, noticed, nearest, index, each_cell, each_point, gain_everywhere,
+      understands;
 };
 SKINCTL_NAMES(NamesTouch, NamesOfATouch, touch);
 SKINCTL_NAMES(NamesPressed, NamesOfATouch, pressed);
 SKINCTL_NAMES(NamesContacts, NamesOfATouch, contacts);
 SKINCTL_NAMES(NamesCoverage, NamesOfATouch, coverage);
+SKINCTL_NAMES(NamesNoticed, NamesOfATouch, noticed);
 SKINCTL_NAMES(NamesNearest, NamesOfATouch, nearest);
 SKINCTL_NAMES(NamesIndex, NamesOfATouch, index);
 SKINCTL_NAMES(NamesEachCell, NamesOfATouch, each_cell);
@@ -76,6 +78,7 @@ enum class TouchFault {
   pressed,
   contacts,
   coverage,
+  noticed,
   nearest,
   index,
   each_cell,
@@ -102,6 +105,7 @@ consteval TouchFault fault_in_touch() {
     if (NamesPressed<S> && !HasPressed<S, typename ApartOf<S>::type>) return pressed;
     if (NamesContacts<S> && !HasContacts<S>) return contacts;
     if (NamesCoverage<S> && !HasCoverage<S>) return coverage;
+    if (NamesNoticed<S> && !HasNoticed<S>) return noticed;
     if (NamesNearest<S> && !nearest_of_its_links<S>()) return nearest;
     if (NamesIndex<S> && !HasCells<S>) return index;
     if (NamesEachCell<S> && !HasEachCell<S>) return each_cell;
@@ -128,6 +132,7 @@ struct SayTouch {
   static_assert(F != pressed, "touch: pressed(memory, touch) has to take its own touch");
   static_assert(F != contacts, "touch: contacts(memory) has to give a list of its type Found");
   static_assert(F != coverage, "touch: coverage(memory) has to give a Coverage");
+  static_assert(F != noticed, "touch: noticed(memory, i) has to give a double, for each of its cells");
   static_assert(F != nearest, "touch: nearest<I>(memory) has to give a scalar on each of its links");
   static_assert(F != index, "touch: index(id) has to give a std::size_t, beside size()");
   static_assert(F != each_cell, "touch: each_cell(f, most) has to call f(link, force, moment, gain)");

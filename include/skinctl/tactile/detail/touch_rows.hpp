@@ -61,6 +61,10 @@ concept HasCoverage = requires(const S& s, const typename S::Memory& m) {
   { s.coverage(m) } -> std::same_as<Coverage>;
 };
 template <class S>
+concept HasNoticed = requires(const S& s, const typename S::Memory& m) {
+  { s.noticed(m, std::size_t()) } -> std::same_as<double>;
+};
+template <class S>
 concept HasLinks = requires {
   { S::Wrenches::links } -> std::convertible_to<LinkMask>;
 };
@@ -99,6 +103,10 @@ concept HasUnderstands = requires(const S& s) {
 template <class S, class Found, class State, class Contact>
 concept HasBeyond = requires(const S& s, const Found& found, const State& measured, const Contact& contact) {
   { s.beyond(found, measured.q, contact) } -> std::same_as<Found>;
+};
+template <class S, class M, class State>
+concept HasFollowRobot = requires(const S& s, typename S::Memory& m, const M& model, const State& state) {
+  s.follow_robot(m, model, state);
 };
 template <class S>
 concept HasRecomputed = requires(const S& s, const typename S::Memory& m) { s.recomputed(m); };

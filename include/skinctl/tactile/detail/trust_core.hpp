@@ -16,8 +16,8 @@ class TrustCore : public TrustFrames<S> {
  public:
   using Frames::cells, Frames::pressures, Frames::cones, Frames::size;
   using Frames::TrustFrames;
-  using typename Frames::Cross, typename Frames::Health, typename Frames::Kind, typename Frames::Memory,
-      typename Frames::T, typename Frames::Table, typename Frames::Touch;
+  using typename Frames::Cross, typename Frames::Health, typename Frames::Kind, typename Frames::Life,
+      typename Frames::Memory, typename Frames::T, typename Frames::Table, typename Frames::Touch;
   using Counts = typename S::Counts;
   using Raw = PerChannel<Kind, std::uint16_t>;
 
@@ -127,8 +127,8 @@ class TrustCore : public TrustFrames<S> {
   }
 
  private:
-  /// What the newest sample of cell `i` counts: above its rest level, less its mask, and at most its part of the lone
-  /// force as far as it is not witnessed.
+  /// What the newest sample of cell `i` counts: above its rest level, less its mask, and at most its part of
+  /// the lone force as far as it is not witnessed.
   [[nodiscard]] Raw worth(const Memory& m, std::size_t i) const noexcept {
     const HealthRow& row = m.health.row[i / 16];
     const std::size_t k = i % 16;
@@ -171,10 +171,10 @@ class TrustCore : public TrustFrames<S> {
   }
 
   [[nodiscard]] SKINCTL_INLINE bool is_trusted(const Memory& m, std::size_t i) const noexcept {
-    return m.health.row[i / 16].trust[i % 16] > 0.5f || !has_lone(i);
+    return !has_lone(i) || (m.health.row[i / 16].trust[i % 16] > 0.5f && Life::in(m.life.lives, i));
   }
-  /// The reading that leaves what is held as it is. A cell that is not trusted changes within the interval, by
-  /// `settle`: the impulse of a sample that came late would be more than its lone force.
+  /// The reading that leaves what is held as it is. A cell that is not trusted changes within the interval,
+  /// by `settle`: the impulse of a sample that came late would be more than its lone force.
   [[nodiscard]] Raw as_held(const Memory& m, std::size_t i) const noexcept {
     Raw raw = raw_of<Kind>(this->wrapped().held(m, i));
     for (std::size_t c = 0; c < raw.size(); ++c) {
@@ -197,6 +197,12 @@ class TrustCore : public TrustFrames<S> {
     const std::size_t k = i % 16;
     const TrustCell<Kind>& c = cell_[i];
     if (!has_lone(i) || !(row.trust[k] < 1) || !(c.lone > 0) || c.masked) return 0;
+    return (1 - double(quantised(row.trust[k]))) * std::min(push(m, i) / c.lone, 1.0);
+  }
+  /// The push of cell `i`, if it is believed: less its mask [N].
+  [[nodiscard]] double push(const Memory& m, std::size_t i) const noexcept {
+    const HealthRow& row = m.health.row[i / 16];
+    const std::size_t k = i % 16;
     const auto left = double(1 - quantised(row.mask[k]));
     const auto raw = [&](float x) {
       return static_cast<std::int32_t>(left * std::min(double(x) + 0.5, 65535.0));
@@ -204,15 +210,12 @@ class TrustCore : public TrustFrames<S> {
     PerChannel<Kind, std::int32_t> n{};
     for (std::size_t p = 0; p < pressures; ++p) n[pressure_[p]] = raw(above(m, p, i) * this->per_step_[p]);
     if constexpr (Table::sees) n[seen_] = raw(row.proximity[k] > 0 ? row.proximity[k] * counts_seen() : 0.0f);
-    const double push = push_of(c, passed_of(c, n));
-    return (1 - double(quantised(row.trust[k]))) * std::min(push / c.lone, 1.0);
+    return push_of(cell_[i], passed_of(cell_[i], n));
   }
-  /// Says which cells are trusted, and shares one lone force between those that are not: as many as there are give a
-  /// joint no more than one alone may.
-  void trust(Memory& m) const noexcept {
-    double all = 0;
-    for (std::size_t b = 0; 16 * b < size(); ++b) {
-      HealthRow& row = m.health.row[b];
+  /// Finds the cells that may push.
+  void find_pushing(Memory& m) const noexcept {
+    for (std::size_t b = 0; b < Frames::rows && 16 * b < size(); ++b) {
+      const HealthRow& row = m.health.row[b];
       std::uint32_t active = m.pushing[b];
       using L = Lane<float>;
       for (std::size_t k = 0; k < 16; k += L::lanes) {
@@ -223,21 +226,39 @@ class TrustCore : public TrustFrames<S> {
         if (!any(on)) continue;
         for (std::size_t lane = 0; lane < L::lanes; ++lane) active |= on[lane] ? 1u << (k + lane) : 0u;
       }
+      if (size() - 16 * b < 16) active &= (1u << (size() - 16 * b)) - 1;
       m.pushing[b] = static_cast<std::uint16_t>(active);
-      for (std::uint32_t rest = active; rest != 0; rest &= rest - 1) {
-        const auto k = static_cast<std::size_t>(std::countr_zero(rest));
-        const std::size_t i = 16 * b + k;
-        if (i >= size()) break;
-        if (Health::in_doubt(m.health, i)) {
-          row.trust[k] = 0;
-          if (s_.find_faults && has_lone(i) && Health::stands(m.health, i))
-            this->health_.hold(m.health, i, CellFault::stuck);
-        } else if (this->witness(m, i).touched) {
-          row.trust[k] = 1;
-        }
-        all += alone(m, i);
-      }
     }
+  }
+  /// Says how far cells are trusted, and shares one lone force between what is not: as many as there are give
+  /// a joint no more than one alone may. A cell that is pressed and shows no life counts by the way that it
+  /// has got; all these together at most `LifeSettings::force`, less their damping.
+  void trust(Memory& m) const noexcept {
+    find_pushing(m);
+    typename Life::Bits lifeless{};
+    double without_life = 0;
+    Life::each(m.pushing, [&](std::size_t i) {
+      float& trust = m.health.row[i / 16].trust[i % 16];
+      if (!has_lone(i) || !this->witness(m, i).touched) return;
+      const bool lives = Life::in(m.life.lives, i) || !(above(m, i) > 0);
+      const double push = lives ? 0 : this->push(m, i);
+      const double rim = Life::in(m.life.rim_lives, i) ? s_.life.rim_force : 0;
+      trust = lives || push <= rim ? 1.0f : this->life_.share(m.life, i);
+      if (lives || push <= rim) return Life::forgive(m.life, i);
+      Life::set(lifeless, i, true);
+      without_life += double(trust) * push;
+    });
+    const double most = s_.life.force, counted = std::min(without_life, most);
+    const auto limited = static_cast<float>(without_life > most ? most / without_life : 1.0);
+    Life::each(lifeless, [&](std::size_t i) {
+      float& trust = m.health.row[i / 16].trust[i % 16];
+      trust *= limited * this->life_.braked(m.life, i, static_cast<float>(counted));
+      if (!Life::in(m.life.rim_lives, i)) return;
+      const auto rim = static_cast<float>(s_.life.rim_force / push(m, i));  // of a push beyond it: below 1
+      trust = trust > rim ? trust : rim;
+    });
+    double all = 0;
+    Life::each(m.pushing, [&](std::size_t i) { all += alone(m, i); });
     m.lone_share = all > 1 ? static_cast<float>((1 - 1e-6) / all) : 1.0f;
   }
 

@@ -1,117 +1,35 @@
-// What a trusted skin knows of its cells: frames of rest levels and faults, and witnesses.
+// What a trusted skin knows of its cells: frames of rest levels, faults and life, and witnesses.
 #pragma once
 
 #include <algorithm>
-#include <bit>
+#include <cmath>
+#include <limits>
 
 #include "skinctl/sensing/evidence.hpp"
-#include "skinctl/tactile/detail/trust_cells.hpp"
-#include "skinctl/tactile/detail/trust_memory.hpp"
-#include "skinctl/tactile/fill_in.hpp"
-#include "skinctl/tactile/skin_settings.hpp"
-#include "skinctl/tactile/touch.hpp"
+#include "skinctl/tactile/detail/inward_way.hpp"
+#include "skinctl/tactile/detail/trust_tables.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-template <class S>
-class TrustedSkin;
 namespace detail {
 
-/// The cells of a `TrustedSkin`, frame by frame: rest levels, faults, and what they say of each other.
+/// The cells of a `TrustedSkin`, frame by frame: rest levels, faults, life, and what they say of each other.
 template <class S>
-class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
- public:
-  using T = typename S::scalar;
-  using Touch = typename S::Touch;
-  using Kind = typename S::kind;
-  using Table = KindTable<Kind>;
-  using S::patches, S::cells;
-  using Memory = TrustMemory<S>;
-  using Health = typename Memory::Health;
-  using Cross = typename Memory::Cross;
-  using Row = typename Memory::Row;
-  static constexpr std::size_t rows = Memory::rows, pressures = Memory::pressures, cones = Memory::cones;
-  static_assert(Table::pushing <= pressures + cones + 1,
-                "cells of a trusted skin see in one channel at most");
+class TrustFrames : public TrustTables<S> {
+  using Tables = TrustTables<S>;
 
-  SKINCTL_COLD TrustFrames(const S& skin, const TrustSettings& settings, const FillIn& fill)
-      : WrappedTouch<TrustedSkin<S>, S>(skin),
-        s_(settings),
-        cell_(trust_cells(settings, this->tables_)),
-        fill_(fill),
-        health_(settings.health, settings.noise.size() == 1 ? settings.noise : with_room(settings.noise)),
-        rest_(settings.rest),
-        masked_(rows),
-        lone_(rows),
-        talk_unit_(std::min(1.0f, static_cast<float>(Cross::most * settings.health.step / sensors))) {
-    std::size_t pressure = 0, cone = 0;
-    for (std::size_t c = 0; c < Table::pushing; ++c) {
-      if (Table::is_seen(c)) seen_ = c;
-      if (Table::has_cone(c)) cone_[cone++] = c;
-      if (!Table::is_pressure(c)) continue;
-      pressure_[pressure] = c;
-      steps_per_[pressure] = static_cast<float>(1 / (settings.health.step * Table::full(c)));
-      per_step_[pressure++] = static_cast<float>(settings.health.step * Table::full(c) / Table::step(c));
-    }
-    for (auto& levels : levels_) levels.resize(rows);
-    if (!Table::sees) s_.proximity = false;
-    if (s_.reach < std::numeric_limits<double>::infinity()) within_ = cells_within(skin.places(), s_.reach);
-    require(fill.graph().size() == size(), "TrustedSkin: cells of the graph", double(fill.graph().size()),
-            "those of the skin");
-    for (std::size_t i = 0; i < size(); ++i) {
-      for (std::size_t p = 0; p < pressures; ++p) {
-        const auto& gate = cell_[i].gate[pressure_[p]];
-        const double sigma = double(health_.sigma(i)) * std::sqrt(double(sensors_of(p)) / sensors);
-        levels_[p][i / 16].freeze[i % 16] = static_cast<float>(rest_.freeze_level(sigma, settings.period));
-        levels_[p][i / 16].touch[i % 16] = static_cast<float>(gate.opens_at()) / per_step_[p];
-        low_force_[p] = std::min(low_force_[p], static_cast<float>(gate.closes_below()) / per_step_[p] - 1);
-      }
-      if constexpr (Table::sees)
-        low_proximity_ = std::min(
-            low_proximity_, static_cast<float>(cell_[i].gate[seen_].closes_below() - 1) / counts_seen());
-      if (cell_[i].patch >= first_.size()) first_.push_back(i);
-      if (cell_[i].masked) masked_[i / 16] = true;
-      const bool lone = cell_[i].lone < std::numeric_limits<double>::infinity();
-      lone_[i / 16] = static_cast<std::uint16_t>(lone_[i / 16] | (lone ? 1u << (i % 16) : 0u));
-      if (i % 16 == 0) row_patch_.push_back(cell_[i].patch);
-      if (cell_[i].patch != row_patch_.back()) row_patch_.back() = patches;
-    }
-    first_.push_back(size());
-  }
+ public:
+  using Tables::patches, Tables::cells, Tables::rows, Tables::pressures, Tables::cones;
+  using Tables::TrustTables;
+  using typename Tables::T, typename Tables::Touch, typename Tables::Kind, typename Tables::Table,
+      typename Tables::Memory, typename Tables::Health, typename Tables::Cross, typename Tables::Life,
+      typename Tables::Row;
 
  protected:
-  [[nodiscard]] std::size_t size() const noexcept { return cell_.size(); }
-  [[nodiscard]] auto near(std::size_t i) const noexcept { return fill_.graph().neighbours(i); }
-  [[nodiscard]] bool counts(const Memory& m, std::size_t i) const noexcept {
-    return m.hears(i) && Health::mask(m.health, i) < 0.5f && !cell_[i].masked;
-  }
-  /// The noise of each cell that there is room for.
-  [[nodiscard]] static std::vector<SensorNoise> with_room(std::vector<SensorNoise> noise) {
-    noise.resize(cells);
-    return noise;
-  }
-  /// Masks and trust go in steps of 1/256, so that readings stay whole.
-  static SKINCTL_INLINE float quantised(float share) noexcept {
-    return static_cast<float>(static_cast<std::int32_t>(share * 256.0f + 0.5f)) * (1.0f / 256);
-  }
-  /// Force sensors of all pressures, and of the `p`-th.
-  static constexpr double sensors = std::popcount(Table::pressed_readings);
-  [[nodiscard]] int sensors_of(std::size_t p) const noexcept {
-    return std::popcount(Kind::channels[pressure_[p]].readings);
-  }
-  /// Counts of what is seen at its greatest amount.
-  [[nodiscard]] float counts_seen() const noexcept {
-    return static_cast<float>(Kind::channels[seen_].greatest / Table::step(seen_));
-  }
-  /// What cell `i` reads above its rest level [steps]: in its `p`-th pressure, in all.
-  [[nodiscard]] static SKINCTL_INLINE float above(const Memory& m, std::size_t p, std::size_t i) noexcept {
-    const float x = m.now[p][i / 16][i % 16] - m.rest[p][i / 16].whole[i % 16];
-    return x > 0 ? x : 0;
-  }
-  [[nodiscard]] static SKINCTL_INLINE float above(const Memory& m, std::size_t i) noexcept {
-    float sum = above(m, 0, i);
-    for (std::size_t p = 1; p < pressures; ++p) sum += above(m, p, i);
-    return sum;
-  }
+  using Tables::above, Tables::counts, Tables::has_lone, Tables::near, Tables::size;
+  using Tables::cell_, Tables::cone_, Tables::fill_, Tables::first_, Tables::health_, Tables::levels_,
+      Tables::life_, Tables::opens_at_, Tables::pressed_from_, Tables::pressure_, Tables::rest_,
+      Tables::row_patch_, Tables::s_, Tables::seen_, Tables::steps_per_, Tables::talk_unit_;
+
   /// Takes what a sample of cell `i` reads.
   SKINCTL_INLINE void note(Memory& m, std::size_t i, const SampleOf<Kind>& s) const noexcept {
     const PerChannel<Kind, float> amount = this->amounts(i, s);
@@ -140,6 +58,7 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
   SKINCTL_NOINLINE void frame(Memory& m, Nanoseconds now) const noexcept {
     follow(m, now);
     health_.scan(m.health, now, [&](std::size_t i) { return witness(m, i); }, s_.find_faults, size());
+    if (Life::is_due(m.life, now)) live(m, now);
     m.last = m.now;
     if (!s_.find_faults) return;
     const auto force = [&](std::size_t i) { return talk_unit_ * above(m, i); };
@@ -157,10 +76,35 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
         });
     if (found < cells) health_.hold(m.health, found, CellFault::cross_talk);
   }
+  /// Looks for life in what is pressed, and masks what has been found to be quiet.
+  void live(Memory& m, Nanoseconds now) const noexcept {
+    using L = Lane<float>;
+    typename Life::Bits pressed{};
+    for (std::size_t b = 0; 16 * b < size(); ++b)
+      for (std::size_t k = 0; k < 16; k += L::lanes) {
+        const auto over = [&](std::size_t p) {
+          return L::load(m.now[p][b].data() + k) - L::load(m.rest[p][b].whole + k) >=
+                 L::load(pressed_from_[p][b].data() + k);
+        };
+        auto on = over(0);
+        for (std::size_t p = 1; p < pressures; ++p) on = on | over(p);
+        if (!any(on)) continue;
+        for (std::size_t lane = 0; lane < L::lanes; ++lane)
+          if (const std::size_t i = 16 * b + k + lane; on[lane] && i < size() && m.hears(i))
+            Life::set(pressed, i, true);
+      }
+    life_.tick(
+        m.life, now, m.health, [&](std::size_t b) -> const HealthLimitsRow& { return health_.limits(b); },
+        pressed, [&](std::size_t i) { return near(i); });
+    if (s_.find_faults)
+      Life::each(m.life.quiet, [&](std::size_t i) {
+        if (has_lone(i)) health_.hold(m.health, i, CellFault::quiet);
+      });
+  }
   /// Moves the rest levels to `now`.
   void follow(Memory& m, Nanoseconds now) const noexcept {
     if (!s_.follow_rest || !(now > m.health.time)) return;
-    const auto step = rest_.step<float>(now - m.health.time);
+    const auto step = rest_.template step<float>(now - m.health.time);
     // A median takes its time: one patch a frame, each ten times a second.
     if (m.median_at == Nanoseconds::min() || now >= m.median_at) {
       const std::size_t k = m.median_of;
@@ -209,7 +153,7 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
     typename Health::Witness w;
     if (s_.proximity) {
       w.moved = own.still_proximity[k] < within;
-      w.seen = own.seen[k] >= seen && own.proximity[k] > 0.1f;
+      w.touched = own.seen[k] >= seen && own.proximity[k] > 0.1f;
     }
     for (const std::size_t n : near(i)) {
       if (!counts(m, n)) continue;
@@ -218,45 +162,61 @@ class TrustFrames : public WrappedTouch<TrustedSkin<S>, S> {
       const float other = above(m, n);
       w.moved = w.moved || row.still[l] < within || (s_.proximity && row.still_proximity[l] < within);
       w.touched =
-          w.touched || (other > 6 * health_.sigma(n) && other >= static_cast<float>(s_.answer) * force &&
-                        !Health::in_doubt(m.health, n));
-      w.seen = w.seen || (s_.proximity && row.seen[l] >= seen &&
-                          row.proximity[l] > static_cast<float>(s_.other_proximity));
+          w.touched || (other > 6 * health_.sigma(n) && other >= static_cast<float>(s_.answer) * force) ||
+          (s_.proximity && row.seen[l] >= seen && row.proximity[l] > static_cast<float>(s_.other_proximity));
     }
-    w.touched = w.touched || w.seen;
     return w;
   }
 
-  /// Whether cell `i` is in a hole: see `Coverage`.
-  [[nodiscard]] bool in_hole(const Memory& m, std::size_t i) const noexcept {
-    return within_.size() > 0 && is_hole(within_, i, [&](std::size_t j) { return counts(m, j); });
+  /// See `TrustedSkin::follow_robot`.
+  template <class M, class State>
+  void give_way(Memory& m, const M& model, const State& state) const noexcept {
+    constexpr double least = 2e-4;
+    constexpr Nanoseconds stale = 50ms;  // a place that has not moved for so long rests
+    double most = 0;
+    for (std::size_t j = 0; j < M::joints; ++j)
+      most = std::max(most, std::abs(static_cast<double>(state.q[j] - m.counted_q[j])));
+    const Nanoseconds since = state.time - std::max(m.counted_at, state.time - stale);
+    const bool first = m.counted_at == Nanoseconds::min();
+    if (!first && !(most > least)) {
+      if (since >= stale) Life::each(m.life.pressed, [&](std::size_t i) { life_.give(m.life, i, 0, 0); });
+      return;
+    }
+    JointPosition<M::joints, T> before, now;
+    for (std::size_t j = 0; j < M::joints; ++j) {
+      before[j] = m.counted_q[j], now[j] = state.q[j];
+      m.counted_q[j] = now[j];
+    }
+    m.counted_at = state.time;
+    if (first || !(since > 0ns)) return;
+    typename Life::Bits giving = m.life.pressed;
+    for (std::size_t b = 0; b < rows; ++b)
+      giving[b] = static_cast<std::uint16_t>(giving[b] & ~m.life.lives[b]);
+    if (giving == typename Life::Bits{}) return;
+    const InwardWay<M, S::Wrenches::links, T> way(model, before, now);
+    Life::each(giving, [&](std::size_t i) {
+      const float inwards = way(S::Wrenches::slot(cell_[i].link), cell_[i].place, cell_[i].normal);
+      life_.give(m.life, i, inwards, inwards / seconds<float>(since));
+    });
   }
-  [[nodiscard]] SKINCTL_INLINE bool has_lone(std::size_t i) const noexcept {
-    return ((lone_[i / 16] >> (i % 16)) & 1u) != 0;
+
+  /// The least push on the middle of cell `i` that cell `j` notices, as a reading of `i`; infinite: none.
+  [[nodiscard]] double noticed_by(const Memory& m, std::size_t j, std::size_t i) const noexcept {
+    constexpr double never = std::numeric_limits<double>::infinity();
+    const auto felt_by = [&](std::size_t n) {
+      return n == i ? 1.0 : (fill_.graph().joined(n, i) ? s_.spread : 0.0);
+    };
+    if (!counts(m, j)) return never;
+    const double share = felt_by(j), push = opens_at_[j] / share;
+    if (!has_lone(j) || cell_[j].lone > 0) return push;
+    double witnessed = never;
+    for (const std::size_t n : near(j)) {
+      const double of_witness = felt_by(n);
+      if (!(of_witness > 0) || of_witness < s_.answer * share || !counts(m, n)) continue;
+      witnessed = std::min(witnessed, 6 * double(health_.sigma(n)) * s_.health.step / of_witness);
+    }
+    return std::max(push, witnessed);
   }
-  TrustSettings s_;
-  std::vector<TrustCell<Kind>> cell_;
-  FillIn fill_;
-  CellGraph within_;  ///< cells within reach of each other; of no cell: holes are not looked for
-  Health health_;
-  RestLevel rest_;
-  std::array<std::vector<RestLevelsRow>, pressures> levels_;
-  std::vector<std::size_t> row_patch_;             ///< the patch of all cells of a row; `patches`: of several
-  std::vector<bool> masked_;                       ///< a cell of a row is, for good
-  std::vector<std::uint16_t> lone_;                ///< cells with a lone force that is a limit
-  std::vector<std::size_t> first_;                 ///< cell of each patch
-  std::array<std::size_t, pressures> pressure_{};  ///< channel of each pressure
-  std::array<std::size_t, cones> cone_{};          ///< and of each cone
-  std::size_t seen_ = 0;                           ///< the channel that sees
-  std::array<float, pressures> per_step_{},
-      steps_per_{};  ///< counts in a step, steps in a unit of the pressure
-  float talk_unit_;  ///< units of cross-talk's products in a step: readings are below its `most`
-  std::array<float, pressures> low_force_ = [] {
-    std::array<float, pressures> all{};
-    all.fill(1e9f);
-    return all;
-  }();  ///< below these no cell counts [steps]
-  float low_proximity_ = 1e9f;  ///< proximity below which no cell counts, 0 to 1
 };
 
 }  // namespace detail

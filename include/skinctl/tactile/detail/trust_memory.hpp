@@ -1,10 +1,12 @@
 // All that changes of a trusted skin.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <limits>
 
 #include "skinctl/sensing/cell_health.hpp"
+#include "skinctl/sensing/detail/cell_life.hpp"
 #include "skinctl/sensing/detail/cross_talk.hpp"
 #include "skinctl/sensing/rest_level.hpp"
 #include "skinctl/tactile/touch.hpp"
@@ -20,6 +22,7 @@ struct TrustMemory : S::Memory {
   static constexpr std::size_t patches = S::patches, cells = S::cells;
   using Health = CellHealth<cells, typename S::kind>;
   using Cross = CrossTalk<cells>;
+  using Life = CellLife<cells>;
   using Row = HealthRow::Row;
   static constexpr std::size_t rows = Health::rows, pressures = Table::pressures, cones = Table::cones;
 
@@ -29,6 +32,10 @@ struct TrustMemory : S::Memory {
   std::array<std::array<Row, rows>, pressures> now = unheard(), last = unheard();
   std::array<std::array<Row, rows>, cones> shear{}, shear_rest{};  ///< of each cone: what it reads [counts]
   typename Cross::Memory cross;
+  typename Life::Memory life;
+  /// Joints for which the ways of pressed places have been counted [rad], [m]; and when.
+  std::array<typename S::Wrenches::scalar, S::Wrenches::model_type::joints> counted_q{};
+  Nanoseconds counted_at = Nanoseconds::min();
   std::array<std::uint16_t, rows> pushing{};  ///< cells that count for something
   /// Of what the cells of a patch read above their rest levels, for each pressure [steps].
   std::array<std::array<float, patches>, pressures> median{};
@@ -52,6 +59,7 @@ struct TrustMemory : S::Memory {
     return static_cast<const typename S::Memory&>(a) == static_cast<const typename S::Memory&>(b) &&
            a.health == b.health && same(a.rest, b.rest) && same(a.now, b.now) && same(a.last, b.last) &&
            same(a.shear, b.shear) && same(a.shear_rest, b.shear_rest) && a.cross == b.cross &&
+           a.life == b.life && a.counted_q == b.counted_q && a.counted_at == b.counted_at &&
            a.pushing == b.pushing && same(a.median, b.median) && a.median_at == b.median_at &&
            a.median_of == b.median_of && a.newest == b.newest && a.lone_share == b.lone_share &&
            a.filled == b.filled;

@@ -1,0 +1,40 @@
+// What a wrist sensor is told.
+#pragma once
+
+#include "skinctl/frames/transform.hpp"
+#include "skinctl/frames/wrench.hpp"
+#include "skinctl/sensing/event_gate.hpp"
+#include "skinctl/sensing/life_settings.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// The frame of a force-torque sensor: forces along its axes, moments about its origin.
+struct ForceSensor : FrameTag {};
+
+/// Place, tool, thresholds and times of a force-torque sensor on link `I`.
+template <std::size_t I>
+struct WristSensorSettings {
+  Transform<Link<I>, ForceSensor> X_LS = {};  ///< pose of the sensor on the link
+  double mass = 0;                 ///< of what the sensor carries [kg]; 0 if it takes that off itself
+  Xyz<double> centre = {0, 0, 0};  ///< centre of that mass, along the sensor's axes [m]
+  double reach = 0.2;              ///< of the tool from the sensor's origin [m], for checks of stability
+  /// Reading without load and without weight: see `WristSensor::tared`.
+  Wrench<ForceSensor> bias = {};
+  EventGate<> force = EventGate<>(3.0, 2.0, 2.0);   ///< on |force| [N]
+  EventGate<> moment = EventGate<>(0.3, 0.2, 0.2);  ///< on |moment| about the sensor's origin [N m]
+  double gain = 1;                                  ///< newtons that the laws see per newton measured, > 0
+  double max_force = 1000, max_moment = 100;        ///< greatest component that it can measure [N], [N m]
+  /// Standard deviation of the mean of 8 ms of a component of force [N], and of moment [N m]: with both known, a
+  /// bias does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
+  double noise = 0, moment_noise = 0;
+  double creep =
+      0.02;  ///< greatest speed at which the force of rest is followed [N/s]; of the moment, by `reach`
+  LifeSettings life = {};       ///< `life.mass`: the mass with which the arm is felt at the tool
+  Nanoseconds max_age = 50ms;   ///< age of the last sample from which the sensor does not push
+  Nanoseconds fade = 25ms;      ///< in the last part of `max_age` its wrench goes linearly to 0
+  Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample
+  Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
+  Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end
+};
+
+SKINCTL_END_NAMESPACE
