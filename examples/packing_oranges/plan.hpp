@@ -2,7 +2,7 @@
 #pragma once
 
 #include "examples/packing_oranges/layout.hpp"
-#include "skinctl/semantics/task.hpp"
+#include "skinctl/semantics/process.hpp"
 
 namespace packing {
 
@@ -65,6 +65,6 @@ inline constexpr auto pack_oranges = [] {
               step_of<activity::Release>({.role = O, .place = place::bin, .done = back}),
               step_of<GoBack>({.role = O, .done = look}));
 }();
-static_assert(pack_oranges.steps_count == step::count);
+static_assert(pack_oranges.capacity == step::count);
 
 }  // namespace packing

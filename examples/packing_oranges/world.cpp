@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "skinctl/io/formatted.hpp"
 
 namespace packing {
 namespace {
@@ -30,11 +31,7 @@ constexpr int meets_arm[arms] = {is_table | is_orange | is_obstacle | is_arm[1],
 
 std::string list(std::initializer_list<double> values) {
   std::string out;
-  for (const double v : values) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.12g ", v);
-    out += number;
-  }
+  for (const double v : values) out += skinctl::formatted("%.12g ", v);
   out.pop_back();
   return out;
 }

@@ -1,3 +1,8 @@
+// Promise: a bit flips as the line through its samples says, whatever the rate, and is stamped with the
+// crossing
+// Tried: random signals, steps of 1 to 30 ms with jitter: every flip in its sample, stamps to a 500th of
+// a step
+
 #include "skinctl/semantics/bit.hpp"
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
 // The task of section 6, for tests: an orange into the box or the bin.
 #pragma once
 
-#include "skinctl/semantics/task.hpp"
+#include "skinctl/semantics/process.hpp"
 
 namespace skinctl::testing {
 

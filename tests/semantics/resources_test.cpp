@@ -1,3 +1,6 @@
+// Promise: a place has one holder, and nobody waits for ever
+// Tried: 100 000 cycles of four robots and three places
+
 #include "skinctl/semantics/resources.hpp"
 
 #include <doctest/doctest.h>

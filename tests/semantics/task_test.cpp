@@ -1,10 +1,18 @@
-#include "skinctl/semantics/task.hpp"
+// Promise: a task whose step lacks a fact, cannot be reached, has no end, or begins with what it forbids
+// does not compile
+// Tried: over done, no and failed; processes; a robot without a behaviour for an activity. Also:
+// `compile_fail/semantics/`
 
 #include <doctest/doctest.h>
 
+#include <set>
+
+#include "skinctl/semantics/process.hpp"
 #include "skinctl/semantics/skill_map.hpp"
 #include "skinctl/skills/behaviours.hpp"
 #include "skinctl/skills/skill_set.hpp"
+#include "skinctl/testing/random.hpp"
+#include "skinctl/testing/sanitized.hpp"
 #include "tests/semantics/packing_task.hpp"
 
 using namespace skinctl;
@@ -12,14 +20,148 @@ using namespace skinctl::testing;
 
 // Wrong tasks do not compile: tests/compile_fail/semantics.
 
+namespace {
+using Plan = TaughtTask<decltype(packing_oranges)::capacity>;
+static_assert(std::is_trivially_copyable_v<Plan> && std::is_trivially_copyable_v<TaskFault>);
+
+/// Walks a task as somebody does who knows nothing of proofs: a set of the numbers of facts, and dice. True: something
+/// was missing, in the way, or led nowhere.
+bool walk_breaks(const Plan& t, Random& random) {
+  std::set<int> known;
+  std::size_t at = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Step& s = t.steps[at];
+    for (int bit = 0; bit < 32; ++bit) {
+      const bool needed = (((s.does->needs.bits | s.needs.bits) >> bit) & 1u) != 0;
+      if (needed && known.count(bit) == 0) return true;
+      if (((s.does->forbids.bits >> bit) & 1u) != 0 && known.count(bit) != 0) return true;
+    }
+    const auto dice = random() % 8;
+    if (dice == 0 && s.failed < t.size) {
+      known.clear();  // a person who has come cannot say what is left
+      at = s.failed;
+      continue;
+    }
+    const bool no = dice < 4 && s.no != nowhere;
+    for (int bit = 0; bit < 32; ++bit) {
+      if (((s.does->removes.bits >> bit) & 1u) != 0) known.erase(bit);
+      if ((((no ? s.does->adds_if_no : s.does->adds).bits >> bit) & 1u) != 0) known.insert(bit);
+    }
+    const std::uint8_t to = no ? s.no : s.done;
+    if (to == finish || to == ask_person) return false;
+    if (to >= t.size) return true;
+    at = to;
+  }
+  return false;
+}
+Plan changed(Plan t, Random& random) {
+  for (std::uint64_t k = 1 + random() % 3; k > 0; --k) {
+    Step& s = t.steps[random() % t.size];
+    const auto to = static_cast<std::uint8_t>(random() % 10 == 0 ? finish : random() % (t.size + 1u));
+    const auto which = random() % 5;
+    if (which == 0) s.done = to;
+    if (which == 1) s.no = to;
+    if (which == 2) s.failed = to;
+    if (which == 3) s.does = t.steps[random() % t.size].does;
+    if (which == 4) std::swap(s, t.steps[random() % t.size]);
+  }
+  return t;
+}
+}  // namespace
+
+TEST_CASE("check: of 20 000 changes of a plan, each that a walk breaks is refused, and some are accepted") {
+  auto random = seeded(31);
+  int broken = 0, accepted = 0, missed = 0;
+  for (int i = 0; i < (sanitized ? 2000 : 20000); ++i) {
+    Plan t = changed(packing_oranges, random);
+    const bool refused = check(t).any();
+    bool breaks = false;
+    for (int walk = 0; walk < 30 && !breaks; ++walk) breaks = walk_breaks(t, random);
+    broken += breaks ? 1 : 0;
+    accepted += refused ? 0 : 1;
+    missed += breaks && !refused ? 1 : 0;
+  }
+  MESSAGE("broken by a walk " << broken << ", of these accepted " << missed << "; accepted in all "
+                              << accepted);
+  CHECK(missed == 0);
+  CHECK(broken > (sanitized ? 1000 : 10000));
+  CHECK(accepted > (sanitized ? 50 : 500));
+}
+
+TEST_CASE("check: says what is wrong, where, and which facts are missing") {
+  const auto fault = [](auto change) {
+    Plan t = packing_oranges;
+    change(t);
+    return check(t);
+  };
+  const auto lacks = fault([](Plan& t) { t.steps[packing_step::look].done = packing_step::reach; });
+  CHECK(lacks.error == TaskError::a_step_cannot_be_reached);
+  CHECK(lacks.step == packing_step::above);
+  const auto bad = fault([](Plan& t) { t.steps[packing_step::squeeze].no = packing_step::to_box; });
+  CHECK(bad.error == TaskError::a_step_lacks_a_fact_that_it_needs);
+  CHECK((bad.step == packing_step::to_box && bad.facts == fact::good));
+  CHECK(fault([](Plan& t) { t.size = 0; }).error == TaskError::a_task_has_no_step_or_too_many);
+  CHECK(fault([](Plan& t) { t.size = 200; }).error == TaskError::a_task_has_no_step_or_too_many);
+  CHECK(fault([](Plan& t) { t.steps[2].border = 0; }).error ==
+        TaskError::a_step_has_a_place_or_border_that_does_not_exist);
+  CHECK(fault([](Plan& t) { t.place_count = 1; }).error ==
+        TaskError::a_step_has_a_place_or_border_that_does_not_exist);
+  CHECK(fault([](Plan& t) { t.border_count = 1; }).error == TaskError::a_place_or_border_is_not_finite);
+  CHECK(fault([](Plan& t) { t.border_count = 9; }).error ==
+        TaskError::a_step_has_a_place_or_border_that_does_not_exist);
+  CHECK(fault([](Plan& t) { t.steps[4].does = nullptr; }).error == TaskError::a_step_has_no_activity);
+}
+
+TEST_CASE(
+    "append: a process at run time is the one that is compiled; numbers of places and borders move along") {
+  TaughtTask<20> t{};
+  CHECK(append(t, packing_oranges));
+  CHECK(append(t, packing_oranges));
+  CHECK_FALSE(append(t, packing_oranges));
+  CHECK_FALSE(check(t).any());
+  constexpr auto twice = process("twice", packing_oranges, packing_oranges);
+  REQUIRE(t.size == twice.size);
+  for (std::size_t i = 0; i < t.size; ++i)
+    CHECK((t.steps[i].done == twice.steps[i].done && t.steps[i].no == twice.steps[i].no &&
+           t.steps[i].failed == twice.steps[i].failed));
+  Plan taught = packing_oranges;
+  taught.place_count = 2, taught.border_count = 1, taught.borders[0] = 5;
+  taught.steps[packing_step::squeeze].border = 0;
+  TaughtTask<20> both{};
+  CHECK((append(both, taught) && append(both, taught)));
+  CHECK(both.steps[9 + packing_step::to_bin].place == 3);
+  CHECK(both.steps[9 + packing_step::squeeze].border == 1);
+  CHECK(both.borders[1] == 5);
+}
+
+TEST_CASE("task: a task behind itself is the task twice, and proved; without room nothing changes") {
+  TaughtTask<2 * packing_oranges.capacity> twice{};
+  REQUIRE(append(twice, packing_oranges));
+  REQUIRE(append(twice, twice));
+  CHECK(twice.size == 2 * packing_oranges.size);
+  const std::size_t by = packing_oranges.size;
+  for (std::size_t i = 0; i < by; ++i) {
+    const Step &first = twice.steps[i], &second = twice.steps[by + i], &was = packing_oranges.steps[i];
+    const auto leads = [&](std::uint8_t to, std::size_t from, std::uint8_t end) {
+      return to == finish ? end : to < nowhere ? static_cast<std::uint8_t>(to + from) : to;
+    };
+    CHECK(first.done == leads(was.done, 0, static_cast<std::uint8_t>(by)));
+    CHECK(second.done == leads(was.done, by, finish));
+    CHECK(second.failed == leads(was.failed, by, finish));
+    CHECK(second.no == leads(was.no, by, finish));
+  }
+  CHECK_FALSE(append(twice, packing_oranges));
+  CHECK(twice.size == 2 * packing_oranges.size);
+}
+
 TEST_CASE("task: the fixed point proves what holds before each step") {
-  static_assert(packing_oranges.holds[packing_step::look] == fact::none);
-  static_assert(packing_oranges.holds[packing_step::take] == (fact::seen | fact::around));
-  static_assert(packing_oranges.holds[packing_step::to_box] == (fact::in_hand | fact::good));
-  static_assert(packing_oranges.holds[packing_step::to_bin] == (fact::in_hand | fact::bad));
-  static_assert(packing_oranges.may_hold[packing_step::look] ==
-                fact::placed);                        // around the loop, or the first time
-  static_assert(packing_oranges.ends == fact::none);  // it may end before the first orange
+  constexpr auto facts = facts_of(packing_oranges);
+  static_assert(facts.holds[packing_step::look] == fact::none);
+  static_assert(facts.holds[packing_step::take] == (fact::seen | fact::around));
+  static_assert(facts.holds[packing_step::to_box] == (fact::in_hand | fact::good));
+  static_assert(facts.holds[packing_step::to_bin] == (fact::in_hand | fact::bad));
+  static_assert(facts.may_hold[packing_step::look] == fact::placed);  // around the loop, or the first time
+  static_assert(packing_oranges.ends == fact::none);                  // it may end before the first orange
   CHECK(packing_oranges.steps.size() == 9);
 }
 

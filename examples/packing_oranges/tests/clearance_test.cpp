@@ -1,4 +1,16 @@
 // What an arm at work keeps clear of by itself, without a world around it.
+//
+// Promise: wherever an arm that packs is led, it meets neither table nor walls of the trays
+// Tried: 30 ways of a hand at 0.6 m/s to below the table or to a wall: fingers, forearm and wrists of
+// hulls overlap by less than 1 mm, nor an orange in the hand with walls; without its clearance all 30
+// meet, also where it is told of the table or of the walls only
+//
+// Promise: a hand low among oranges gives way to a ball without pushing its neighbours off; open fingers
+// come down beside what lies near an orange
+// Tried: 60 ways of a ball over the feed: the fingers' middle stays 0.1 m from the neighbours in 59 at
+// least (unaware of them in 54 at most), the ball meets no more arms; a neighbour 75 mm away turns the
+// hand, one 150 mm away does not
+
 #include <doctest/doctest.h>
 
 #include <Eigen/Cholesky>

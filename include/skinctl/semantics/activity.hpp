@@ -35,6 +35,7 @@ inline constexpr Facts good{1u << 5};     ///< judged
 inline constexpr Facts bad{1u << 6};
 inline constexpr Facts there{1u << 7};   ///< the hand is where the object shall be put
 inline constexpr Facts placed{1u << 8};  ///< the object has been put down
+inline constexpr Facts marked{1u << 9};  ///< the place of the landmark is known
 template <unsigned K>
   requires(K < 16)
 inline constexpr Facts own{1u << (16 + K)};
@@ -121,13 +122,31 @@ struct Put {  ///< carries the object to a place
   static constexpr ActivityRule rule{
       .name = "put", .word = Activity::put, .needs = fact::in_hand, .adds = fact::there, .timeout = 15s};
 };
+struct Find {  ///< where is the landmark of this place
+  static constexpr ActivityRule rule{.name = "find", .adds = fact::marked, .timeout = 2s, .retries = 2};
+};
+struct Carry {  ///< brings the object to where something is done with it
+  static constexpr ActivityRule rule{.name = "carry",
+                                     .word = Activity::put,
+                                     .needs = fact::in_hand,
+                                     .adds = fact::carried,
+                                     .removes = fact::there,
+                                     .timeout = 15s};
+};
+struct Use {  ///< moves the tool in hand as is its use
+  static constexpr ActivityRule rule{.name = "use",
+                                     .word = Activity::use,
+                                     .needs = fact::in_hand | fact::carried,
+                                     .removes = fact::there | fact::marked,
+                                     .timeout = 30s};
+};
 struct Release {
   static constexpr ActivityRule rule{
       .name = "release",
       .word = Activity::release,
       .needs = fact::in_hand | fact::there,
       .adds = fact::placed,
-      .removes = fact::in_hand | fact::carried | fact::there | fact::good | fact::bad,
+      .removes = fact::in_hand | fact::carried | fact::there | fact::good | fact::bad | fact::marked,
       .timeout = 4s};
 };
 struct Reverse {  ///< up, and open the hand: how a plan goes back

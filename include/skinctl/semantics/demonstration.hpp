@@ -1,13 +1,12 @@
 // Goals from a demonstration: where a led robot was left alone, and how hard it was told to squeeze.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <deque>
 #include <vector>
 
 #include "skinctl/semantics/activity.hpp"
 #include "skinctl/semantics/bit.hpp"
+#include "skinctl/semantics/detail/middle.hpp"
 #include "skinctl/semantics/speed_estimate.hpp"
 #include "skinctl/semantics/world.hpp"
 
@@ -53,27 +52,6 @@ struct DemonstrationSettings {
   double came = 0.03;                         ///< the way to it is that of its last so many metres [m]
   SpeedEstimate<>::Settings speed{};
 };
-
-namespace detail {
-[[nodiscard]] inline double median(std::vector<double>& x) {
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  if (x.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(x.begin(), middle));
-}
-/// The rotation with the least sum of squared angles to all of these (Karcher), which are near each other.
-[[nodiscard]] inline Rotation<double> mean_rotation(const std::vector<Rotation<double>>& all) {
-  Rotation<double> mean = all[all.size() / 2];
-  for (int i = 0; i < 5; ++i) {
-    Xyz<double> off{0, 0, 0};
-    for (const auto& R : all)
-      off = off + (1.0 / static_cast<double>(all.size())) * log_so3(mean.transpose() * R);
-    mean = normalised(mean * exp_so3(off));
-    if (norm(off) < 1e-12) break;
-  }
-  return mean;
-}
-}  // namespace detail
 
 /// Reads a demonstration, cycle by cycle, into goals.
 ///
@@ -152,15 +130,8 @@ class DemonstrationReader {
   template <class Objects>
   void close(const Objects& objects) {
     if (!stretch_.empty() && led_ && last_ - begin_ >= s_.min_rest) {
-      std::vector<double> x, y, z;
-      std::vector<Rotation<double>> R;
-      for (const auto& X : stretch_) {
-        x.push_back(X.origin().x), y.push_back(X.origin().y), z.push_back(X.origin().z);
-        R.push_back(X.axes());
-      }
       Taught<W> goal;
-      goal.X_WH = Transform<W, Tool>::trusted(detail::mean_rotation(R),
-                                              {detail::median(x), detail::median(y), detail::median(z)});
+      goal.X_WH = detail::middle(stretch_);
       goal.activity = closed_ ? Activity::put : Activity::reach;
       goal.begin = begin_;
       goal.end = last_;

@@ -41,10 +41,10 @@ namespace detail {
 
 /// The graph in the language of Graphviz: done solid, no dashed, failed dotted.
 template <std::size_t N>
-[[nodiscard]] std::string to_dot(const Task<N>& task, const TaskWords& words = {}) {
+[[nodiscard]] std::string to_dot(const TaughtTask<N>& task, const TaskWords& words = {}) {
   std::string out = "digraph " + detail::quoted(task.name) + " {\n  node [shape=box];\n";
   bool asks = false;
-  for (std::size_t i = 0; i < N; ++i) {
+  for (std::size_t i = 0; i < task.size; ++i) {
     const Step& s = task.steps[i];
     const std::string here = "  " + detail::node_of(static_cast<std::uint8_t>(i));
     out += here + " [label=" + detail::quoted(detail::says(s, words)) + "];\n";

@@ -96,14 +96,18 @@ class Executor {
     Memory memory;
   };
 
-  /// Throws `ConfigurationError` for a number out of its range.
-  SKINCTL_COLD explicit Executor(const Task<N>& task, const ExecutorSettings& s = {}) : task_(task), s_(s) {
+  /// Throws `ConfigurationError` for a task that `check` refuses, and for a number out of its range.
+  SKINCTL_COLD explicit Executor(const TaughtTask<N>& task, const ExecutorSettings& s = {})
+      : task_(task), s_(s) {
+    const TaskFault fault = check(task_);
+    require(!fault.any(), describe(fault.error), fault.step,
+            "a task that check() proves; the number is the step's");
     require(s.lost >= 0ns && s.lost <= 10s, "Executor: lost", milliseconds(s.lost), "0 to 1e4 ms");
     require(s.confirm >= 0ns && s.confirm <= 10s, "Executor: confirm", milliseconds(s.confirm),
             "0 to 1e4 ms");
     require(s.place >= 0ns && s.place <= 1000s, "Executor: place", milliseconds(s.place), "0 to 1e6 ms");
   }
-  [[nodiscard]] const Task<N>& task() const noexcept { return task_; }
+  [[nodiscard]] const TaughtTask<N>& task() const noexcept { return task_; }
   /// The memory with which it begins, at the instant `now`. Tickets count on from `ticket`.
   [[nodiscard]] Memory start(Nanoseconds now, std::uint16_t ticket = 0) const noexcept {
     Memory m;
@@ -115,7 +119,7 @@ class Executor {
 
   [[nodiscard]] Result step(Memory m, const StepInput& in) const noexcept {
     static_assert(sizeof(Memory) == 24 && std::is_trivially_copyable_v<Memory>);
-    if (m.step >= N) enter(m, in.now, 0);  // any bits are allowed in a memory
+    if (m.step >= task_.size) enter(m, in.now, 0);  // any bits are allowed in a memory
     const ActivityRule& rule = *task_.steps[m.step].does;
     switch (m.phase) {
       case Phase::begin:
@@ -165,7 +169,7 @@ class Executor {
   /// On to where an edge leads.
   void on(Memory& m, Nanoseconds now, std::uint8_t next, Facts facts) const noexcept {
     m.facts = facts;
-    if (next < N) return enter(m, now, next);
+    if (next < task_.size) return enter(m, now, next);
     if (next == finish) m.reverses = 0;
     to(m, now, next == finish ? Phase::finished : Phase::ask);
   }
@@ -264,7 +268,7 @@ class Executor {
     return r;
   }
 
-  Task<N> task_;
+  TaughtTask<N> task_;
   ExecutorSettings s_;
 };
 

@@ -47,7 +47,7 @@ struct SkillMap {
 /// The map for a set of skills: `skill_map<decltype(skills)>(my_robot, my_task)`. A behaviour that the set lacks, or
 /// an activity of the task that the map lacks, does not compile.
 template <class Set, class Map, std::size_t N>
-[[nodiscard]] consteval auto skill_map(const Map&, const Task<N>& task) {
+[[nodiscard]] consteval auto skill_map(const Map&, const TaughtTask<N>& task) {
   namespace hana = boost::hana;
   constexpr std::size_t size = decltype(hana::length(std::declval<Map>()))::value;
   SkillMap<size> out{};
@@ -61,7 +61,7 @@ template <class Set, class Map, std::size_t N>
     };
     (one(key), ...);
   });
-  for (std::size_t k = 0; k < N; ++k)
+  for (std::size_t k = 0; k < task.size; ++k)
     if (out(task.steps[k].does) == out.none) task_error::the_robot_has_no_behaviour_for_an_activity(k);
   if (out(&activity::Reverse::rule) == out.none) task_error::the_robot_has_no_behaviour_to_go_back(0);
   return out;

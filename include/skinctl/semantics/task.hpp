@@ -1,8 +1,9 @@
-// A task: a graph of steps, proved when it is compiled.
+// A task: a graph of steps, a value that is proved when it is compiled, or when it is learnt or loaded.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <type_traits>
 
 #include "skinctl/semantics/activity.hpp"
 
@@ -15,16 +16,19 @@ inline constexpr std::uint8_t nowhere = 252;     ///< an answer no of this step 
 
 /// No place: the step acts where the hand or the object is.
 inline constexpr std::uint8_t no_place = 255;
+/// No border: the answer of the step is its skill's own.
+inline constexpr std::uint8_t no_border = 255;
 
 /// One step of a task: an activity with an object's role and a place, and the steps that follow.
 struct Step {
   const ActivityRule* does = nullptr;
-  std::uint8_t role = 0;          ///< the class of the object that it is about
-  std::uint8_t place = no_place;  ///< a number that the application gives to "box", "bin"
+  std::uint8_t role = 0;          ///< class of the object that it is about
+  std::uint8_t place = no_place;  ///< number of a `TaughtPlace`, or what the application calls "box", "bin"
   std::uint8_t done = finish;     ///< next step
   std::uint8_t failed = 0;        ///< next step when it has failed, after going back: one that needs nothing
   std::uint8_t no = nowhere;      ///< next step when the answer is no
-  Facts needs{};                  ///< besides those of the activity
+  std::uint8_t border = no_border;  ///< the answer is yes if what is felt is at least this border
+  Facts needs{};                    ///< besides those of the activity
 };
 template <PlannedActivity A>
 [[nodiscard]] constexpr Step step_of(Step step) noexcept {
@@ -32,28 +36,71 @@ template <PlannedActivity A>
   return step;
 }
 
-/// A checked task: see `task`.
-template <std::size_t N>
-struct Task {
-  static constexpr std::size_t steps_count = N;
-  const char* name = "";
-  Facts begins{};             ///< hold when it begins
-  std::array<Step, N> steps;  ///< the task begins with the first
-  /// What is proved to hold when a step begins, and what may hold.
-  std::array<Facts, N> holds{}, may_hold{};
-  Facts ends{};  ///< hold whenever it is finished
+/// A place of the hand, relative to a landmark.
+struct TaughtPlace {
+  ObjectClass mark = 0;                 ///< class of the landmark M; 0: the world
+  Transform<ObjectFrame, Tool> X_MH{};  ///< pose of the hand in the landmark's frame
 };
 
-/// Errors of a task. They are no constant expressions: the compiler stops, and prints the name.
-namespace task_error {
-inline void a_step_leads_to_a_step_that_does_not_exist(std::size_t) {}
-inline void a_step_has_no_activity(std::size_t) {}
-inline void a_step_lacks_a_fact_that_it_needs(std::size_t) {}
-inline void a_step_may_begin_with_a_fact_that_it_forbids(std::size_t) {}
-inline void a_step_cannot_be_reached(std::size_t) {}
-inline void a_step_has_no_way_to_the_end(std::size_t) {}
-inline void a_task_begins_without_the_facts_that_it_needs(std::size_t) {}
-}  // namespace task_error
+/// A task of at most `C` steps, as it is written, taught or loaded: a value, trivially copyable. See `check`.
+template <std::size_t C>
+struct TaughtTask {
+  static_assert(C > 0 && C < nowhere, "1 to 251 steps");
+  static constexpr std::size_t capacity = C;
+  static constexpr std::size_t max_places = 8, max_borders = 4;
+  const char* name = "";
+  std::uint8_t size = 0;                         ///< number of steps
+  std::uint8_t place_count = 0;                  ///< number of taught places; 0: places are the application's
+  std::uint8_t border_count = 0;                 ///< number of borders
+  Facts begins{};                                ///< facts that hold when the task begins
+  Facts ends{};                                  ///< facts that hold whenever it is finished; by `check`
+  std::array<Step, C> steps{};                   ///< the task begins with the first
+  std::array<TaughtPlace, max_places> places{};  ///< where hands take, put and use
+  std::array<double, max_borders> borders{};     ///< of what a squeeze feels [N/m]
+};
+
+/// What is wrong with a task.
+enum class TaskError : std::uint8_t {
+  none,
+  a_task_has_no_step_or_too_many,
+  a_step_leads_to_a_step_that_does_not_exist,
+  a_step_has_no_activity,
+  a_step_has_a_place_or_border_that_does_not_exist,
+  a_place_or_border_is_not_finite,
+  a_step_cannot_be_reached,
+  a_step_lacks_a_fact_that_it_needs,
+  a_step_may_begin_with_a_fact_that_it_forbids,
+  a_step_has_no_way_to_the_end
+};
+[[nodiscard]] constexpr const char* describe(TaskError error) noexcept {
+  constexpr const char* texts[] = {"nothing is wrong",
+                                   "the task has no step, or too many",
+                                   "the step leads to one that does not exist",
+                                   "the step has no activity",
+                                   "the step has a place or a border that does not exist",
+                                   "a place or a border is not finite, or a border is not above 0",
+                                   "the step cannot be reached",
+                                   "the step lacks a fact that it needs",
+                                   "the step may begin with a fact that it forbids",
+                                   "the step has no way to the end"};
+  const auto i = static_cast<std::size_t>(error);
+  return i < std::size(texts) ? texts[i] : "";
+}
+/// The first fault of a task, in the order of the errors.
+struct TaskFault {
+  TaskError error = TaskError::none;
+  std::uint8_t step = 0;
+  Facts facts{};  ///< the facts that are missing, or that are there and forbidden
+  [[nodiscard]] constexpr bool any() const noexcept { return error != TaskError::none; }
+};
+
+/// What is proved to hold when a step begins, and what may hold.
+template <std::size_t C>
+struct StepFacts {
+  std::array<Facts, C> holds{}, may_hold{};
+  std::array<bool, C> reached{};
+  Facts ends{};
+};
 
 namespace detail {
 /// The facts behind a step's edges, of a set that holds before it.
@@ -61,124 +108,135 @@ namespace detail {
   return (before - a.removes) | (no ? a.adds_if_no : a.adds);
 }
 
-template <std::size_t N>
-constexpr void check_edges(const Task<N>& t) {
-  const auto exists = [](std::uint8_t to, bool may_be_nowhere) {
-    return to < N || to == finish || to == ask_person || (may_be_nowhere && to == nowhere);
+/// Steps, edges and numbers that exist.
+template <std::size_t C>
+[[nodiscard]] constexpr TaskFault check_parts(const TaughtTask<C>& t) noexcept {
+  if (t.size == 0 || t.size > C) return {TaskError::a_task_has_no_step_or_too_many, t.size, {}};
+  const auto exists = [&t](std::uint8_t to, bool may_be_nowhere) {
+    return to < t.size || to == finish || to == ask_person || (may_be_nowhere && to == nowhere);
   };
-  for (std::size_t i = 0; i < N; ++i) {
+  const bool counts = t.place_count <= t.max_places && t.border_count <= t.max_borders;
+  for (std::uint8_t i = 0; i < t.size; ++i) {
     const Step& s = t.steps[i];
-    if (s.does == nullptr) task_error::a_step_has_no_activity(i);
+    if (s.does == nullptr) return {TaskError::a_step_has_no_activity, i, {}};
     if (!exists(s.done, false) || !exists(s.failed, false) || !exists(s.no, true))
-      task_error::a_step_leads_to_a_step_that_does_not_exist(i);
+      return {TaskError::a_step_leads_to_a_step_that_does_not_exist, i, {}};
+    const bool place = s.place == no_place || t.place_count == 0 || s.place < t.place_count;
+    if (!counts || !place || (s.border != no_border && s.border >= t.border_count))
+      return {TaskError::a_step_has_a_place_or_border_that_does_not_exist, i, {}};
   }
+  for (std::uint8_t i = 0; i < t.place_count; ++i) {
+    const auto& p = t.places[i].X_MH.origin();
+    if (!(p.x * p.x + p.y * p.y + p.z * p.z <= 1e12 && rotation_error(t.places[i].X_MH.axes()) <= 1e-6))
+      return {TaskError::a_place_or_border_is_not_finite, i, {}};
+  }
+  for (std::uint8_t i = 0; i < t.border_count; ++i)
+    if (!(t.borders[i] > 0 && t.borders[i] <= 1e12))
+      return {TaskError::a_place_or_border_is_not_finite, i, {}};
+  return {};
 }
-
-/// What holds, and may hold, before each step: the fixed point over all edges. What is left of facts after a failure
-/// is unknown: none is proved, so the step that follows needs none; what may hold then is for the sensors to tell.
-template <std::size_t N>
-constexpr void find_facts(Task<N>& t, std::array<bool, N>& reached) {
-  const Facts all{~std::uint32_t(0)};
-  t.holds.fill(all);
-  t.holds[0] = t.may_hold[0] = t.begins;
-  t.ends = all;
-  reached[0] = true;
+/// The first step without a way to the end, over done and no; `size`: none.
+template <std::size_t C>
+[[nodiscard]] constexpr std::uint8_t without_end(const TaughtTask<C>& t) noexcept {
+  std::array<bool, C> ends{};
   for (bool changes = true; changes;) {
     changes = false;
-    const auto flow = [&](std::uint8_t to, Facts holds, Facts may) {
-      if (to == finish) t.ends = t.ends & holds;
-      if (to >= N) return;
-      const Facts meet = t.holds[to] & holds, join = t.may_hold[to] | may;
-      changes = changes || !reached[to] || !(meet == t.holds[to]) || !(join == t.may_hold[to]);
-      reached[to] = true;
-      t.holds[to] = meet;
-      t.may_hold[to] = join;
-    };
-    for (std::size_t i = 0; i < N; ++i) {
-      if (!reached[i]) continue;
-      const Step& s = t.steps[i];
-      flow(s.done, after(*s.does, t.holds[i], false), after(*s.does, t.may_hold[i], false));
-      if (s.no != nowhere) flow(s.no, after(*s.does, t.holds[i], true), after(*s.does, t.may_hold[i], true));
-      if (s.failed != finish) flow(s.failed, {}, {});
-    }
-  }
-}
-
-template <std::size_t N>
-constexpr void check_ends(const Task<N>& t) {
-  std::array<bool, N> ends{};
-  for (bool changes = true; changes;) {
-    changes = false;
-    for (std::size_t i = 0; i < N; ++i) {
-      const auto leads = [&](std::uint8_t to) { return to == finish || (to < N && ends[to]); };
+    for (std::size_t i = 0; i < t.size; ++i) {
+      const auto leads = [&](std::uint8_t to) { return to == finish || (to < t.size && ends[to]); };
       if (!ends[i] && (leads(t.steps[i].done) || leads(t.steps[i].no))) changes = ends[i] = true;
     }
   }
-  for (std::size_t i = 0; i < N; ++i)
-    if (!ends[i]) task_error::a_step_has_no_way_to_the_end(i);
-}
-
-template <std::size_t N>
-constexpr Task<N> proved(Task<N> t) {
-  check_edges(t);
-  std::array<bool, N> reached{};
-  find_facts(t, reached);
-  for (std::size_t i = 0; i < N; ++i) {
-    const Step& s = t.steps[i];
-    if (!reached[i]) task_error::a_step_cannot_be_reached(i);
-    if (!t.holds[i].has(s.does->needs | s.needs)) task_error::a_step_lacks_a_fact_that_it_needs(i);
-    if ((t.may_hold[i] & s.does->forbids).any()) task_error::a_step_may_begin_with_a_fact_that_it_forbids(i);
-  }
-  check_ends(t);
-  return t;
+  for (std::uint8_t i = 0; i < t.size; ++i)
+    if (!ends[i]) return i;
+  return t.size;
 }
 }  // namespace detail
 
-/// A task of these steps, if it is right; a wrong one does not compile, and the error says why.
+/// What holds, and may hold, before each step of a task whose edges exist: the fixed point over all edges, which is
+/// reached after at most 64 rounds per step. What is left of facts after a failure is unknown: none is proved, so the
+/// step that follows needs none; what may hold then is for the sensors to tell.
+template <std::size_t C>
+[[nodiscard]] constexpr StepFacts<C> facts_of(const TaughtTask<C>& t) noexcept {
+  StepFacts<C> out{};
+  const Facts all{~std::uint32_t(0)};
+  out.holds.fill(all);
+  out.holds[0] = out.may_hold[0] = t.begins;
+  out.ends = all;
+  out.reached[0] = true;
+  for (bool changes = true; changes;) {
+    changes = false;
+    const auto flow = [&](std::uint8_t to, Facts holds, Facts may) {
+      if (to == finish) out.ends = out.ends & holds;
+      if (to >= t.size) return;
+      const Facts meet = out.holds[to] & holds, join = out.may_hold[to] | may;
+      changes = changes || !out.reached[to] || !(meet == out.holds[to]) || !(join == out.may_hold[to]);
+      out.reached[to] = true;
+      out.holds[to] = meet;
+      out.may_hold[to] = join;
+    };
+    for (std::size_t i = 0; i < t.size; ++i) {
+      if (!out.reached[i]) continue;
+      const Step& s = t.steps[i];
+      const Facts holds = out.holds[i], may = out.may_hold[i];
+      flow(s.done, detail::after(*s.does, holds, false), detail::after(*s.does, may, false));
+      if (s.no != nowhere) flow(s.no, detail::after(*s.does, holds, true), detail::after(*s.does, may, true));
+      if (s.failed != finish) flow(s.failed, {}, {});
+    }
+  }
+  return out;
+}
+
+/// The proof of a task, when it is compiled and at run time; sets `ends`.
 ///
 /// Proved for every way through the graph, over the edges done, no and failed: each step can be reached, has a way
 /// to the end, and begins with the facts that it needs. After a failure nothing is taken for granted: the step
 /// that follows needs no fact ("a failed step looks again"). Over done and no: no step can begin with a fact that it
 /// forbids.
-template <std::same_as<Step>... S>
-  requires(sizeof...(S) > 0 && sizeof...(S) < nowhere)
-[[nodiscard]] consteval Task<sizeof...(S)> task(const char* name, Facts begins, const S&... steps) {
-  Task<sizeof...(S)> t{};
-  t.name = name;
-  t.begins = begins;
-  t.steps = {steps...};
-  return detail::proved(t);
+template <std::size_t C>
+[[nodiscard]] constexpr TaskFault check(TaughtTask<C>& t) noexcept {
+  if (const TaskFault fault = detail::check_parts(t); fault.any()) return fault;
+  const StepFacts<C> facts = facts_of(t);
+  t.ends = facts.ends;
+  for (std::uint8_t i = 0; i < t.size; ++i) {
+    const Step& s = t.steps[i];
+    const Facts missing = (s.does->needs | s.needs) - facts.holds[i];
+    const Facts present = facts.may_hold[i] & s.does->forbids;
+    if (!facts.reached[i]) return {TaskError::a_step_cannot_be_reached, i, {}};
+    if (missing.any()) return {TaskError::a_step_lacks_a_fact_that_it_needs, i, missing};
+    if (present.any()) return {TaskError::a_step_may_begin_with_a_fact_that_it_forbids, i, present};
+  }
+  if (const std::uint8_t i = detail::without_end(t); i < t.size)
+    return {TaskError::a_step_has_no_way_to_the_end, i, {}};
+  return {};
 }
 
-/// A process: tasks one after the other. It is a task again, and proved as one: what the first proves when it ends
-/// is what the second begins with.
-template <std::size_t N, std::size_t M>
-  requires(N + M < nowhere)
-[[nodiscard]] consteval Task<N + M> process(const char* name, const Task<N>& first, const Task<M>& second) {
-  if (!first.ends.has(second.begins)) task_error::a_task_begins_without_the_facts_that_it_needs(N);
-  Task<N + M> t{};
-  t.name = name;
-  t.begins = first.begins;
-  const auto moved = [](std::uint8_t to, std::size_t by, std::uint8_t end) {
-    return to == finish ? end : to < nowhere ? static_cast<std::uint8_t>(to + by) : to;
-  };
-  for (std::size_t i = 0; i < N + M; ++i) {
-    Step s = i < N ? first.steps[i] : second.steps[i - N];
-    const std::size_t by = i < N ? 0 : N;
-    const std::uint8_t end = i < N ? static_cast<std::uint8_t>(N) : finish;
-    s.done = moved(s.done, by, end);
-    s.no = moved(s.no, by, end);
-    s.failed = moved(s.failed, by, end);
-    t.steps[i] = s;
+/// The steps of `next` behind those of `t`, which then goes on where it finished; false if they have no room. To be
+/// checked again.
+template <std::size_t C, std::size_t M>
+[[nodiscard]] constexpr bool append(TaughtTask<C>& t, TaughtTask<M> next) noexcept {
+  const std::size_t by = t.size, places = t.place_count, borders = t.border_count;
+  if (by + next.size > C || places + next.place_count > t.max_places ||
+      borders + next.border_count > t.max_borders)
+    return false;
+  const auto moved = [by](std::uint8_t to) { return to < nowhere ? static_cast<std::uint8_t>(to + by) : to; };
+  const auto behind = [by](std::uint8_t to) { return to == finish ? static_cast<std::uint8_t>(by) : to; };
+  for (std::size_t i = 0; i < by; ++i) {
+    Step& s = t.steps[i];
+    s.done = behind(s.done), s.no = behind(s.no), s.failed = behind(s.failed);
   }
-  return detail::proved(t);
-}
-template <std::size_t N, std::size_t M, std::size_t... More>
-[[nodiscard]] consteval auto process(const char* name, const Task<N>& first, const Task<M>& second,
-                                     const Task<More>&... more)
-  requires(sizeof...(More) > 0)
-{
-  return process(name, process(name, first, second), more...);
+  for (std::size_t i = 0; i < next.size; ++i) {
+    Step s = next.steps[i];
+    s.done = moved(s.done), s.no = moved(s.no), s.failed = moved(s.failed);
+    if (s.place != no_place && next.place_count > 0) s.place = static_cast<std::uint8_t>(s.place + places);
+    if (s.border != no_border) s.border = static_cast<std::uint8_t>(s.border + borders);
+    t.steps[by + i] = s;
+  }
+  for (std::size_t i = 0; i < next.place_count; ++i) t.places[places + i] = next.places[i];
+  for (std::size_t i = 0; i < next.border_count; ++i) t.borders[borders + i] = next.borders[i];
+  t.size = static_cast<std::uint8_t>(by + next.size);
+  t.place_count = static_cast<std::uint8_t>(places + next.place_count);
+  t.border_count = static_cast<std::uint8_t>(borders + next.border_count);
+  return true;
 }
 
 SKINCTL_END_NAMESPACE

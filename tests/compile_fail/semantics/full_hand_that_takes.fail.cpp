@@ -1,5 +1,5 @@
 // expect: a_step_may_begin_with_a_fact_that_it_forbids
-#include "skinctl/semantics/task.hpp"
+#include "skinctl/semantics/process.hpp"
 
 using namespace skinctl;
 

@@ -1,4 +1,5 @@
 // expect: the_robot_has_no_behaviour_for_an_activity
+#include "skinctl/semantics/process.hpp"
 #include "skinctl/semantics/skill_map.hpp"
 #include "skinctl/skills/behaviours.hpp"
 using namespace skinctl;

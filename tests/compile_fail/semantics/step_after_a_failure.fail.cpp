@@ -1,5 +1,5 @@
 // expect: a_step_lacks_a_fact_that_it_needs
-#include "skinctl/semantics/task.hpp"
+#include "skinctl/semantics/process.hpp"
 
 using namespace skinctl;
 

@@ -1,5 +1,5 @@
 // expect: a_step_cannot_be_reached
-#include "skinctl/semantics/task.hpp"
+#include "skinctl/semantics/process.hpp"
 
 using namespace skinctl;
 

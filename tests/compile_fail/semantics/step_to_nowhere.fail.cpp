@@ -1,5 +1,5 @@
 // expect: a_step_leads_to_a_step_that_does_not_exist
-#include "skinctl/semantics/task.hpp"
+#include "skinctl/semantics/process.hpp"
 
 using namespace skinctl;
 

@@ -1,5 +1,5 @@
 // expect: a_step_has_no_way_to_the_end
-#include "skinctl/semantics/task.hpp"
+#include "skinctl/semantics/process.hpp"
 
 using namespace skinctl;
 

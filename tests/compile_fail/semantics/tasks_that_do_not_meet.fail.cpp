@@ -1,5 +1,5 @@
-// expect: a_task_begins_without_the_facts_that_it_needs
-#include "skinctl/semantics/task.hpp"
+// expect: a_step_lacks_a_fact_that_it_needs
+#include "skinctl/semantics/process.hpp"
 
 using namespace skinctl;
 
