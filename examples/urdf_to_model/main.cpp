@@ -45,6 +45,9 @@ int main(int argc, char** argv) try {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_flag("--large-limits", options.large_limits,
                "Limits beyond two turns and speeds beyond 60 rad/s are meant, and no degrees");
+  app.add_option("--total-mass", options.total_mass,
+                 "Of all links that move [kg]: spread over those to which the file gives no mass")
+      ->check(CLI::Range(0.0, 1e5));
   app.add_option("--snap", settings.snap, "Angles this close to a right one become exact [rad]")
       ->check(CLI::Range(0.0, 1e-3));
   app.footer("Exit codes: 0 written, 1 the file cannot be read or written, 2 an option is wrong");

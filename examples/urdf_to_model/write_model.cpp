@@ -184,6 +184,11 @@ std::string header(const skinctl::Urdf& urdf, const Settings& settings) {
   for (const auto& l : links)
     out += "      {{" + list(l.numbers.size(), [&](std::size_t k) { return number(l.numbers[k]); }) + "}},\n";
   out += "  }};\n";
+  if (!urdf.assumed.empty()) {
+    out += "  // Masses that the file does not give; a robot by torque is refused with them [kg]:";
+    for (const auto& a : urdf.assumed) out += "\n  //   " + plain(a.link) + " " + number(a.mass);
+    out += "\n  static constexpr bool masses_assumed = true;\n";
+  }
   const auto limits = [&](const char* name, double skinctl::UrdfJoint::* limit, const char* unit) {
     out += std::string("  static constexpr std::array<double, joints> ") + name + " = {" +
            list(n, [&](std::size_t i) { return number(joints[i].*limit); }) + "};  // " + unit + "\n";

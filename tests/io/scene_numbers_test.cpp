@@ -1,3 +1,7 @@
+// Promise: a number of a scene that a file gives is taken, or refused with its line; a name that nobody
+// asked for is refused
+// Tried: names twice or misspelt, commas, NaN, too many numbers, too large for a float
+
 #include "skinctl/io/scene_numbers.hpp"
 
 #include <doctest/doctest.h>

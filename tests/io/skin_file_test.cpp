@@ -1,3 +1,7 @@
+// Promise: a skin file says what it says, or is refused by line, patch, cell, field, value and range
+// Tried: any bytes (20 000 mutations), 50 wrong files in JSON and 19 in XML each with its words; written
+// and read it is the same to the bit; 10 000 cells in 0.04 s. Also: `io/skin_xml_test.cpp`
+
 #include "skinctl/io/skin_file.hpp"
 
 #include <doctest/doctest.h>

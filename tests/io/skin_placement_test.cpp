@@ -1,3 +1,13 @@
+// Promise: what a skin file says is used
+// Tried: a masked cell neither pushes nor counts as usable, and a trusted skin fills it in within 2 %;
+// ports are the neighbours; a region that is pressed harder than its `force_limit` stops the robot (19.8
+// N: no, 20.2 N: yes, of 20), the main job refuses one; covariances bound how far off a cell may be.
+// Also: `examples/compliant_ur5/tests/main_job_test.cpp`
+//
+// Promise: a skin from a file is where its links' frames put it, or is refused
+// Tried: UR5 built in and by URDF: 1e-8 m (the description's quarter turns), 1e-12 m; a description with
+// equal names and other axes is refused
+
 #include "skinctl/io/skin_placement.hpp"
 
 #include <doctest/doctest.h>
@@ -221,7 +231,8 @@ TEST_CASE("Skin on a robot: a masked cell is no part of what feels, and is fille
     const Skin skin(skin_patches(file, placed));
     const auto m = heard(skin, skin.start(0ns), all);
     CHECK(skin.coverage(m).usable == 60);
-    CHECK(skin.coverage(m).least == 1);
+    CHECK(skin.coverage(m).blind_patches == 0);
+    CHECK(skin.noticed(m, skin.index(cells[1].id)) < 0.2);
   }
   cells[1].masked = "dead since May";
   const Skin skin(skin_patches(file, placed));
@@ -229,7 +240,7 @@ TEST_CASE("Skin on a robot: a masked cell is no part of what feels, and is fille
   CHECK(skin.silent(m) == 0);
   CHECK(skin.coverage(m).usable == 59);
   CHECK(skin.coverage(m).cells == 60);
-  CHECK(skin.coverage(m).least == doctest::Approx(1 - 1.0 / double(cells.size())));
+  CHECK(skin.noticed(m, skin.index(cells[1].id)) > 1e300);
   const TrustedSkin trusted(skin, trust, FillIn(cell_graph(file, placed), skin.places()));
   const auto t = heard(trusted, trusted.start(0ns), filled);
   CHECK(trusted.coverage(t).usable == 59);

@@ -1,4 +1,9 @@
 // Links of real robots stand where their files put them, and a skin placed in them is where it was placed.
+//
+// Promise: a skin placed on a link of a URDF is on that link, and a press pushes the arm away
+// Tried: joint frames of UR5, Z1, Jaco, Go2, TALOS, a Panda with its hand; by velocity and by torque.
+// Also: `io/urdf_test.cpp`
+
 #include <doctest/doctest.h>
 
 #include "skinctl/io/urdf.hpp"

@@ -1,3 +1,6 @@
+// Promise: a model is the same robot as the URDF of it
+// Tried: UR3 to UR10e, Allegro hands, an arm with a hand: torque to 1e-12, origins to 1e-13 m
+
 #include "skinctl/io/urdf_writer.hpp"
 
 #include <doctest/doctest.h>

@@ -69,6 +69,16 @@ TEST_CASE("urdf_to_model: a header is not written onto its URDF") {
   examples::check_own_input_is_kept(URDF_TO_MODEL_PROGRAM, "IN -o OUT", content, 1);
 }
 
+TEST_CASE("header: masses that the file does not give are named, and the model says so") {
+  std::string text = robot("a", 1);
+  const auto given = header(skinctl::parse_urdf(text));
+  CHECK_FALSE(has(given, "masses_assumed"));
+  text.erase(text.find("<inertial>"), text.find("</inertial>") + 11 - text.find("<inertial>"));
+  const auto assumed = header(skinctl::parse_urdf(text, "a.urdf", {.total_mass = 7}));
+  CHECK(has(assumed, "//   l1 7\n"));
+  CHECK(has(assumed, "static constexpr bool masses_assumed = true;"));
+}
+
 TEST_CASE("header: right angles become exact when asked for") {
   const auto urdf = skinctl::parse_urdf(robot("a", 1));
   CHECK(has(header(urdf), "{{1, 0, 4.8"));

@@ -20,12 +20,12 @@ namespace detail {
 /// Reads a URDF from memory. `source` is its name in error texts; `options` select a part of the robot.
 ///
 /// Throws `ConfigurationError`, with source, line and element, for:
-/// - text that is no XML, is cut off, or exceeds 16 MiB; no `<robot>`;
+/// - text that is no XML, is cut off, or exceeds 16 MiB; no `<robot>`; a xacro that was not expanded;
 /// - links or joints without a name, or two of one name;
 /// - a joint whose parent or child link is unknown; a link on two joints; a loop; more than one base;
 /// - a type other than revolute, continuous, prismatic, fixed; an axis without direction;
-/// - a link that moves without mass, or turns without inertia about its axis; a negative mass;
-/// - moments of inertia that no body has by more than `makers_density` (by less, or where they do not matter:
+/// - a negative mass; a `total_mass` that is not above the masses in the file;
+/// - a principal moment of inertia below -1/10 of the largest (moments that violate the triangle inequality, or that do not matter:
 ///   `Urdf::warnings`);
 /// - a value that is not a finite number;
 /// - options that name a link or joint that does not exist, a tip that the base does not carry, a locked
@@ -34,8 +34,13 @@ namespace detail {
 /// A joint with `<mimic>` is fixed if the joint that it follows is. If that one moves, the file is refused:
 /// the joints of a model move independently.
 ///
-/// Links without `<inertial>` may be fixed to others or be the base, whose own inertia does not matter. A
-/// joint without `<limit>` has none.
+/// Links without `<inertial>` may be fixed to others or be the base, whose own inertia does not matter. Where a
+/// joint carries none, as in the files of stiff industrial arms, the mass is 0 or estimated (`total_mass`): enough
+/// by position and velocity, where `virtual_inertia` gives the joints their inertia; by torque the model is
+/// refused. Moments off by more than `makers_density` are replaced by the nearest ones that a body has.
+///
+/// Joints beside the chain from base to tip that the fixed base carries are not looked at: neither limits nor
+/// mimics of a second arm matter. A joint without `<limit>` has none.
 [[nodiscard]] Urdf parse_urdf(std::string_view text, std::string source = "URDF",
                               const UrdfOptions& options = {});
 

@@ -30,9 +30,9 @@ struct SkinPoint {
   std::array<float, 3> forces{};        ///< the readings, each in [0, 1]
   std::int32_t age = 0;                 ///< of the sample at the message's stamp [ns]; held at both ends
   std::array<float, 3> acceleration{};  ///< [m/s^2]
-  float zero = 0;
+  std::uint16_t measured = unsaid, unrest = unsaid;  ///< see `CellSample`
 
-  static constexpr std::array<ros::PointField, 15> fields = {{{"x", 0},
+  static constexpr std::array<ros::PointField, 17> fields = {{{"x", 0},
                                                               {"y", 4},
                                                               {"z", 8},
                                                               {"force", 12},
@@ -46,7 +46,9 @@ struct SkinPoint {
                                                               {"age", 44, ros::PointNumber::i32},
                                                               {"ax", 48},
                                                               {"ay", 52},
-                                                              {"az", 56}}};
+                                                              {"az", 56},
+                                                              {"measured", 60, ros::PointNumber::u16},
+                                                              {"unrest", 62, ros::PointNumber::u16}}};
 };
 static_assert(std::is_standard_layout_v<SkinPoint> && sizeof(SkinPoint) == 64);
 
@@ -147,6 +149,7 @@ class SkinCloud {
       point.temperature = s.temperature;
       point.forces = s.force;
       point.acceleration = s.acceleration;
+      point.measured = s.measured, point.unrest = s.unrest;
       times[i] = s.time.count();
     }
     return unknown;

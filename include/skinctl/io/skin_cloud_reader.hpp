@@ -7,9 +7,10 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Takes the messages of a `SkinCloud` apart: the samples that are new since the message before.
 ///
-/// Bytes are hostile: a message that is no PointCloud2 of one row with exactly `SkinPoint::fields`, is cut short, or has
-/// more points than the reader has room for, is refused and counted. Readings are passed on as they are: the skin that
-/// takes them checks each sample. Nothing is allocated after the construction.
+/// Bytes are hostile: a message that is no PointCloud2 of one row with `SkinPoint::fields` (the last two
+/// may be absent), is cut short, or has more points than the reader has room for, is refused and counted.
+/// Readings are passed on as they are: the skin that takes them checks each sample. Nothing is allocated
+/// after the construction.
 class SkinCloudReader {
  public:
   /// Room for `most` cells. Throws `ConfigurationError` for 0 or more than 2^20.
@@ -29,8 +30,10 @@ class SkinCloudReader {
     const Nanoseconds stamp(seconds * 1'000'000'000 + r.get<std::uint32_t>());
     static_cast<void>(r.text());
     const auto rows = r.get<std::uint32_t>(), points = r.get<std::uint32_t>();
-    bool ours = rows == 1 && points <= last_.size() && r.count(13) == SkinPoint::fields.size();
-    for (const ros::PointField& field : SkinPoint::fields) {
+    const std::size_t fields = r.count(13);
+    const bool tells = fields == SkinPoint::fields.size();  // older senders: not of the measurements
+    bool ours = rows == 1 && points <= last_.size() && (tells || fields == SkinPoint::fields.size() - 2);
+    for (const ros::PointField& field : std::span(SkinPoint::fields).first(ours ? fields : 0)) {
       if (!ours) break;
       ours = r.text() == field.name && r.get<std::uint32_t>() == field.offset &&
              r.get<std::uint8_t>() == static_cast<std::uint8_t>(field.number) && r.get<std::uint32_t>() == 1;
@@ -47,13 +50,15 @@ class SkinCloudReader {
     for (std::size_t i = 0; i < points; ++i) {
       SkinPoint p;
       std::memcpy(&p, data.data() + i * sizeof p, sizeof p);
+      if (!tells) p.measured = p.unrest = unsaid;
       constexpr auto most = std::numeric_limits<std::int32_t>::max();
       if (p.age >= most || p.age <= -most) continue;
       const Nanoseconds time = stamp - Nanoseconds(p.age);
       Last& last = last_[i];
       if (last.known && last.cell == p.cell && time <= last.time) continue;
       last = {time, p.cell, true};
-      samples_.push_back({time, p.cell, p.forces, p.proximity, p.acceleration, p.temperature});
+      samples_.push_back(
+          {time, p.cell, p.forces, p.proximity, p.acceleration, p.temperature, p.measured, p.unrest});
     }
     stamp_ = stamp;
     return samples_;

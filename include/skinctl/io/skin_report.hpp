@@ -54,10 +54,11 @@ template <class S>
 namespace detail {
 inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
     CellFault::stuck,      CellFault::saturated, CellFault::blinking, CellFault::noisy,
-    CellFault::cross_talk, CellFault::discharge, CellFault::unheard};
+    CellFault::cross_talk, CellFault::discharge, CellFault::unheard,  CellFault::quiet};
 }  // namespace detail
 
-/// In words: a line with the numbers, then one for each cell that is not healthy. "258 of 260 cells count; stuck: 2"
+/// In words: a line with the numbers, then one for each cell that is not healthy. "258 of 260 cells count;
+/// stuck: 2"
 [[nodiscard]] SKINCTL_COLD inline std::string in_words(const SkinReport& report) {
   std::string out = formatted("%zu of %zu cells count", report.usable, report.cells.size());
   for (const CellFault f : detail::all_cell_faults)
@@ -79,8 +80,8 @@ inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
   return out;
 }
 
-/// As JSON: `{"cells": 260, "usable": 258, "faults": {"stuck": 2, ...}, "unexplained": 0, "unhealthy": [{"id": 7,
-/// "link": 2, "faults": ["stuck"], "mask": 1, "rest": 0.06, "unexplained": false}, ...]}`.
+/// As JSON:
+/// `{"cells": 260, "usable": 258, "faults": {"stuck": 2, ...}, "unexplained": 0, "unhealthy": [{"id": 7, "link": 2, "faults": ["stuck"], "mask": 1, "rest": 0.06, "unexplained": false}, ...]}`.
 [[nodiscard]] SKINCTL_COLD inline std::string as_json(const SkinReport& report) {
   std::string out =
       formatted("{\"cells\": %zu, \"usable\": %zu, \"faults\": {", report.cells.size(), report.usable);
@@ -147,14 +148,15 @@ struct CellLook {
   if (faults.has(CellFault::blinking)) return {"#0072b2", "#ffffff", "B"};
   if (faults.has(CellFault::noisy)) return {"#f0e442", "#000000", "N"};
   if (faults.has(CellFault::cross_talk)) return {"#56b4e9", "#000000", "X"};
+  if (faults.has(CellFault::quiet)) return {"#666666", "#ffffff", "Q"};
   if (faults.has(CellFault::discharge)) return {"#009e73", "#ffffff", "D"};
   if (unexplained) return {"#cc79a7", "#000000", "?"};
   return {"#e8e8e8", "#000000", ""};
 }
 }  // namespace detail
 
-/// As a picture (SVG): the cells of each link, unrolled, link beside link; faults by colours that colour-blind
-/// readers tell apart, and by a letter.
+/// As a picture (SVG): the cells of each link, unrolled, link beside link; faults by colours that
+/// colour-blind readers tell apart, and by a letter.
 [[nodiscard]] SKINCTL_COLD inline std::string as_svg(const SkinReport& report) {
   constexpr double scale = 800, gap = 40, top = 60;  // [px/m], [px]
   std::size_t links = 0;

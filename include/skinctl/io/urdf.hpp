@@ -2,6 +2,7 @@
 // source of the program by CMake's `skinctl::io`.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -44,7 +45,9 @@ template <Topology Tree, Scalar T = double>
   const UrdfLinks found = model_links(urdf);
   typename CalibratedModel<Tree, T>::Links links;
   for (std::size_t i = 0; i < Tree::joints; ++i) links[i] = found.links[i].template cast<T>();
-  return CalibratedModel<Tree, T>(links, {T(gravity.x), T(gravity.y), T(gravity.z)}, makers_density);
+  CalibratedModel<Tree, T> model(links, {T(gravity.x), T(gravity.y), T(gravity.z)}, makers_density);
+  if (!urdf.assumed.empty()) model.assume_masses();
+  return model;
 }
 
 /// Pose of the link `Name` of the file in `Link<I>` of the model: `link_poses(model, q).get<I>()` times this
@@ -82,7 +85,8 @@ template <std::size_t I, FrameName Name, std::size_t N>
   return detail::place_patch<I, Name, N>(named_link_pose<I, Name>(urdf), cells, gains);
 }
 
-/// Limits of the `N` joints from `<limit lower upper velocity effort>`; a continuous joint turns without end.
+/// Limits of the `N` joints from `<limit lower upper velocity effort>`, lower and upper those of
+/// `<safety_controller>` where these are narrower; a continuous joint turns without end.
 /// Throws `ConfigurationError` with the joint and the number for: another number of joints, no `<limit>`, a
 /// lower limit that is not below the upper one, a velocity or effort that is missing or not above 0, and
 /// limits that look like degrees (`UrdfOptions::large_limits` accepts them).
@@ -109,7 +113,7 @@ template <std::size_t N, Real T = double>
     above_zero("effort", j.effort, static_cast<double>(std::numeric_limits<T>::max()), "> 0, finite N m");
     check(j.lower < j.upper, "<limit lower=\"" + detail::urdf_number(j.lower) + "\" upper=\"" +
                                  detail::urdf_number(j.upper) + "\">: it cannot move, lock it");
-    v.lower[i] = T(j.lower), v.upper[i] = T(j.upper);
+    v.lower[i] = T(std::max(j.lower, j.soft_lower)), v.upper[i] = T(std::min(j.upper, j.soft_upper));
     v.velocity[i] = T(j.velocity), v.torque[i] = T(j.effort);
     v.acceleration[i] = acceleration;
   }

@@ -23,6 +23,11 @@ struct UrdfOptions {
   std::map<std::string, double, std::less<>> locked{};
   /// Accepts limits beyond two turns and speeds beyond 60 rad/s, which otherwise count as degrees.
   bool large_limits = false;
+  /// Mass of all links that move [kg], from the maker's data sheet; 0: unknown. Its part that the file does not
+  /// give is spread over the links without mass: by the volume of their collision shapes if all of these are
+  /// boxes, cylinders and spheres, otherwise as cylinders from joint to joint with a share of
+  /// `length * reach^(2/3)`, reach being the length that the joint carries. The model stays refused by torque.
+  double total_mass = 0;
 };
 
 /// A joint of a URDF that moves, and the link that it carries with all links fixed to it.
@@ -34,8 +39,10 @@ struct UrdfJoint {
   bool continuous = false;                                  ///< turns without end: no `lower`, `upper`
   double lower = -std::numeric_limits<double>::infinity();  ///< [rad] or [m]
   double upper = std::numeric_limits<double>::infinity();
-  double velocity = std::numeric_limits<double>::infinity();  ///< [rad/s] or [m/s]
-  double effort = std::numeric_limits<double>::infinity();    ///< [N m] or [N]
+  double velocity = std::numeric_limits<double>::infinity();     ///< [rad/s] or [m/s]
+  double effort = std::numeric_limits<double>::infinity();       ///< [N m] or [N]
+  double soft_lower = -std::numeric_limits<double>::infinity();  ///< of `<safety_controller>` [rad] or [m]
+  double soft_upper = std::numeric_limits<double>::infinity();
   std::string question{};  ///< the limit that looks like degrees, in words; empty: none
   PlacedLink placed;       ///< in the parent joint's frame, with z turned onto the joint's axis
   int line = 0;            ///< line of the file
@@ -56,6 +63,12 @@ struct UrdfLock {
   double position = 0;  ///< [rad] or [m]
 };
 
+/// A link to which the file gives no mass, or none about its joint's axis, and the mass that it has in the model.
+struct UrdfAssumedMass {
+  std::string link;
+  double mass = 0;  ///< estimated from `UrdfOptions::total_mass`, or the file's [kg]
+};
+
 /// The contents of a URDF, the bodies of fixed joints merged into their carriers. Joints are in the order of
 /// a walk down the tree that takes children as the file lists their joints, so parents come first.
 struct Urdf {
@@ -63,11 +76,12 @@ struct Urdf {
   std::string name;
   std::string base;  ///< the link whose frame is `Base` of the model
   std::vector<UrdfJoint> joints;
-  std::vector<UrdfFrame> frames;  ///< every link of the model's part of the file
-  std::vector<UrdfLock> locked;   ///< joints that are locked though the file lets them move
-  /// Oddities that hardly matter: bodies that no density makes (within `makers_density`), bad inertias of
-  /// links that do not move or have very little weight, limits that look like degrees. One line each, with
-  /// the link or joint.
+  std::vector<UrdfFrame> frames;         ///< every link of the model's part of the file
+  std::vector<UrdfLock> locked;          ///< joints that are locked though the file lets them move
+  std::vector<UrdfAssumedMass> assumed;  ///< not empty: a robot by torque is refused with this model
+  /// Oddities with a way on: bodies that no density makes, bad inertias of links that do not move or have very
+  /// little weight, one line each; limits that look like degrees, soft limits, links without mass, one line a
+  /// file.
   std::vector<std::string> warnings;
 
   /// The place of the link `name`. Throws `ConfigurationError` for an unknown one, with the known names.

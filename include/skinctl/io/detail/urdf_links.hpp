@@ -108,13 +108,17 @@ class UrdfLinks {
     if (options_.tip.empty()) return;
     for (UrdfFileJoint& j : joints_) j.on_chain = false;
     const std::size_t tip = find_link(options_.tip, "tip");
+    std::size_t moved = links_.size();  // the link that the chain's first moving joint carries
     for (std::size_t at = tip; at != base;) {
       if (links_[at].joint < 0)
         text_.fail(*links_[tip].xml, "the tip does not hang on the base \"" + links_[base].name + '"');
       UrdfFileJoint& joint = joints_[std::size_t(links_[at].joint)];
       joint.on_chain = true;
+      if (!joint.fixed() && !options_.locked.contains(joint.name)) moved = at;
       at = joint.parent;
     }
+    const auto reached = moved < links_.size() ? carried_by(moved) : std::vector<bool>(links_.size());
+    for (UrdfFileJoint& j : joints_) j.carried = j.on_chain || reached[j.parent];
   }
 
   const UrdfText& text_;

@@ -15,6 +15,7 @@ struct UrdfFileJoint {
   std::size_t parent, child;  ///< indices of links
   bool inside = false;        ///< the base carries it, directly or not
   bool on_chain = true;       ///< between base and tip, if there is a tip
+  bool carried = true;        ///< by a joint of the chain, directly or not
 
   [[nodiscard]] bool fixed() const { return type == "fixed"; }
   [[nodiscard]] bool slides() const { return type == "prismatic"; }
@@ -61,6 +62,7 @@ class UrdfMotion {
     if (joint.fixed()) return 0.0;
     const auto locked = options_.locked.find(joint.name);
     const Element* mimic = joint.xml->FirstChildElement("mimic");
+    if (!joint.carried && locked == options_.locked.end()) return 0.0;  // on the fixed base, beside the chain
     if (mimic == nullptr) {
       if (locked != options_.locked.end()) return locked->second;
       if (!joint.inside) return 0.0;
@@ -93,6 +95,17 @@ class UrdfMotion {
   const UrdfOptions& options_;
   std::map<std::string, std::size_t, std::less<>> index_;
 };
+
+/// Soft limits within the joint's own; makers write 0 to 0 for none.
+inline void read_soft_limits(const UrdfText& text, const tinyxml2::XMLElement& xml, UrdfJoint& joint) {
+  const auto* soft = xml.FirstChildElement("safety_controller");
+  if (soft == nullptr || joint.continuous) return;
+  const double lower = text.number(xml, *soft, "soft_lower_limit", "0"),
+               upper = text.number(xml, *soft, "soft_upper_limit", "0");
+  if (!(lower < upper && lower < joint.upper && upper > joint.lower)) return;
+  if (lower > joint.lower) joint.soft_lower = lower;
+  if (upper < joint.upper) joint.soft_upper = upper;
+}
 
 }  // namespace detail
 SKINCTL_END_NAMESPACE

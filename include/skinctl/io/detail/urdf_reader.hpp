@@ -1,9 +1,11 @@
 // Reads a URDF: XML to joints and bodies.
 #pragma once
 
+#include <algorithm>
 #include <cstdio>
 
 #include "skinctl/io/detail/urdf_links.hpp"
+#include "skinctl/io/detail/urdf_masses.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -27,7 +29,9 @@ class UrdfReader {
     LinkInertia inertia{};
     bool given = false;    ///< a link has an `<inertial>`
     std::size_t link = 0;  ///< the link that the joint carries
+    UrdfShapes shapes{};   ///< of its collision geometry
     const Element* bad{};  ///< a link whose moments of inertia no body has: it counts as a point mass
+    std::string fault{};   ///< of these moments
     double bad_size = 0;   ///< the largest of those moments [kg m^2]
   };
 
@@ -40,6 +44,21 @@ class UrdfReader {
     if (robot == nullptr) text_.fail(0, "no XML: it has no element");
     if (std::strcmp(robot->Name(), "robot") != 0) text_.fail(*robot, "no URDF: its root is not <robot>");
     if (const char* name = robot->Attribute("name")) urdf_.name = name;
+    if (const Element* macro = xacro_in(*robot)) {
+      const std::string what = "a xacro that was not expanded: `xacro " + urdf_.source +
+                               " > robot.urdf` (ROS, or pip install xacro) makes the URDF of it";
+      try {
+        read(*robot);
+      } catch (const ConfigurationError&) {
+        text_.fail(*macro, what);
+      }
+      warn(*macro, what + "; what it describes is missing");
+    } else {
+      read(*robot);
+    }
+  }
+  void read(const Element& root) {
+    const Element* robot = &root;
     const UrdfLinks links(text_, *robot, options_);
     urdf_.base = links[links.base()].name;
     walk(links, UrdfMotion(text_, links.joints(), options_));
@@ -47,7 +66,9 @@ class UrdfReader {
       text_.fail(*robot, options_.base.empty() && options_.tip.empty() && options_.locked.empty()
                              ? "no joint that moves"
                              : "no joint that moves between base and tip");
-    for (std::size_t j = 0; j < urdf_.joints.size(); ++j) finish(j, *links[bodies_[j].link].xml);
+    for (std::size_t j = 0; j < urdf_.joints.size(); ++j) finish(j);
+    if (!urdf_.assumed.empty() || options_.total_mass != 0) assume_masses(*robot);
+    warn_of_limits(*robot);
     turn_frames();
   }
 
@@ -65,13 +86,20 @@ class UrdfReader {
     in.xy = text_.number(link, *t, "ixy", "0"), in.xz = text_.number(link, *t, "ixz", "0"),
     in.yz = text_.number(link, *t, "iyz", "0");
     const double defect = density_defect(make_link({}, in));
-    if (defect > makers_density) {
-      bad = "moments of inertia that no body has: each principal one is at most the sum of the others";
+    char percent[16];
+    std::snprintf(percent, sizeof percent, "%.2g", 100 * defect);
+    const Xyz<double> moments = eigenvalues(Symmetric<double>{in.xx, in.yy, in.zz, in.xy, in.xz, in.yz});
+    if (defect > makers_density && !(moments.x >= -0.1 * moments.z - 1e-15)) {
+      bad = "moments of inertia that no body has: the smallest principal one is " + urdf_number(moments.x) +
+            " kg m^2";
       for (double x : {in.xx, in.yy, in.zz, in.xy, in.xz, in.yz}) size = std::max(size, std::abs(x));
       in.xx = in.yy = in.zz = in.xy = in.xz = in.yz = 0;
+    } else if (defect > makers_density) {
+      const double change = make_possible(in);
+      warn(link, std::string("moments of inertia that no body has, by ") + percent +
+                     " % of their size: replaced by the nearest that one has, " + urdf_number(change) +
+                     " kg m^2 away");
     } else if (defect > rounded_density) {
-      char percent[16];
-      std::snprintf(percent, sizeof percent, "%.2g", 100 * defect);
       warn(link, std::string("moments of inertia that no body has, by ") + percent +
                      " % of their size: taken as they are");
     }
@@ -85,6 +113,7 @@ class UrdfReader {
   /// Adds a link to the body that a joint carries; the inertia of links that nothing moves does not matter.
   void add_body(const Element& link, int carrier, const Place& X) {
     const Element* e = link.FirstChildElement("inertial");
+    if (carrier >= 0) bodies_[std::size_t(carrier)].shapes.add(text_, link, X);
     if (e == nullptr) return;
     std::string bad;
     double size = 0;
@@ -106,6 +135,7 @@ class UrdfReader {
     body.given = true;
     if (bad.empty() || size < body.bad_size) return;
     body.bad = &link;
+    body.fault = bad;
     body.bad_size = size;
   }
 
@@ -133,7 +163,7 @@ class UrdfReader {
   void pass(const UrdfLinks& links, std::size_t index, const UrdfMotion& motion, int& carrier, Place& X) {
     const UrdfFileJoint& j = links.joints()[index];
     X = product(X, text_.origin(*j.xml, *j.xml));
-    if (!j.fixed() && !j.slides() && j.type != "continuous" && j.type != "revolute")
+    if (j.carried && !j.fixed() && !j.slides() && j.type != "continuous" && j.type != "revolute")
       text_.fail(*j.xml, "type \"" + j.type + "\" is none of revolute, continuous, prismatic, fixed");
     if (const auto position = motion.stands(index)) {
       X = product(X, text_.moved(*j.xml, j.slides(), *position));
@@ -166,6 +196,7 @@ class UrdfReader {
     }
     if (limit->Attribute("velocity")) joint.velocity = text_.number(xml, *limit, "velocity");
     if (limit->Attribute("effort")) joint.effort = text_.number(xml, *limit, "effort");
+    read_soft_limits(text_, xml, joint);
     if (options_.large_limits || joint.kind != JointKind::revolute) return;
     constexpr double two_turns = 12.6, fast = 60;
     const auto question = [&](const char* name, double x, const char* unit) {
@@ -178,34 +209,64 @@ class UrdfReader {
     } else if (limit->Attribute("velocity") && joint.velocity > fast) {
       question("velocity", joint.velocity, "rad/s");
     }
-    if (!joint.question.empty()) warn(xml, joint.question);
+  }
+  /// One warning a file of each kind, however many joints it concerns.
+  void warn_of_limits(const Element& robot) {
+    std::vector<const UrdfJoint*> questioned, soft;
+    for (const UrdfJoint& j : urdf_.joints) {
+      if (!j.question.empty()) questioned.push_back(&j);
+      if (std::isfinite(j.soft_lower) || std::isfinite(j.soft_upper)) soft.push_back(&j);
+    }
+    const auto names = [](const std::vector<const UrdfJoint*>& joints) {
+      return listed(joints, [](const UrdfJoint* j) { return j->name; });
+    };
+    if (!questioned.empty())
+      warn(robot, "limits of joint " + names(questioned) + ": " + questioned[0]->question +
+                      "; limits_of refuses them without UrdfOptions::large_limits");
+    if (!soft.empty())
+      warn(robot, "soft limits of joint " + names(soft) + ", first " + urdf_number(soft[0]->soft_lower) +
+                      " to " + urdf_number(soft[0]->soft_upper) + ": limits_of keeps within them");
   }
 
-  /// Refuses a joint that moves no mass.
-  void finish(std::size_t j, const Element& link) {
+  /// Judges the body that joint `j` moves.
+  void finish(std::size_t j) {
     UrdfJoint& joint = urdf_.joints[j];
     const Body& body = bodies_[j];
     const LinkInertia& in = body.inertia;
-    if (!body.given)
-      text_.fail(link, "joint \"" + joint.name +
-                           "\" moves it, but neither it nor what is fixed to it has an <inertial>");
-    if (!(in.mass > 0))
-      text_.fail(link, "joint \"" + joint.name +
-                           "\" moves it, but its <inertial> and those fixed to it have no mass");
+    joint.placed.inertia = in;
+    if (!body.given || !(in.mass > 0)) {
+      joint.placed.inertia = {};
+      urdf_.assumed.push_back({joint.link, 0});
+      return;
+    }
     if (body.bad != nullptr) {
       // Bad inertia of a sensor's mount is tolerated; that of a link with weight is not.
-      const std::string what =
-          "moments of inertia that no body has: each principal one is at most the sum of the others";
-      if (body.bad_size > 1e-3 * (in.xx + in.yy + in.zz)) text_.fail(*body.bad, what);
-      warn(*body.bad, what + "; next to what it is fixed to they do not matter, and count as none");
+      if (body.bad_size > 1e-3 * (in.xx + in.yy + in.zz)) text_.fail(*body.bad, body.fault);
+      warn(*body.bad, body.fault + "; next to what it is fixed to they do not matter, and count as none");
     }
     bool carries = false;
     for (const UrdfJoint& other : urdf_.joints) carries = carries || other.parent == static_cast<int>(j);
     const double about_axis = in.zz + in.mass * (in.c[0] * in.c[0] + in.c[1] * in.c[1]);
     if (!carries && joint.kind == JointKind::revolute && !(about_axis > 0))
-      text_.fail(link,
-                 "joint \"" + joint.name + "\" turns it, but it has no moment of inertia about that axis");
-    joint.placed.inertia = in;
+      urdf_.assumed.push_back({joint.link, in.mass});
+  }
+  /// Estimates the masses that the file does not give, or says which they are.
+  void assume_masses(const Element& robot) {
+    if (options_.total_mass == 0) {
+      warn(robot,
+           "no mass that joint moves, or no inertia about its axis: link " +
+               listed(urdf_.assumed, [](const UrdfAssumedMass& a) { return a.link; }) +
+               "; by position and velocity virtual_inertia does, or UrdfOptions::total_mass estimates it; "
+               "by torque the model is refused");
+      return;
+    }
+    UrdfEstimate estimate(urdf_);
+    for (const Body& body : bodies_) estimate.add(body.shapes);
+    const double total = options_.total_mass;
+    if (!(total > 0 && total <= 1e5 && estimate.spread(total)))
+      text_.fail(robot, "total_mass " + urdf_number(total) + " kg, allowed: above the " +
+                            urdf_number(estimate.given()) + " kg that the file gives, <= 1e5");
+    if (!urdf_.assumed.empty()) warn(robot, estimate.words(total));
   }
   /// From the frames with z on their joints to those of the model, which are turned about z.
   void turn_frames() {

@@ -116,5 +116,14 @@ class UrdfText {
   std::string source_;
 };
 
+/// The first element that a xacro leaves when nobody expands it; null: none.
+inline const tinyxml2::XMLElement* xacro_in(const tinyxml2::XMLElement& robot) {
+  for (auto* e = robot.FirstChildElement(); e; e = e->NextSiblingElement()) {
+    const char* name = e->Attribute("name");
+    if (std::strncmp(e->Name(), "xacro:", 6) == 0 || (name && std::strstr(name, "${"))) return e;
+  }
+  return nullptr;
+}
+
 }  // namespace detail
 SKINCTL_END_NAMESPACE
