@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 
 #include "examples/adapters/allegro/guardian.hpp"
 #include "examples/adapters/allegro/hand.hpp"
@@ -19,7 +20,8 @@ class CanHand {
   explicit CanHand(Link link) : link_(std::move(link)) {}
 
   /// Servo off, information, serial number, period of positions, servo on. Frames of an earlier session are
-  /// skipped.
+  /// skipped. A hand that contradicts its generation, by its hardware or by its positions, is refused before
+  /// the servo is on.
   Introduction connect(const HandOptions& options) {
     options.check();
     options_ = options;
@@ -29,6 +31,7 @@ class CanHand {
     write_or_throw(servo(false, options.hand));
     Introduction who;
     who.info = ask_for<Info>(message::info, "information");
+    require_generation(options, who.info);
     const Serial serial = ask_for<Serial>(message::serial, "its serial number");
     who.serial.assign(serial.text.begin(), serial.text.end());
     const bool v4 = options.generation == Generation::v4;
@@ -39,15 +42,21 @@ class CanHand {
     condition_.status.reset();                // its servo was off by our own command
     const std::uint16_t slow = v4 ? 500 : 0;  // temperatures; only a V4 has them
     write_or_throw(allegro::period(options.period(), 0, slow, options.hand));
-    write_or_throw(servo(true, options.hand));
     on_ = true;
+    early_ = wait_for_set();
+    if (early_ && !plausible(options.generation, set_.count())) {
+      off();
+      throw ConnectionError(implausible_positions);
+    }
+    write_or_throw(servo(true, options.hand));
     return who;
   }
 
   skinctl::Heard next(Reading& reading, Deadline deadline) noexcept {
     using skinctl::Heard;
     Frame frame;
-    bool complete = false;
+    bool complete = std::exchange(early_, false);
+    if (complete) tell(reading);
     for (int k = 0; k < most_frames_at_once; ++k) {
       const Read got = link_.read(frame, complete ? Clock::time_point{} : deadline);
       if (got == Read::closed) {
@@ -57,11 +66,15 @@ class CanHand {
       if (got == Read::nothing) break;
       if (take(frame)) {
         complete = true;
-        reading.stamp = options_.stamps == Stamps::counted ? period_ * std::int64_t(number_) : set_.stamp();
-        reading.number = number_;
-        reading.count = set_.count();
+        tell(reading);
       }
     }
+    if (complete && !judged_ &&
+        !plausible(options_.generation, reading.count)) {  // a V5 is silent until its servo is on
+      error_ = implausible_positions;
+      return Heard::lost;
+    }
+    judged_ = judged_ || complete;
     if (complete) return Heard::state;
     set_.drop();
     ++number_;  // a set that did not come
@@ -125,6 +138,20 @@ class CanHand {
         " ms each. Is it switched on, at 1 Mbit/s, and number " + std::to_string(options_.hand) + "?");
   }
 
+  void tell(Reading& reading) const noexcept {
+    reading.stamp = options_.stamps == Stamps::counted ? period_ * std::int64_t(number_) : set_.stamp();
+    reading.number = number_;
+    reading.count = set_.count();
+  }
+  /// Whether the hand sends its positions with its servo off: four periods are waited for them.
+  bool wait_for_set() noexcept {
+    const auto deadline = Clock::now() + 4 * period_;
+    Frame frame;
+    for (int k = 0; k < most_frames_at_once && link_.read(frame, deadline) == Read::some; ++k)
+      if (take(frame)) return true;
+    return false;
+  }
+
   skinctl::Nanoseconds now() const noexcept {
     return options_.stamps == Stamps::counted ? period_ * std::int64_t(number_)
                                               : skinctl::Nanoseconds(Clock::now() - begun_);
@@ -178,7 +205,9 @@ class CanHand {
   TactileFrames tactile_ = TactileFrames::two;
   Condition condition_;
   const char* error_ = "";
-  bool on_ = false;
+  bool on_ = false;      ///< it was told to send positions, or more
+  bool early_ = false;   ///< a set came before the servo was on, and is not told yet
+  bool judged_ = false;  ///< a set was plausible
 };
 
 }  // namespace adapters::allegro

@@ -127,6 +127,15 @@ enum class TactileFrames : std::uint8_t {
   return (g == Generation::v4 ? 333.3 / 65536 : 0.088) * std::numbers::pi / 180;
 }
 
+/// Whether these can be joints of this generation: no joint of a hand turns by 2.6 rad. Positions of a V4
+/// that are read as a V5's are 17 times too large.
+[[nodiscard]] constexpr bool plausible(Generation g, const std::array<std::int16_t, 16>& count) noexcept {
+  constexpr double farthest = 2.6;  // [rad]
+  for (const std::int16_t n : count)
+    if (n * encoder_step(g) > farthest || n * encoder_step(g) < -farthest) return false;
+  return true;
+}
+
 /// What a torque is on the wire: `value = per_newton_metre tau`, cut to `cap`.
 struct TorqueScale {
   std::array<double, 16> per_newton_metre{};

@@ -100,6 +100,20 @@ concept HandLink =
 /// The newest of what one call may take off a link's queue; a flood does not hold the loop.
 inline constexpr int most_frames_at_once = 256;
 
+/// Throws `ConnectionError` for a hand of another generation than declared: its frames have the same ids and
+/// other numbers in them. The upper byte of the hardware version is the generation, as the maker's drivers
+/// read it; a number that they do not know is left to the first positions, see `plausible`.
+inline void require_generation(const HandOptions& options, const Info& info) {
+  const unsigned says = info.hardware >> 8, declared = options.generation == Generation::v4 ? 4 : 5;
+  if (says < 3 || says > 5 || says == declared) return;
+  const auto digit = [](unsigned x) { return "0123456789abcdef"[x & 15]; };
+  throw ConnectionError(std::string("this is a V") + digit(says) + " (hardware version 0x0" + digit(says) +
+                        digit(info.hardware >> 4) + digit(info.hardware) + "), a V" + digit(declared) +
+                        " was expected: see --generation");
+}
+inline constexpr const char* implausible_positions =
+    "the hand's joints stand where none can be: is it of another generation? See --generation";
+
 /// The hand's side, or `ConnectionError` where another one was expected.
 inline Side agreed_side(const HandOptions& options, Side says) {
   if (options.side && *options.side != says)

@@ -102,6 +102,7 @@ Introduction UdpHand::connect(const HandOptions& options) {
   std::copy(bytes->begin(), bytes->end(), info.data.begin());
   const Message m = decode(info, options.generation);
   if (const auto* i = std::get_if<Info>(&m)) who.info = *i;
+  require_generation(options, who.info);
   const auto serial = ask_for(DatagramType::serial, DatagramType::serial_answer);
   const auto text = serial ? serial_answer(*serial) : std::nullopt;
   if (!text) throw ConnectionError("the hand does not say its serial number: asked " + waited);

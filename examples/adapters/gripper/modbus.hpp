@@ -1,4 +1,4 @@
-// Modbus TCP: the two functions that a gripper needs, for both ends. Every byte is checked.
+// Modbus TCP: the functions that a gripper needs, for both ends. Every byte is checked.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace adapters::gripper::modbus {
 
-inline constexpr std::uint8_t read_registers = 3, write_registers = 16;
+inline constexpr std::uint8_t read_registers = 3, write_register = 6, write_registers = 16;
 inline constexpr std::size_t header_size = 7, largest = 260, most_registers = 123;
 
 /// What a whole frame says. `data` is what follows the function code.

@@ -30,7 +30,7 @@ void OnRobot::connect() {
   state_ = {};
   dialogue_ = Dialogue(config_.patience);
   connected_ = true;
-  pending_ = halt_ = false;
+  pending_ = halt_ = busy_ = false;
   acknowledged_ = seen_busy_ = true;
   const auto start = std::chrono::steady_clock::now();
   while (!state_.heard) {
@@ -55,6 +55,7 @@ bool OnRobot::move(const skinctl::GripperGoal& goal) noexcept {
   state_.moving = true;
   state_.holding = false;
   state_.force = 0;
+  halt_ = halt_ || busy_;  // a gripper that moves ignores the next goal
   return true;
 }
 
@@ -66,11 +67,11 @@ void OnRobot::stop() noexcept {
 void OnRobot::ask() noexcept {
   ++transaction_;
   told_halt_ = halt_;
-  told_ = !halt_ && pending_;
+  told_ = !halt_ && pending_ && !busy_;
   if (halt_) {
     const std::uint16_t word[] = {rg::halt};
     if (tell(modbus::write_request(transaction_, rg::unit, rg::target_force + 2, word))) halt_ = false;
-  } else if (pending_) {
+  } else if (told_) {
     const std::uint16_t words[] = {static_cast<std::uint16_t>(std::lround(10 * goal_.force)),
                                    static_cast<std::uint16_t>(std::lround(1e4 * goal_.opening)), rg::grip};
     if (tell(modbus::write_request(transaction_, rg::unit, rg::target_force, words))) pending_ = false;
@@ -90,6 +91,7 @@ void OnRobot::hear(const modbus::Frame& frame, Nanoseconds now) noexcept {
     state_.error = GripperError::fault;
   } else if (frame.function == modbus::write_registers) {
     if (!pending_) acknowledged_ = true;
+    if (told_) busy_ = true;  // until its status says otherwise
     since_ = now;
   } else if (modbus::registers_of(frame, read)) {
     const std::uint16_t status = read[1];
@@ -99,6 +101,7 @@ void OnRobot::hear(const modbus::Frame& frame, Nanoseconds now) noexcept {
     state_.code = 0;
     state_.error = (status & rg::safety) ? GripperError::stopped : GripperError::none;
     if (state_.error == GripperError::stopped) state_.code = status;
+    busy_ = status & rg::busy;
     if (acknowledged_) {  // before that, it speaks of the goal before
       const bool busy = status & rg::busy;
       seen_busy_ = seen_busy_ || busy || now - since_ > config_.begins_within;

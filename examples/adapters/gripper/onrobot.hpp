@@ -15,9 +15,12 @@ namespace adapters::gripper {
 /// Registers and bits of an RG gripper.
 namespace rg {
 inline constexpr std::uint8_t unit = 65;
-inline constexpr std::uint16_t target_force = 0,    ///< [0.1 N]; then the width [0.1 mm] and the control word
-    width = 267, status = 268;                      ///< [0.1 mm]; bits
-inline constexpr std::uint16_t grip = 1, halt = 8;  ///< control words
+inline constexpr std::uint16_t target_force = 0,  ///< [0.1 N]; then the width [0.1 mm] and the control word
+    fingertip = 258,            ///< how far each fingertip reaches inward of its finger [0.1 mm], signed
+    width = 267, status = 268,  ///< between the fingers [0.1 mm]; bits
+    tip_width = 275;            ///< between the fingertips [0.1 mm]
+inline constexpr std::uint16_t grip = 1, halt = 8,
+                               grip_tips = 16;  ///< control words; `grip` is for the fingers' width
 inline constexpr std::uint16_t busy = 1, gripping = 2, safety = 0x7c;  ///< status bits 0, 1, 2 to 6
 }  // namespace rg
 
@@ -66,6 +69,7 @@ class OnRobot {
   std::uint16_t transaction_ = 0;
   bool pending_ = false, halt_ = false, acknowledged_ = true, seen_busy_ = true;
   bool told_ = false, told_halt_ = false;  ///< the last words were a goal, a stop
+  bool busy_ = false;                      ///< with a goal that it was told: it would not hear the next one
   bool connected_ = false;
   std::uint64_t nonsense_ = 0;
 };

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -107,6 +108,7 @@ struct FoxgloveServer::Impl {
   }
 
   void accept();
+  [[nodiscard]] bool make_room(bool of_stream);
   void deliver(std::uint32_t channel, const Shared& message);
   [[nodiscard]] json parameters_json(const json* names) const;
   void tell_parameter(const std::string& name);
@@ -121,6 +123,7 @@ struct FoxgloveServer::Impl {
   std::vector<Service> services;
   std::vector<Parameter> parameters;
   std::set<std::shared_ptr<Client>> clients;
+  std::uint64_t accepted = 0;  ///< connections until now
   std::atomic<std::uint64_t> connected{0}, sent{0}, dropped{0}, refused{0}, nonsense{0};
   std::atomic<std::size_t> waiting{0};  // bytes handed to the thread and not yet taken up
   std::thread thread;
@@ -129,7 +132,8 @@ struct FoxgloveServer::Impl {
 /// One connection: a request for a file, or a stream.
 class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client> {
  public:
-  Client(Impl& server, tcp::socket socket) : server_(server), stream_(std::move(socket)) {}
+  Client(Impl& server, tcp::socket socket)
+      : number(server.accepted++), server_(server), stream_(std::move(socket)) {}
 
   void run() {
     beast::get_lowest_layer(stream_).expires_after(request_time);
@@ -166,6 +170,23 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
     beast::error_code ignored;
     beast::get_lowest_layer(stream_).socket().close(ignored);
   }
+  /// Whether a newcomer is more important: a stream that subscribes to nothing, or a request that is not
+  /// whole yet.
+  [[nodiscard]] bool gives_way(bool streams) const {
+    return streams ? open_ && subscriptions_.empty() : !asked_;
+  }
+  void leave() {
+    if (open_) {
+      open_ = false;
+      server_.connected.fetch_sub(1);
+      for (const auto& [id, channel] : subscriptions_) server_.subscribers[channel].fetch_sub(1);
+      subscriptions_.clear();
+    }
+    close();
+    server_.clients.erase(shared_from_this());
+  }
+
+  const std::uint64_t number;  ///< in the order of connecting
 
  private:
   struct Message {
@@ -175,6 +196,7 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
 
   /// An HTTP request: a file, or the change to a stream.
   void request() {
+    asked_ = true;
     const auto& r = parser_->get();
     const auto field = [&](http::field name) {
       const auto v = r[name];
@@ -193,7 +215,7 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
         if (chosen.empty() && token == p) chosen = p;
     if (chosen.empty())
       return refuse(http::status::bad_request, "sub-protocol: foxglove.sdk.v1 or foxglove.websocket.v1\n");
-    if (server_.connected.load() >= server_.options.clients)
+    if (server_.connected.load() >= server_.options.clients && !server_.make_room(true))
       return refuse(http::status::service_unavailable, "too many clients\n");
     beast::get_lowest_layer(stream_).expires_never();
     stream_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
@@ -449,17 +471,6 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
                           if (!self->queue_.empty()) self->write();
                         });
   }
-  void leave() {
-    if (open_) {
-      open_ = false;
-      server_.connected.fetch_sub(1);
-      for (const auto& [id, channel] : subscriptions_) server_.subscribers[channel].fetch_sub(1);
-      subscriptions_.clear();
-    }
-    close();
-    server_.clients.erase(shared_from_this());
-  }
-
   Impl& server_;
   websocket::stream<beast::tcp_stream> stream_;
   beast::flat_buffer buffer_{largest_request + 8192};
@@ -468,6 +479,7 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
   std::map<std::uint32_t, std::uint32_t> subscriptions_;
   std::set<std::string> parameters_;
   bool all_parameters_ = false, open_ = false;
+  bool asked_ = false;  ///< its request is whole
   std::deque<Message> queue_;
   std::size_t queued_ = 0;
 };
@@ -477,7 +489,8 @@ void FoxgloveServer::Impl::accept() {
     if (e == asio::error::operation_aborted) return;
     if (!e) {
       socket.set_option(tcp::no_delay(true), e);
-      if (clients.size() < 2 * options.clients + 16) {  // those that only ask for files as well
+      if (clients.size() < 2 * options.clients + 16 ||
+          make_room(false)) {  // those that only ask for files as well
         auto client = std::make_shared<Client>(*this, std::move(socket));
         clients.insert(client);
         client->run();
@@ -487,6 +500,18 @@ void FoxgloveServer::Impl::accept() {
     }
     accept();
   });
+}
+
+/// Ends the oldest connection that gives way, so that nobody keeps a person's Stop out by connections that
+/// ask for nothing.
+bool FoxgloveServer::Impl::make_room(bool of_stream) {
+  std::shared_ptr<Client> oldest;
+  for (const auto& client : clients)
+    if (client->gives_way(of_stream) && (!oldest || client->number < oldest->number)) oldest = client;
+  if (!oldest) return false;
+  refused.fetch_add(1);
+  oldest->leave();
+  return true;
 }
 
 void FoxgloveServer::Impl::deliver(std::uint32_t channel, const Shared& message) {
@@ -579,15 +604,21 @@ ServerStatistics FoxgloveServer::statistics() const noexcept {
   const Impl& i = *impl_;
   return {i.connected.load(), i.sent.load(), i.dropped.load(), i.refused.load(), i.nonsense.load()};
 }
-void FoxgloveServer::stop() noexcept {
+void FoxgloveServer::stop(const std::string& words) noexcept {
   Impl& i = *impl_;
   if (!i.thread.joinable()) return;
-  asio::post(i.io, [&i] {
+  asio::steady_timer sent(i.io);
+  asio::post(i.io, [&] {
     beast::error_code ignored;
     i.acceptor.close(ignored);
     const auto now = i.clients;
-    for (const auto& client : now) client->close();
-    i.io.stop();
+    for (const auto& client : now)
+      if (!words.empty()) client->say({{"op", "status"}, {"level", 1}, {"message", words}, {"id", "ended"}});
+    sent.expires_after(std::chrono::milliseconds(words.empty() ? 0 : 100));
+    sent.async_wait([&i, now](beast::error_code) {
+      for (const auto& client : now) client->close();
+      i.io.stop();
+    });
   });
   i.thread.join();
   i.clients.clear();

@@ -57,7 +57,8 @@ struct ServerOptions {
   bool allow_control = false;         ///< services that control, parameters
   std::size_t queued = std::size_t(1)
                        << 20;  ///< bytes that may wait for one client; more are dropped and counted
-  std::size_t clients = 32;    ///< at once
+  std::size_t clients =
+      32;  ///< streams at once; a newcomer takes the place of the oldest that subscribes to nothing
   std::map<std::string, PageFile> files;  ///< by path, "/" for the page
   std::map<std::string, std::string>
       folders;  ///< "/three/": the folder of this computer whose files are served there
@@ -106,8 +107,8 @@ class FoxgloveServer {
   /// A parameter has changed by itself: clients are told.
   void set_parameter(const std::string& name, double value);
   [[nodiscard]] ServerStatistics statistics() const noexcept;
-  /// Ends all connections and the thread.
-  void stop() noexcept;
+  /// Ends all connections and the thread; `words` [optional] say why, to all that are connected, 0.1 s before.
+  void stop(const std::string& words = {}) noexcept;
 
  private:
   struct Impl;

@@ -32,7 +32,7 @@ std::vector<std::pair<int, std::vector<std::uint8_t>>> cut(ur5::Framer& framer,
   return out;
 }
 
-/// The datagram that PROTOCOL.md prints.
+/// A datagram of version 1.
 const std::vector<std::uint8_t> example = {
     0x53, 0x4b, 0x49, 0x4e, 0x01, 0x00, 0x01, 0x00, 0x2a, 0x00, 0x00, 0x00, 0x00, 0xca, 0x9a, 0x3b,
     0x00, 0x00, 0x00, 0x00, 0x07, 0x00, 0x00, 0x00, 0x00, 0xc1, 0x5d, 0x3b, 0x00, 0x00, 0x00, 0x00,
@@ -118,13 +118,14 @@ TEST_CASE("driver: settings that cannot work are refused") {
   CHECK_THROWS(ur5::Driver(config));
 }
 
-TEST_CASE("skin datagram: the documented example is read as documented") {
+TEST_CASE("skin datagram: version 1 is read as documented") {
   skin::Datagram d;
   REQUIRE(skin::parse(example, d));
   CHECK(d.sequence == 42);
   CHECK(d.sent == 1s);
   REQUIRE(d.count() == 1);
-  const auto s = d.sample(0);
+  REQUIRE(d.is<skinctl::Hexagon>());
+  const auto s = d.sample<skinctl::Hexagon>(0);
   CHECK(s.cell == 7);
   CHECK(s.time == 996ms);
   CHECK(s.force == std::array<float, 3>{0.125f, 0.25f, 0.125f});
@@ -155,7 +156,8 @@ TEST_CASE("skin datagram: any other length, magic, version or count is refused; 
       bytes[static_cast<std::size_t>(random.index(static_cast<int>(bytes.size())))] =
           static_cast<std::uint8_t>(random.bits());
     if (!skin::parse(bytes, d)) continue;
-    const auto s = d.sample(0);
+    REQUIRE(d.is<skinctl::Hexagon>());
+    const auto s = d.sample<skinctl::Hexagon>(0);
     if (skin::plausible(s, d, 100ms)) {
       CHECK(s.force[0] >= 0);
       CHECK(s.force[0] <= 1);

@@ -1,4 +1,11 @@
 // The Allegro hand's frames and datagrams, byte by byte as the makers' guides and drivers have them.
+//
+// Promise: what an Allegro hand and its driver say to each other is what the maker's tables say; any
+// bytes are survived
+// Tried: V4, V5, V5 Sense, both sides, over a socket pair, slcan on a pseudo-terminal, UDP, and SocketCAN
+// in User-Mode Linux; 200 000 frames, 50 000 datagrams, 300 000 characters. Also:
+// `examples/simulated_allegro/tests`
+
 #include <doctest/doctest.h>
 
 #include <random>

@@ -1,4 +1,9 @@
 // The UR driver against the simulated robot: connecting, power, protective stops, inputs, reconnection, versions.
+//
+// Promise: the UR driver powers up by dashboard or REST, releases a protective stop on request only, and
+// connects again after a restart only when told to
+// Tried: against the simulated robot; torques are refused below 5.23 and 10.11
+
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -171,6 +176,41 @@ TEST_CASE("UR driver: a protective stop is explained, and released on request on
   CHECK(hold(consented, 5) == Heard::state);
 }
 
+TEST_CASE("UR driver: words name the cause that it knows") {
+  SimulatedUr5 robot(robot_config(true));
+  robot.start();
+  {
+    Driver driver(driver_config(robot));
+    driver.connect();
+    REQUIRE(hold(driver, 5) == Heard::state);
+    robot.call([](auto& c) { c.run("def other():\n  sleep(20)\nend\n"); });
+    for (int k = 0; k < 60 && driver.fault() == Fault::none; ++k) static_cast<void>(hold(driver, 1));
+    CHECK(driver.fault() == Fault::program_ended);
+    CHECK_MESSAGE(driver.error().find("another program plays in its place") != std::string::npos,
+                  driver.error());
+  }
+  auto config = driver_config(robot);
+  config.told_port = 9;  // nobody listens there
+  config.connect_timeout = Timeout(300);
+  const auto why = [&] {
+    try {
+      Driver(config).connect();
+    } catch (const ConnectionError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  }();
+  CHECK_MESSAGE(why.find("did not connect back within 300 ms to 127.0.0.1:9") != std::string::npos, why);
+  for (const char* cause : {"the robot reaches this computer", "firewall", "refused the program"})
+    CHECK(why.find(cause) != std::string::npos);
+  adapters::ur5::RtdeClient client;
+  client.connect("127.0.0.1", robot.ports().rtde, Timeout(1000));
+  CHECK_THROWS_WITH_AS(
+      static_cast<void>(client.outputs(125, "timestamp,no_such_output,actual_q", "DOUBLE,DOUBLE,DOUBLE")),
+      doctest::Contains("does not offer the outputs no_such_output, actual_q (as VECTOR6D)"),
+      ConnectionError);
+}
+
 TEST_CASE("UR driver: after a controller restart it connects again, and only then goes on") {
   auto robot = std::make_unique<SimulatedUr5>(robot_config(true));
   robot->start();
@@ -267,3 +307,33 @@ TEST_CASE("UR driver: PolyScope X is powered by REST, and a refusal is told") {
 }
 
 TEST_SUITE_END();
+
+TEST_CASE("Driver: asks for what the motors give only if it is told to, and names outputs that are missing") {
+  auto config = robot_config(true, simulated_ur5::Series::e_series);
+  SimulatedUr5 robot(config);
+  robot.start();
+  auto c = driver_config(robot);
+  c.real_time = false;
+  for (const MotorOutput motors : {MotorOutput::none, MotorOutput::current, MotorOutput::torque}) {
+    c.motors = motors;
+    Driver driver(c);
+    driver.connect();
+    CHECK(hold(driver, 20) == Heard::state);
+    CHECK(driver.motors_in_newton_metres() == (motors == MotorOutput::torque));
+    const auto& m = driver.report().motors;
+    CHECK((std::abs(m[1]) > 1) == (motors != MotorOutput::none));  // it holds the upper arm's weight
+  }
+  RtdeClient client;
+  client.connect(c.host, c.rtde_port, Timeout(2000));
+  const auto words = [&](const char* names, const char* types) -> std::string {
+    try {
+      static_cast<void>(client.outputs(125, names, types));
+    } catch (const ConnectionError& e) {
+      return e.what();
+    }
+    return {};
+  };
+  CHECK(words("timestamp,actual_q", "DOUBLE,VECTOR6D").empty());
+  CHECK(words("timestamp,of_no_robot,actual_q,nor_this", "DOUBLE,DOUBLE,VECTOR6D,DOUBLE")
+            .find("does not offer the outputs of_no_robot, nor_this") != std::string::npos);
+}

@@ -1,4 +1,8 @@
 // What a peer that is no robot may say: RTDE, dashboard and REST answers, by chance and by mutation.
+//
+// Promise: answers of RTDE, dashboard and REST, however damaged, are an error or are read
+// Tried: 900 connections, 20 000 texts
+
 #include <doctest/doctest.h>
 
 #include <thread>

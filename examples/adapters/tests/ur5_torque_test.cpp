@@ -1,5 +1,13 @@
 // The UR driver by torque: the simulated arm, with the friction that its controller leaves over, comes to rest at its
 // target.
+//
+// Promise: by direct torque the simulated UR5 rests at its target and stands there, also where its
+// controller compensates dry friction by the measured speed; targets that come in steps make no step of
+// jerk
+// Tried: without learning 1.80 degrees beside it, and 0.75 with 80 % compensated; with learnt friction
+// 0.05 in both, moving by 0.009; positions 50 times a second: the reference's jerk stays below 40
+// rad/s^3. Also: program `ur5_torque_study`
+
 #include <doctest/doctest.h>
 
 #include "examples/adapters/tests/under_torque.hpp"

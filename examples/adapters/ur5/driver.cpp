@@ -42,7 +42,7 @@ void Driver::connect() {
     if (config_.interface == skinctl::Interface::torque && !rtde_.version().takes_torques())
       throw ConnectionError("the controller's version " + rtde_.version().text() +
                             " takes no torques: 5.23 or later, PolyScope X 10.11 or later");
-    recipe_ = rtde_.outputs(config_.rate, Report::recipe, Report::types);
+    subscribe();
     try {
       inputs_ = rtde_.inputs(
           "speed_slider_mask,speed_slider_fraction,standard_digital_output_mask,"
@@ -72,6 +72,16 @@ void Driver::connect() {
   running_ = true;
 }
 
+void Driver::subscribe() {
+  std::string names = Report::recipe, types = Report::types;
+  if (config_.tool) names += ",actual_TCP_pose", types += ",VECTOR6D";
+  if (config_.motors != MotorOutput::none) {
+    names += motors_in_newton_metres() ? ",actual_current_as_torque" : ",actual_current";
+    types += ",VECTOR6D";
+  }
+  recipe_ = rtde_.outputs(config_.rate, names, types);
+}
+
 bool Driver::by_rest() const noexcept {
   return config_.panel == PanelKind::rest ||
          (config_.panel == PanelKind::automatic && rtde_.version().is_polyscope_x());
@@ -79,7 +89,7 @@ bool Driver::by_rest() const noexcept {
 
 bool Driver::is_state(const Package& p, Report& report) const noexcept {
   return p.type == package::data && !p.payload.empty() && p.payload[0] == recipe_ &&
-         report.decode(p.payload.subspan(1));
+         report.decode(p.payload.subspan(1), {config_.tool, config_.motors != MotorOutput::none});
 }
 
 void Driver::refresh() {
@@ -158,7 +168,15 @@ void Driver::upload() {
   if (!script_.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()},
                      config_.connect_timeout))
     throw ConnectionError("the robot's script interface hung up");
-  reverse_.accept(acceptor, script_.remote_address(), "the program on the robot", config_.connect_timeout);
+  try {
+    reverse_.accept(acceptor, script_.remote_address(), "the program on the robot", config_.connect_timeout);
+  } catch (const ConnectionError& e) {
+    throw ConnectionError(
+        std::string(e.what()) + " to " + settings.address + ":" + std::to_string(settings.port) +
+        ". Is that the address by which the robot reaches this computer, does a firewall here close the "
+        "port, or has the controller refused the program (see the log at its panel; it may not be in remote "
+        "control)?");
+  }
   // Hold still until the first command, which may take as long as the loop takes to start.
   if (!reverse_.write(message(2000, {}, mode::idle), config_.connect_timeout))
     throw ConnectionError("the program on the robot hung up");

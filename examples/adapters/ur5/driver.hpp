@@ -21,6 +21,13 @@ enum class PanelKind : unsigned char {
   rest
 };
 
+/// What is asked of the motors besides the state.
+enum class MotorOutput : unsigned char {
+  none,
+  current,  ///< actual_current [A]
+  torque    ///< actual_current_as_torque [N m] of a controller that has it, else actual_current
+};
+
 /// Where the robot is, and how to talk to it.
 struct DriverConfig {
   std::string host = "127.0.0.1";
@@ -34,6 +41,8 @@ struct DriverConfig {
   double rate = 125;            ///< of states and commands: 125 on CB3, up to 500 on e-Series [1/s]
   skinctl::Interface interface = skinctl::Interface::position;
   PanelKind panel = PanelKind::automatic;
+  bool tool = false;  ///< the pose of the tool's point is asked for, too
+  MotorOutput motors = MotorOutput::none;
   bool power_up = true;  ///< switch the arm on and release its brakes
   bool unlock = false;   ///< the user's consent to release a protective stop while connecting
   TorqueSettings torque{};
@@ -85,6 +94,10 @@ class Driver {
   [[nodiscard]] const std::string& error() const noexcept { return error_; }
   /// The newest report of the robot.
   [[nodiscard]] const Report& report() const noexcept { return report_; }
+  /// Whether `report().motors` are torques at the joints [N m], not currents [A].
+  [[nodiscard]] bool motors_in_newton_metres() const noexcept {
+    return config_.motors == MotorOutput::torque && rtde_.version().takes_torques();
+  }
   /// The robot's clock at the newest report, in whole microseconds.
   [[nodiscard]] skinctl::Nanoseconds clock() const noexcept;
   /// Version of the controller, as it says.
@@ -107,6 +120,7 @@ class Driver {
  private:
   bool send(skinctl::Interface interface, const double (&numbers)[6]) noexcept;
   void power_up();
+  void subscribe();
   void refresh();
   void act(const char* dashboard_command, const char* rest_action);
   void upload();

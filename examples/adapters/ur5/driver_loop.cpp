@@ -153,8 +153,13 @@ bool Driver::send(skinctl::Interface interface, const double (&numbers)[6]) noex
   // A program that has ended closes the socket, and the states may not have told yet why.
   skinctl::State<6> last;
   const auto deadline = Clock::now() + 4 * config_.silence;
-  while (fault_ == Fault::none && Clock::now() < deadline)
-    if (wait(last) != Heard::state) break;
+  bool heard = true;
+  while (fault_ == Fault::none && heard && Clock::now() < deadline) heard = wait(last) == Heard::state;
+  std::array<std::uint8_t, 16> said{};
+  std::size_t count = 0;
+  const bool closed = reverse_.read_some(said, count, Timeout(0)) == Read::closed;
+  if (closed && heard && report_.runtime_state == 2)
+    static_cast<void>(fail(Fault::program_ended, "another program plays in its place"));
   static_cast<void>(fail(Fault::commands_refused));
   return false;
 }

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "examples/support/job.hpp"
+#include "examples/support/exit.hpp"
 
 namespace adapters::ur5 {
 

@@ -60,8 +60,8 @@ std::optional<Package> Framer::next() noexcept {
   return package;
 }
 
-bool Report::decode(std::span<const std::uint8_t> payload) noexcept {
-  if (payload.size() != bytes) return false;
+bool Report::decode(std::span<const std::uint8_t> payload, const ReportExtras& extras) noexcept {
+  if (payload.size() != bytes + (extras.tool ? 48 : 0) + (extras.motors ? 48 : 0)) return false;
   PayloadReader in(payload);
   timestamp = in.f64();
   for (double& x : q) x = in.f64();
@@ -73,7 +73,10 @@ bool Report::decode(std::span<const std::uint8_t> payload) noexcept {
   for (double& x : told) x = in.f64();
   slider = in.f64();
   for (double& x : wrench) x = in.f64();
-  for (double& x : current) x = in.f64();
+  if (extras.tool)
+    for (double& x : tool) x = in.f64();
+  if (extras.motors)
+    for (double& x : motors) x = in.f64();
   return in.ok();
 }
 bool Report::finite() const noexcept {

@@ -74,6 +74,12 @@ class Framer {
   bool broken_ = false;
 };
 
+/// What is asked for besides what every driver reads.
+struct ReportExtras {
+  bool tool = false;    ///< pose of the tool's point
+  bool motors = false;  ///< currents or torques
+};
+
 /// What the driver reads in every cycle.
 struct Report {
   double timestamp = 0;             ///< the controller's clock [s]
@@ -82,21 +88,22 @@ struct Report {
   std::int32_t safety_mode = 0;     ///< 1: normal, 2: reduced; 3 and more: stopped
   std::uint32_t runtime_state = 0;  ///< 2: a program is playing
   std::uint64_t digital_outputs = 0;
-  std::array<double, 6> told{};     ///< where the controller was told to be [rad]
-  double slider = 1;                ///< where the speed slider stands, 0 to 1
-  std::array<double, 6> wrench{};   ///< at the tool, as the controller estimates or measures it [N], [N m]
-  std::array<double, 6> current{};  ///< of the motors [A]
+  std::array<double, 6> told{};    ///< where the controller was told to be [rad]
+  double slider = 1;               ///< where the speed slider stands, 0 to 1
+  std::array<double, 6> wrench{};  ///< at the tool, as the controller estimates or measures it [N], [N m]
+  std::array<double, 6> tool{};    ///< pose of the tool's point [m], rotation vector; 0 if not asked for
+  std::array<double, 6> motors{};  ///< currents [A] or torques [N m], as asked for; else 0
 
   static constexpr const char* recipe =
       "timestamp,actual_q,actual_qd,robot_mode,safety_mode,runtime_state,actual_digital_output_bits,target_q,"
-      "target_speed_fraction,actual_TCP_force,actual_current";
+      "target_speed_fraction,actual_TCP_force";
   static constexpr const char* types =
-      "DOUBLE,VECTOR6D,VECTOR6D,INT32,INT32,UINT32,UINT64,VECTOR6D,DOUBLE,VECTOR6D,VECTOR6D";
-  static constexpr std::size_t bytes = 8 + 48 + 48 + 4 + 4 + 4 + 8 + 48 + 8 + 48 + 48;
+      "DOUBLE,VECTOR6D,VECTOR6D,INT32,INT32,UINT32,UINT64,VECTOR6D,DOUBLE,VECTOR6D";
+  static constexpr std::size_t bytes = 8 + 48 + 48 + 4 + 4 + 4 + 8 + 48 + 8 + 48;
   /// Whether the measured joints are numbers.
   [[nodiscard]] bool finite() const noexcept;
-  /// From a data package's payload behind the recipe id; false if it is too short.
-  bool decode(std::span<const std::uint8_t> payload) noexcept;
+  /// From a data package's payload behind the recipe id; false if it is of another size.
+  bool decode(std::span<const std::uint8_t> payload, const ReportExtras& extras = {}) noexcept;
 };
 
 /// Types of packages.

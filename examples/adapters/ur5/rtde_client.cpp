@@ -1,9 +1,30 @@
 #include "examples/adapters/ur5/rtde_client.hpp"
 
+#include <sstream>
+
 namespace adapters::ur5 {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// The part of a list before its first comma, which it loses.
+std::string_view take_word(std::string_view& list) {
+  const auto comma = list.find(',');
+  const std::string_view word = list.substr(0, comma);
+  list.remove_prefix(comma == std::string_view::npos ? list.size() : comma + 1);
+  return word;
+}
+/// The outputs that a controller does not offer as it was asked, by name.
+std::string missing(std::string_view names, std::string_view types, std::string_view offered) {
+  std::string out;
+  while (!names.empty()) {
+    const std::string_view name = take_word(names), type = take_word(types), got = take_word(offered);
+    if (type == got) continue;
+    out += (out.empty() ? "" : ", ") + std::string(name);
+    if (got != "NOT_FOUND") out += got.empty() ? " (no type)" : " (as " + std::string(got) + ")";
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -30,7 +51,8 @@ std::uint8_t RtdeClient::outputs(double rate, const std::string& names, const st
   const std::uint8_t id = in.u8();
   const std::string offered = in.rest();
   if (id == 0 || offered != types)
-    throw ConnectionError("the robot does not offer what is needed: asked for " + names + ", got " + offered);
+    throw ConnectionError("the robot's controller " + version_.text() + " does not offer the outputs " +
+                          missing(names, types, offered));
   return id;
 }
 

@@ -1,3 +1,9 @@
+// Promise: lights of cells are found in images where they are, each with its id; what is not surely read
+// is left out
+// Tried: codes: all ids, all pairs of wrong bits, bursts of four; 60 lights under lamps: 0.03 pixels rms,
+// with three times the noise and a third mirrored 0.07; lights 3 pixels apart, images of another kind; a
+// pose in one view by OpenCV with a third read wrong: 2 mm, 0.7 deg
+
 #include "examples/adapters/camera/lights.hpp"
 
 #include <doctest/doctest.h>

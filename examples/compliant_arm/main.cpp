@@ -1,0 +1,131 @@
+// compliant_arm: a stiff industrial arm by position gives way at its tool. KUKA by RSI, FANUC by stream motion.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+#include <map>
+
+#include "examples/adapters/socket.hpp"
+#include "examples/compliant_arm/run.hpp"
+#include "skinctl/core/contract.hpp"
+#include "skinctl/io/formatted.hpp"
+
+namespace {
+
+using namespace compliant_arm;
+using examples::job::Exit;
+
+std::string json(Exit end, const RunLog& log) {
+  std::string pushes;
+  for (const PushSummary& p : log.pushes)
+    pushes += skinctl::formatted("%s{\"at\": %.2f, \"force\": %.1f, \"moved_mm\": %.1f, \"left_mm\": %.2f}",
+                                 pushes.empty() ? "" : ", ", p.start, p.force, 1e3 * p.moved, 1e3 * p.left);
+  const auto n = [](std::uint64_t x) { return static_cast<unsigned long long>(x); };
+  return skinctl::formatted(
+             "{\"exit\": %d, \"cycles\": %llu, \"silent\": %llu, \"lost\": %llu, \"doubled\": %llu, "
+             "\"late\": %llu, \"late_there\": %llu, \"felt_kg\": %.1f, \"cycle_us\": %.1f, ",
+             examples::job::code(end), n(log.cycles), n(log.silent), n(log.counts.lost),
+             n(log.counts.doubled), n(log.counts.late), n(log.counts.late_there), log.felt_mass,
+             log.cycle_us) +
+         "\"pushes\": [" + pushes + "]}\n";
+}
+
+void print(const RunLog& log) {
+  std::printf("\n  push at [s]  force [N]  moved [mm]  left after 2 s [mm]\n");
+  for (const PushSummary& p : log.pushes)
+    std::printf("  %11.2f %10.1f %11.1f %20.2f\n", p.start, p.force, 1e3 * p.moved, 1e3 * p.left);
+  const auto n = [](std::uint64_t x) { return static_cast<unsigned long long>(x); };
+  std::printf(
+      "\n  cycles %llu, without a state %llu; datagrams lost %llu, twice %llu, overtaken %llu, passed over "
+      "%llu, "
+      "nonsense %llu\n  answers late here %llu, late at the controller %llu\n"
+      "  commands at most %.0f, %.0f and %.0f %% of their limits of velocity, acceleration and jerk\n"
+      "  a cycle %.1f us in the median, %.1f us at most; from a datagram to its answer at most %.0f us\n",
+      n(log.cycles), n(log.silent), n(log.counts.lost), n(log.counts.doubled), n(log.counts.overtaken),
+      n(log.counts.skipped), n(log.counts.nonsense), n(log.counts.late), n(log.counts.late_there),
+      100 * log.peak[0], 100 * log.peak[1], 100 * log.peak[2], log.cycle_us, log.cycle_max_us,
+      log.load_max_us);
+}
+
+int run(int argc, char** argv) {
+  Settings s;
+  s.urdf = COMPLIANT_ARM_URDF;
+  CLI::App app{
+      "A stiff industrial arm by position gives way to pushes on its tool, felt by a sensor in its wrist, "
+      "and comes "
+      "back. The controller is the clock: KUKA's RSI, FANUC's stream motion. Without an address it is "
+      "simulated."};
+  app.footer(examples::job::exit_help());
+  std::string bind, host;
+  bool simulate = false, relative = false;
+  double period = 4;
+  std::optional<double> delay, lag;
+  app.add_flag("--simulate", simulate, "a simulated controller in this process (the default)");
+  app.add_option("--robot", s.robot, "rsi or stream_motion")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Robot>{{"rsi", Robot::rsi}, {"stream_motion", Robot::stream_motion}}));
+  app.add_option("--bind", bind, "RSI: this computer's address, IP_NUMBER of the controller's configuration");
+  app.add_option("--port", s.rsi.port, "RSI: PORT of that configuration");
+  app.add_option("--from", s.rsi.from, "RSI: the controller's address; others are not heard");
+  app.add_option("--type", s.rsi.type, "RSI: SENTYPE of that configuration");
+  app.add_option("--period", period, "RSI: 4 (#IPO_FAST) or 12 (#IPO) [ms]")->check(CLI::Range(1.0, 100.0));
+  app.add_flag("--relative", relative, "RSI: corrections for RSI_ON(#RELATIVE)");
+  app.add_option("--max-correction", s.rsi.max_correction, "RSI: of AXISCORR and AXISCORRMON [deg]");
+  app.add_option("--host", host, "stream motion: the controller's address");
+  app.add_option("--urdf", s.urdf, "of an arm with six joints, the last of which carries the sensor");
+  app.add_option("--delay", delay, "of the arm [s]; identify_robot measures it")->check(CLI::Range(0.0, 0.5));
+  app.add_option("--lag", lag, "of the arm [s]")->check(CLI::Range(0.0, 0.5));
+  app.add_option("--share", s.speed_share, "of the robot's limits that is used")
+      ->check(CLI::Range(0.01, 1.0));
+  app.add_option("--threshold", s.threshold, "force that is no touch [N]")->check(CLI::Range(0.1, 100.0));
+  app.add_option("--duration", s.duration, "[s]")->check(CLI::Range(0.1, 1e6));
+  app.add_option("--speed", s.simulation.speed, "of the simulation: 1 real time, 0 as fast as it goes")
+      ->check(CLI::IsMember({0.0, 1.0}));
+  app.add_option("--json", s.json, "summary as JSON");
+  app.add_flag("--quiet", s.quiet, "print errors only");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
+  }
+  s.simulate = bind.empty() && host.empty();
+  if (simulate && !s.simulate) skinctl::refuse("--simulate and a real controller's address: one of them");
+  if (!bind.empty() && s.robot != Robot::rsi) skinctl::refuse("--bind is for --robot rsi");
+  if (!host.empty() && s.robot != Robot::stream_motion)
+    skinctl::refuse("--host is for --robot stream_motion");
+  if (!bind.empty()) s.rsi.bind = bind;
+  s.stream_motion.host = host;
+  if (relative) s.rsi.correction = s.rsi_controller.correction = adapters::rsi::Correction::relative;
+  s.rsi.period = skinctl::nanoseconds(1e-3 * period);
+  s.rsi_controller.period = 1e-3 * period;
+  s.rsi_controller.ipoc_per_cycle = static_cast<std::uint64_t>(period);
+  simulate_by_default(s);
+  s.delay = delay.value_or(s.delay);
+  s.lag = lag.value_or(s.lag);
+
+  const examples::job::StopSignals signals;
+  RunLog log;
+  const Exit end = run(s, signals.asked(), log);
+  if (!s.quiet) print(log);
+  if (!s.json.empty()) {
+    std::ofstream out(s.json);
+    if (!(out << json(end, log)).flush()) throw skinctl::ConfigurationError("cannot write " + s.json);
+  }
+  if (end != Exit::fine)
+    std::fprintf(stderr, "compliant_arm: %s%s%s\n", examples::job::words(end), log.reason.empty() ? "" : ": ",
+                 log.reason.c_str());
+  return examples::job::code(end);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const skinctl::ConfigurationError& e) {
+    std::fprintf(stderr, "compliant_arm: %s\n", e.what());
+    return examples::job::code(Exit::refused);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "compliant_arm: %s\n", e.what());
+    return examples::job::code(Exit::lost);
+  }
+}

@@ -1,0 +1,62 @@
+// A stiff industrial arm by position gives way at its tool: one run.
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "examples/adapters/rsi/rsi.hpp"
+#include "examples/adapters/stream_motion/stream_motion.hpp"
+#include "examples/simulated_arm/rsi.hpp"
+#include "examples/simulated_arm/stream_motion.hpp"
+#include "examples/support/job.hpp"
+
+namespace compliant_arm {
+
+enum class Robot : unsigned char { rsi, stream_motion };
+
+struct Settings {
+  Robot robot = Robot::rsi;
+  bool simulate = true;
+  adapters::rsi::Options rsi;
+  adapters::stream_motion::Options stream_motion;
+  std::string urdf;            ///< six joints
+  double delay = 0.012;        ///< from an answer until the arm begins to move, with the age of a state [s]
+  double lag = 0.03;           ///< time constant of the arm's servo [s]
+  double speed_share = 0.5;    ///< of the limits of velocity, acceleration and jerk that URDF and robot state
+  double acceleration = 4;     ///< at most [rad/s^2]
+  double jerk = 80;            ///< at most [rad/s^3]
+  double threshold = 3;        ///< force that is no touch [N]
+  double stiffest_hand = 1e4;  ///< that pushes the tool [N/m]
+  double heaviest_hand = 10;   ///< [kg]
+  double duration = 8;         ///< [s]
+  bool quiet = false;
+  std::string json;  ///< file for a summary; empty: none
+  simulated_arm::Config simulation;
+  simulated_arm::RsiConfig rsi_controller;
+  simulated_arm::StreamMotionConfig stream_motion_controller;
+};
+/// Delays of the simulated arm, and two pushes.
+void simulate_by_default(Settings& settings);
+
+struct PushSummary {
+  double start = 0, force = 0;  ///< [s], [N]
+  double moved = 0;             ///< way of the flange [m]
+  double left = 0;              ///< distance from where it was, 2 s after the push [m]
+};
+struct RunLog {
+  std::vector<PushSummary> pushes;
+  adapters::ClockFault fault = adapters::ClockFault::none;
+  adapters::ClockCounts counts;
+  std::string reason;            ///< in words; empty: it ended as asked
+  double felt_mass = 0;          ///< of the tool [kg]
+  std::array<double, 3> peak{};  ///< velocity, acceleration, jerk of the commands over their limits
+  std::uint64_t cycles = 0, silent = 0;
+  double cycle_us = 0, cycle_max_us = 0, load_max_us = 0;
+  simulated_arm::Snapshot last;  ///< of the simulated arm
+};
+
+/// Throws `ConfigurationError` for what is refused, `ConnectionError` for a controller that cannot be reached.
+examples::job::Exit run(const Settings& settings, const std::atomic<bool>& stop, RunLog& log);
+
+}  // namespace compliant_arm

@@ -1,0 +1,112 @@
+// What goes wrong between the job of a stiff arm and its controller, and how it must end.
+#pragma once
+
+#include <vector>
+
+#include "examples/adapters/socket.hpp"
+#include "examples/compliant_arm/run.hpp"
+#include "skinctl/core/contract.hpp"
+
+namespace compliant_arm::faults {
+
+using examples::job::Exit;
+using simulated_arm::Faults;
+
+inline constexpr double at = 0.6;  ///< when it goes wrong [s]
+
+struct Row {
+  Robot robot;
+  const char* name;
+  Settings settings;
+  Exit expected;
+  const char* reason = "";  ///< in the job's words
+};
+
+inline Settings settings_of(Robot robot) {
+  Settings s;
+  s.robot = robot;
+  s.urdf = COMPLIANT_ARM_URDF;
+  simulate_by_default(s);
+  s.simulation.pushes = {{.start = 0.4, .duration = 1.2, .force = {0, 0, 40}}};
+  s.simulation.faults.from = at;
+  s.quiet = true;
+  s.duration = 1.5;
+  return s;
+}
+inline std::vector<Row> rows() {
+  std::vector<Row> out;
+  const auto row = [&](Robot robot, const char* name, Exit expected, const char* reason, auto&& change) {
+    Row r{robot, name, settings_of(robot), expected, reason};
+    change(r.settings);
+    out.push_back(std::move(r));
+  };
+  const auto fault = [](auto Faults::* what, auto value) {
+    return [what, value](Settings& s) { s.simulation.faults.*what = value; };
+  };
+  const char* silent = "the controller has fallen silent";
+  for (const Robot robot : {Robot::rsi, Robot::stream_motion}) {
+    const bool kuka = robot == Robot::rsi;
+    row(robot, "1 % of its datagrams lost", Exit::fine, "", fault(&Faults::lose, 0.01));
+    row(robot, "10 % of its datagrams lost", Exit::fine, "", fault(&Faults::lose, 0.1));
+    row(robot, "1 % of the answers lost", Exit::fine, "", fault(&Faults::lose_answers, 0.01));
+    row(robot, "every datagram twice", Exit::fine, "", fault(&Faults::twice, 1.0));
+    row(robot, "a tenth of the datagrams behind the next one", Exit::fine, "", fault(&Faults::swap, 0.1));
+    const auto damaged = [](Settings& s) { s.simulation.faults.cut = s.simulation.faults.garbled = 0.05; };
+    row(robot, "5 % of the datagrams cut, 5 % noise", Exit::fine, "", damaged);
+    row(robot, "every datagram is noise", Exit::lost, silent, fault(&Faults::garbled, 1.0));
+    row(robot, "every answer two cycles late", kuka ? Exit::lost : Exit::halted,
+        kuka ? "the controller counts answers as late" : "they came late",
+        fault(&Faults::late_answers, kuka ? 0.008 : 0.016));
+    row(robot, "the cable is cut, or the controller ends", Exit::lost, silent, fault(&Faults::silent_at, at));
+    row(robot, "emergency stop", kuka ? Exit::lost : Exit::halted,
+        kuka ? silent : "the robot takes no more motion", fault(&Faults::halted_at, at));
+    row(robot, "its program begins anew: numbers go back", Exit::implausible, "went back or leapt",
+        fault(&Faults::restart_at, at));
+    row(robot, "it answers nothing", Exit::lost, "", fault(&Faults::mute, true));
+  }
+  row(Robot::rsi, "fewer than six axes", Exit::refused, "another number of joints",
+      fault(&Faults::fewer_joints, true));
+  row(Robot::rsi, "another cycle than declared", Exit::refused, "grow by 12", [](Settings& s) {
+    s.rsi_controller.period = 0.012;
+    s.rsi_controller.ipoc_per_cycle = 12;
+  });
+  row(Robot::rsi, "HOLDON=0, 10 % of the answers lost", Exit::lost, "the controller", [](Settings& s) {
+    s.rsi_controller.hold_on = false;
+    s.simulation.faults.lose_answers = 0.1;
+  });
+  row(Robot::rsi, "relative corrections, 10 % of the answers lost", Exit::lost, "one is missing",
+      [](Settings& s) {
+        s.rsi.correction = s.rsi_controller.correction = adapters::rsi::Correction::relative;
+        s.simulation.faults.lose_answers = 0.1;
+      });
+  row(Robot::rsi, "AXISCORRMON tighter than declared", Exit::lost, silent,
+      [](Settings& s) { s.rsi_controller.axis_corr_mon = 0.5; });
+  row(Robot::stream_motion, "tables of jerk and acceleration tighter than those it states", Exit::halted,
+      "perhaps a limit of jerk", [](Settings& s) { s.stream_motion_controller.strictness = 0.01; });
+  return out;
+}
+
+struct Ran {
+  Exit exit{};
+  RunLog log;
+};
+/// With the exit code and the words of the program.
+inline Ran run_row(const Row& row) {
+  Ran out;
+  try {
+    out.exit = run(row.settings, false, out.log);
+  } catch (const skinctl::ConfigurationError& e) {
+    out.exit = Exit::refused;
+    out.log.reason = e.what();
+  } catch (const adapters::ConnectionError& e) {
+    out.exit = Exit::lost;
+    out.log.reason = e.what();
+  }
+  return out;
+}
+/// From the fault until the last joint rested [s]; 0 if it rested before.
+inline double rest_of(const RunLog& log) {
+  return std::max(0.0, log.last.moved_at - at);
+}
+
+}  // namespace compliant_arm::faults

@@ -1,0 +1,96 @@
+// A simulated controller that is the clock: it sends a state each cycle, and judges the answers.
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+
+#include "examples/simulated_arm/arm.hpp"
+
+namespace simulated_arm {
+
+/// A maker's protocol and its limits.
+class Face {
+ public:
+  virtual ~Face() = default;
+  [[nodiscard]] virtual double period() const = 0;  ///< [s]
+  /// A datagram from outside; the bytes of an answer to it in `out`, 0: none.
+  virtual std::size_t hear(std::span<const std::uint8_t> bytes, Arm& arm, std::span<std::uint8_t> out) = 0;
+  /// The end of a cycle: judges its answer and moves the arm.
+  virtual void cycle(Arm& arm) = 0;
+  /// The datagram of the next cycle; 0: nobody is told.
+  virtual std::size_t state(const Arm& arm, std::span<std::uint8_t> out) = 0;
+  /// Whether this cycle's answer is there, or none is waited for.
+  [[nodiscard]] virtual bool answered() const = 0;
+  virtual void emergency_stop(Arm& arm) = 0;
+  virtual void restart() = 0;  ///< numbers begin anew
+
+  /// Why it takes no more motion; empty: it does.
+  std::string ended;
+  std::uint64_t late = 0;     ///< cycles without an answer in time
+  std::uint64_t answers = 0;  ///< that counted
+
+ protected:
+  void end(Arm& arm, std::string why) {
+    if (ended.empty()) ended = std::move(why);
+    arm.halt();
+  }
+};
+
+struct Snapshot {
+  double time = 0;  ///< of the robot [s]
+  SixJoints q{}, dq{}, told{};
+  std::string ended;
+  std::uint64_t late = 0, answers = 0, states = 0;
+  double moved_at = 0;  ///< last time at which a joint was faster than 1 mrad/s [s]
+};
+
+/// Runs a face with its own clock in a thread.
+class Controller {
+ public:
+  Controller(std::unique_ptr<Face> face, adapters::UdpSocket socket, const Config& config);
+  ~Controller() { stop(); }
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
+  [[nodiscard]] Snapshot snapshot() const;
+  [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
+  void stop();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Bytes = std::vector<std::uint8_t>;
+  void run();
+  void listen(Clock::time_point until);
+  void hear(const Bytes& bytes);
+  void tell(Bytes bytes);
+  bool happens(double share) {
+    return share > 0 && arm_.time() >= config_.faults.from && chance_(random_) < share;
+  }
+
+  std::unique_ptr<Face> face_;
+  adapters::UdpSocket socket_;
+  Config config_;
+  Arm arm_;
+  std::uint16_t port_;
+  std::minstd_rand random_{7};
+  std::uniform_real_distribution<double> chance_{0, 1};
+  struct Waiting {
+    double at;
+    Bytes bytes;
+  };
+  std::deque<Waiting> waiting_;  ///< answers that are late
+  Bytes held_;                   ///< a state that another one overtakes
+  std::uint64_t states_ = 0;
+  double moved_at_ = 0;
+  bool restarted_ = false;
+  mutable std::mutex mutex_;
+  Snapshot snapshot_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace simulated_arm

@@ -1,0 +1,80 @@
+// simulated_arm: a controller of a stiff industrial arm in a process of its own. KUKA's RSI, or FANUC's stream motion.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "examples/simulated_arm/rsi.hpp"
+#include "examples/simulated_arm/stream_motion.hpp"
+#include "examples/support/job.hpp"
+#include "skinctl/core/contract.hpp"
+
+namespace {
+
+using namespace simulated_arm;
+using examples::job::Exit;
+
+int run(int argc, char** argv) {
+  CLI::App app{
+      "A simulated controller that is the clock. By RSI it sends to a program on this computer, by stream "
+      "motion it "
+      "waits for one; both on loopback."};
+  app.footer(examples::job::exit_help());
+  std::string protocol = "rsi";
+  std::uint16_t port = 0;
+  double seconds = 1e9;
+  bool simulate = false, quiet = false;
+  Config config;
+  RsiConfig rsi;
+  StreamMotionConfig stream;
+  app.add_flag("--simulate", simulate, "a simulated arm (there is no other)");
+  app.add_option("--protocol", protocol, "rsi or stream_motion")
+      ->check(CLI::IsMember({"rsi", "stream_motion"}));
+  app.add_option("--port", port,
+                 "to send to (RSI, default 59152), or to wait at (stream motion, default 60015)");
+  app.add_option("--version", stream.version, "of stream motion; from 4 on with forces")
+      ->check(CLI::Range(3, 4));
+  app.add_option("--delay", config.delay, "from an answer to the joints [s]")->check(CLI::Range(0.0, 0.5));
+  app.add_option("--lag", config.lag, "of the joints [s]")->check(CLI::Range(0.0, 0.5));
+  app.add_flag("!--no-hold", rsi.hold_on, "RSI: HOLDON=\"0\"");
+  app.add_option("--timeout", rsi.timeout, "RSI: unanswered cycles in a row");
+  app.add_option("--duration", seconds, "[s]")->check(CLI::Range(0.1, 1e9));
+  app.add_flag("--quiet", quiet, "errors only");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
+  }
+  const examples::job::StopSignals signals;
+  const bool by_rsi = protocol == "rsi";
+  if (port == 0) port = by_rsi ? 59152 : 60015;
+  const auto controller = by_rsi ? rsi_controller(config, rsi, "127.0.0.1", port)
+                                 : stream_motion_controller(config, stream, "127.0.0.1", port);
+  examples::job::Progress progress(quiet);
+  if (!quiet) std::printf("%s 127.0.0.1:%u\n", by_rsi ? "sends to" : "waits at", port);
+  while (!signals.asked() && controller->snapshot().time < seconds) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const Snapshot s = controller->snapshot();
+    if (progress.due(s.time))
+      progress.show("%6.1f s  %llu answers, %llu missing  %s", s.time,
+                    static_cast<unsigned long long>(s.answers), static_cast<unsigned long long>(s.late),
+                    s.ended.c_str());
+  }
+  controller->stop();
+  progress.clear();
+  const Snapshot s = controller->snapshot();
+  if (!quiet)
+    std::printf("%llu states, %llu answers, %llu missing%s%s\n", static_cast<unsigned long long>(s.states),
+                static_cast<unsigned long long>(s.answers), static_cast<unsigned long long>(s.late),
+                s.ended.empty() ? "" : "; ended: ", s.ended.c_str());
+  return examples::job::code(signals.asked() ? Exit::interrupted : Exit::fine);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "simulated_arm: %s\n", e.what());
+    return examples::job::code(Exit::refused);
+  }
+}

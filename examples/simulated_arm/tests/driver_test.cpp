@@ -1,0 +1,243 @@
+// The drivers of arms that are the clock, against simulated controllers, in real time.
+#include <doctest/doctest.h>
+
+#include "examples/adapters/clocked_driver.hpp"
+#include "examples/simulated_arm/rsi.hpp"
+#include "examples/simulated_arm/stream_motion.hpp"
+#include "skinctl/core/contract.hpp"
+#include "skinctl/testing/sanitized.hpp"
+
+using namespace simulated_arm;
+using namespace adapters;
+using adapters::rsi::Correction;
+using adapters::rsi::Rsi;
+using adapters::stream_motion::StreamMotion;
+using skinctl::Heard;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+rsi::Options options(Correction correction, double max_correction = 90) {
+  rsi::Options out;
+  out.correction = correction;
+  out.max_correction = max_correction;
+  return out;
+}
+/// A driver and its controller.
+struct RsiPair {
+  explicit RsiPair(const Config& config = {}, const RsiConfig& there = {}, rsi::Options here = {},
+                   const ClockOptions& options = {}) {
+    here.port = 0;
+    Rsi protocol(here);
+    controller = rsi_controller(config, there, "127.0.0.1", protocol.socket().port());
+    driver.emplace(std::move(protocol), options);
+  }
+  std::unique_ptr<Controller> controller;
+  std::optional<ClockedDriver<Rsi>> driver;
+};
+struct StreamPair {
+  explicit StreamPair(const Config& config = {}, const StreamMotionConfig& there = {}) {
+    controller = stream_motion_controller(config, there, "127.0.0.1", 0);
+    driver.emplace(StreamMotion({.host = "127.0.0.1", .port = controller->port()}));
+  }
+  std::unique_ptr<Controller> controller;
+  std::optional<ClockedDriver<StreamMotion>> driver;
+};
+
+/// Joint 1 goes forth and back by `size`, with a velocity at the end if it is cut.
+template <class Driver>
+Heard swing(Driver& driver, double duration, double size, double omega) {
+  skinctl::State<6> state;
+  const SixJoints start = driver.newest().told;
+  skinctl::PositionCommand<6> command;
+  command.valid = true;
+  Heard heard = Heard::silent;
+  double t = 0;
+  skinctl::Nanoseconds begin{-1};
+  while (t < duration && (heard = driver.wait(state)) != Heard::lost) {
+    if (begin.count() < 0) begin = state.time;
+    t = skinctl::seconds<double>(state.time - begin);
+    for (std::size_t i = 0; i < 6; ++i) command.position[i] = start[i];
+    const double rise = std::min(1.0, t);
+    command.position[0] +=
+        size * rise * rise * rise * (10 - 15 * rise + 6 * rise * rise) * std::sin(omega * t);
+    if (!driver.send(command)) return Heard::lost;
+  }
+  return heard;
+}
+std::string refused(auto&& f) {
+  try {
+    f();
+  } catch (const skinctl::ConfigurationError& e) {
+    return std::string("refused: ") + e.what();
+  } catch (const ConnectionError& e) {
+    return std::string("lost: ") + e.what();
+  }
+  return "";
+}
+double farthest(const SixJoints& a, const SixJoints& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < 6; ++i) most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("real time");
+
+TEST_CASE("RSI: an arm is held while a scene is built, moves, and is brought to rest smoothly") {
+  for (const auto correction : {Correction::absolute, Correction::relative}) {
+    CAPTURE(int(correction));
+    Config config;
+    ClockOptions clock;
+    if (correction == Correction::relative) {  // one late answer ends it: the controller waits for each
+      config.speed = 0;
+      clock.real_time = false;
+      clock.give_up = Timeout(4000);
+    }
+    RsiPair pair(config, {.correction = correction}, options(correction), clock);
+    pair.driver->connect();
+    CHECK(pair.driver->hold_while([] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      return 7;
+    }) == 7);
+    CHECK(farthest(pair.controller->snapshot().told, Config{}.home) < 1e-6);
+    CHECK(swing(*pair.driver, 1.5, 0.2, 3) == Heard::state);  // it moves when it ends
+    const auto before = pair.controller->snapshot();
+    CHECK(std::abs(before.told[0] - Config{}.home[0]) > 0.01);
+    pair.driver->stop();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const auto after = pair.controller->snapshot();
+    CHECK(pair.driver->fault() == ClockFault::none);
+    CHECK(after.ended == "Stop was asked for");
+    // 0.6 rad/s within 0.3 s: half of the way at full speed.
+    CHECK(std::abs(after.told[0] - before.told[0]) < 0.6 * 0.3);
+    CHECK(std::abs(after.dq[0]) < 1e-3);
+  }
+}
+
+TEST_CASE("Stream motion: limits are asked, commands keep them, the last one ends the motion") {
+  StreamPair pair;
+  pair.driver->connect();
+  CHECK(pair.driver->protocol().period() == skinctl::Nanoseconds(8'000'000));
+  CHECK(pair.driver->protocol().limits()[0][2] == doctest::Approx(180 * 3.14159265 / 180));
+  CHECK(pair.driver->protocol().limits()[2][0] == doctest::Approx(1920 * 3.14159265 / 180));
+  CHECK(swing(*pair.driver, 1.5, 0.1, 2) == Heard::state);
+  pair.driver->stop();
+  const auto end = pair.controller->snapshot();
+  CHECK(end.ended == "");
+  CHECK(end.answers > 150);
+  CHECK(std::abs(end.dq[0]) < 2e-3);
+}
+
+TEST_CASE("Stream motion: a step beyond the limits stops the arm, and the driver says so") {
+  StreamPair pair;
+  pair.driver->connect();
+  skinctl::State<6> state;
+  skinctl::PositionCommand<6> command;
+  Heard heard = Heard::silent;
+  for (int k = 0; k < 100 && (heard = pair.driver->wait(state)) != Heard::lost; ++k) {
+    for (std::size_t i = 0; i < 6; ++i) command.position[i] = Config{}.home[i] + (k > 20 ? 0.05 : 0);
+    pair.driver->send(command);
+  }
+  CHECK(heard == Heard::lost);
+  CHECK(pair.driver->fault() == ClockFault::stopped);
+  pair.controller->stop();
+  CAPTURE(pair.controller->snapshot().ended);
+  CHECK(pair.controller->snapshot().ended.find("of J1") != std::string::npos);
+}
+
+TEST_CASE("A robot that is the clock: what is refused before anything moves, with the cause") {
+  {
+    Config config;
+    config.faults.fewer_joints = true;
+    RsiPair pair(config);
+    CHECK(refused([&] { pair.driver->connect(); }).find("refused: another number of joints") == 0);
+  }
+  {
+    RsiPair pair({}, {.period = 0.012, .ipoc_per_cycle = 12});
+    CHECK(refused([&] { pair.driver->connect(); }).find("refused: the controller's numbers grow by 12") == 0);
+  }
+  {
+    RsiPair pair({}, {.period = 0.012, .ipoc_per_cycle = 1});
+    CHECK(refused([&] { pair.driver->connect(); }).find("refused: datagrams come every 1") == 0);
+  }
+  {
+    Config config;
+    config.faults.mute = true;
+    RsiPair pair(config, {}, {}, {.first = Timeout(200)});
+    const auto begin = Clock::now();
+    const std::string why = refused([&] { pair.driver->connect(); });
+    CHECK(why.find("lost: no datagram from the controller (at 127.0.0.1:") == 0);
+    CHECK(Clock::now() - begin < std::chrono::milliseconds(400));
+    StreamPair stream(config);
+    CHECK(refused([&] { stream.driver->connect(); }).find("does not say its capability") !=
+          std::string::npos);
+  }
+  rsi::Options elsewhere;
+  elsewhere.bind = "192.0.2.1";
+  CHECK(refused([&] { Rsi protocol(elsewhere); }).find("lost: cannot wait at 192.0.2.1:59152") == 0);
+  CHECK(refused([] { Rsi protocol(options(Correction::absolute, 0)); }).find("refused: ") == 0);
+}
+
+TEST_CASE("A robot that is the clock: a silent one is waited for no longer than one and a half periods") {
+  Config config;
+  config.faults.silent_at = 0.3;
+  RsiPair pair(config);
+  pair.driver->connect();
+  skinctl::State<6> state;
+  Clock::duration longest{};
+  int silent = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const auto begin = Clock::now();
+    const Heard heard = pair.driver->wait(state);
+    longest = std::max(longest, Clock::now() - begin);
+    if (heard == Heard::lost) break;
+    silent += heard == Heard::silent;
+    skinctl::PositionCommand<6> hold;
+    hold.position = pair.driver->told();
+    CHECK(pair.driver->send(hold));
+  }
+  CHECK(pair.driver->fault() == ClockFault::silent);
+  CHECK(silent > 20);
+  CHECK(longest < std::chrono::milliseconds(16));  // 6 ms and the machine
+}
+
+TEST_CASE("RSI: corrections beyond the declared limit are not sent") {
+  RsiPair pair({}, {}, options(Correction::absolute, 5));
+  pair.driver->connect();
+  CHECK(swing(*pair.driver, 2, 0.3, 2) == Heard::lost);
+  CHECK(pair.driver->fault() == ClockFault::limit);
+  CHECK(std::abs(pair.controller->snapshot().told[0]) < 0.0873);
+}
+
+TEST_CASE("RSI: datagrams of strangers do not count once the controller is known") {
+  RsiPair pair;
+  pair.driver->connect();
+  auto stranger = UdpSocket::to("127.0.0.1", pair.driver->protocol().socket().port());
+  std::array<char, 1024> text{};
+  const auto size = print(rsi::Rob{.ipoc = 99}, text);
+  std::jthread sender([&](std::stop_token end) {
+    while (!end.stop_requested()) {
+      static_cast<void>(stranger.send({reinterpret_cast<const std::uint8_t*>(text.data()), size}));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  CHECK(swing(*pair.driver, 0.5, 0.1, 3) == Heard::state);
+  CHECK(pair.driver->counts().nonsense == 0);
+  CHECK(pair.driver->counts().overtaken == 0);
+}
+
+TEST_CASE(
+    "RSI: with HOLDON=0 a missing answer of an absolute correction throws the arm to its start, and it "
+    "trips") {
+  Config config;
+  config.faults.from = 1.2;
+  config.faults.lose_answers = 0.2;
+  RsiPair pair(config, {.hold_on = false});
+  pair.driver->connect();
+  CHECK(swing(*pair.driver, 5, 0.5, 1) == Heard::lost);
+  CHECK(pair.controller->snapshot().ended.find("speed of A1") == 0);
+}
+
+TEST_SUITE_END();
