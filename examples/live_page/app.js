@@ -1,8 +1,9 @@
 // The page: what comes from a running job or a file, at the present instant or an earlier one.
 import {decode} from './cdr.js';
-import {bars, colour, lines} from './charts.js';
+import {bars, colour, hovers, lines, strip} from './charts.js';
 import {readMcap} from './replay.js';
 import {RobotView} from './robot.js';
+import {reasons} from './reasons.js';
 import {Stream} from './stream.js';
 import {Timeline} from './timeline.js';
 
@@ -33,6 +34,7 @@ function feed(topic, type, time, bytes) {
       ['force', 'proximity', 'cell', 'status'].forEach((f, k) => small.setUint32(16 * i + 4 * k, view.getUint32(i * step + fields[f], true), true));
     value = {view: small, step: 16, fields: {force: 0, proximity: 4, cell: 8, status: 12}, count};
   }
+  state.heard = performance.now(), state.ended = undefined;
   state.timeline.add(topic, time, value);
 }
 
@@ -45,8 +47,26 @@ function legend(element, names, from = 0) {
   }));
 }
 
-const words = {};  // of reasons: as the server names them
-const reason = r => words[r] || r.replaceAll('_', ' ');
+const stale_s = 1;  // age from which on what is shown looks old [s]
+const effects = ['none', 'report', 'refuse', 'wait', 'hold', 'limit', 'fade', 'brake', 'stop'];  // the last is the gravest
+const reason = r => reasons[r]?.words || r.replaceAll('_', ' ');
+const effect = list => list.reduce((most, r) => { const e = reasons[r]?.effect || 'report'; return effects.indexOf(e) > effects.indexOf(most) ? e : most; }, 'none');
+/// What the robot does, in a word.
+function doing(status, joints, newtons) {
+  const e = effect(status.reasons);
+  if (e === 'stop') return 'stopped';
+  if (e === 'brake' || e === 'fade') return 'braking';
+  if (newtons > 1) return 'giving way';
+  if (e === 'hold' || e === 'wait') return 'waiting';
+  return joints && joints.velocity && joints.velocity.some(v => Math.abs(v) > 0.005) ? 'moving' : 'at rest';
+}
+/// The age of what is shown; from `stale_s` on, or when the job has ended, all of it looks old.
+function age() {
+  const s = state.file || state.heard === undefined ? 0 : (performance.now() - state.heard) / 1e3, old = s > stale_s || (state.ended && !state.file);
+  document.body.classList.toggle('old', Boolean(old));
+  $('age').textContent = state.file || state.heard === undefined ? '' : old ? `${s.toFixed(0)} s old` : `${(1e3 * s).toFixed(0)} ms old`;
+  if (old && state.live) $('state').textContent = state.ended ? `ended: ${state.ended}` : 'no data', $('state').className = 'state bad';
+}
 
 function show() {
   const t = state.timeline, now = state.live ? t.last : state.at;
@@ -75,7 +95,10 @@ function show() {
       lines($('time'), stages.map((s, k) => ({k, name: s, points: part('/skinctl/status', v => v.times_us[s])})), from, to, now, 'µs', 0);
     }
     if (status) {
+      const contacts = t.at('/skin/contacts', now), word = doing(status, joints, contacts ? total(contacts) : 0);
+      $('state').textContent = word, $('state').className = 'state' + (/stopped|braking/.test(word) ? ' bad' : '');
       $('reasons').textContent = status.reasons.length ? status.reasons.map(reason).join('; ') : 'nothing limited, nothing held';
+      strip($('events'), part('/skinctl/status', v => v.reasons).filter(([, r]) => r.length).map(([s, r]) => [s, effect(r)]), from, to);
       const facts = [['cycle', status.cycle], ['cycles dropped on the way', status.dropped]];
       const period = periodOf(t.list('/joint_states')), spent = Object.values(status.times_us).reduce((a, b) => a + b, 0);
       if (period > 0 && spent > 0) facts.push(['time of a cycle', `${spent.toFixed(0)} µs`], [`of its ${(1e3 * period).toFixed(0)} ms`, `${(1e-4 * spent / period).toFixed(1)} %`]);
@@ -108,13 +131,30 @@ function frame(time) {
   if (time >= next) {
     next = time + 33;
     const from = performance.now();
+    play(time);
     show();
+    age();
     state.work.push(performance.now() - from);
     if (state.work.length > 300) state.work.shift();
   }
   requestAnimationFrame(frame);
 }
 
+let played = 0;  // time of the last frame [ms]
+/// Moves on in a recording.
+function play(time) {
+  const passed = 1e-3 * (time - played);
+  played = time;
+  if (!state.playing || state.live) return;
+  state.at = Math.min(state.timeline.last, state.at + Math.min(passed, 0.2) * Number($('speed').value));
+  $('scrub').value = (state.at - state.timeline.last).toFixed(2);
+  if (state.at >= state.timeline.last) setPlaying(false);
+}
+function setPlaying(on) {
+  if (on && state.at >= state.timeline.last) state.at = state.timeline.first;
+  state.playing = on;
+  $('play').textContent = on ? 'pause' : 'play', $('play').setAttribute('aria-pressed', String(on));
+}
 function setLive(on) {
   state.live = on;
   $('live').setAttribute('aria-pressed', String(on));
@@ -165,10 +205,12 @@ function parameters(list) {
 async function open(file) {
   const buffer = await file.arrayBuffer();
   if (state.stream) state.stream.on.message = () => {};
+  document.body.classList.remove('old');
   state.timeline = new Timeline(Infinity), state.live = false, state.errors = 0, state.file = file.name;
   const result = readMcap(buffer, feed);
   chip(`${file.name}: ${result.words}`, result.messages > 0 && !result.cut);
   for (const id of ['stop', 'resume']) $(id).disabled = true;
+  for (const id of ['play', 'pace']) $(id).hidden = false;
   state.at = state.timeline.last;
   $('scrub').value = 0, $('live').setAttribute('aria-pressed', 'false');
 }
@@ -189,14 +231,16 @@ RobotView.create($('robot')).then(view => {
   $('no3d').textContent = /WebGL/.test(error.message) ? `No picture of the robot: ${error.message}.` : 'No picture of the robot: three.js is missing. On Debian: sudo apt-get install libjs-three';
   state.no3d = error.message;
 });
-if (location.protocol.startsWith('http')) {
+if (location.protocol.startsWith('http') && !new URLSearchParams(location.search).has('file')) {
   state.stream = new Stream(`ws://${location.host}/`, topics, {
-    state: chip, channels: () => {}, message: feed, status: text => answer(text, false),
+    state: chip, channels: () => {}, message: feed, status: text => answer(text, false), ended: text => { state.ended = text; },
     services: () => {}, parameters, control});
 } else {
   chip('open an .mcap file', false);
 }
 $('stop').addEventListener('click', stop);
+$('play').addEventListener('click', () => setPlaying(!state.playing));
+for (const id of ['joints', 'force', 'time']) hovers($(id));
 $('resume').addEventListener('click', resume);
 $('scrub').addEventListener('input', () => setLive(Number($('scrub').value) >= -0.005 && !state.file));
 $('live').addEventListener('click', () => { if (state.file) location.reload(); else setLive(true); });
@@ -213,4 +257,7 @@ addEventListener('keydown', e => {
   if (e.key === 'l' || e.key === 'L') $('live').click();
 }, true);
 state.open = open;
+const given = new URLSearchParams(location.search).get('file');  // `skinctl_record view`
+if (given && /^[\w.-]+$/.test(given))
+  fetch('/' + given).then(r => r.ok ? r.blob() : Promise.reject(new Error(r.statusText))).then(b => open(new File([b], given)), e => chip(`${given}: ${e.message}`, false));
 requestAnimationFrame(frame);

@@ -12,6 +12,11 @@ function begin(canvas) {
   c.font = '12px system-ui, sans-serif';
   return {c, w, h};
 }
+/// Shows the values under the pointer.
+export function hovers(canvas) {
+  canvas.addEventListener('pointermove', e => { canvas.hover = e.offsetX; });
+  canvas.addEventListener('pointerleave', () => { canvas.hover = NaN; });
+}
 /// Steps of 1, 2 or 5 times a power of ten, about `n` of them over `range`.
 export function step(range, n) {
   const raw = range / n || 1, power = 10 ** Math.floor(Math.log10(raw));
@@ -53,8 +58,28 @@ export function lines(canvas, series, t0, t1, mark, unit, from = null) {
     c.fillStyle = colour(e.s.k), c.fillText(e.s.name, w - 2, Math.min(e.at, h - 24));
   });
   if (mark < t1 - 1e-6) { c.strokeStyle = css('--ink'), c.lineWidth = 1, c.beginPath(), c.moveTo(x(mark), 4), c.lineTo(x(mark), h - 18), c.stroke(); }
+  const at = canvas.hover - left > 0 ? t0 + (canvas.hover - left) / (w - left - right) * (t1 - t0) : NaN;
+  if (at <= t1) {
+    c.strokeStyle = css('--soft'), c.lineWidth = 1, c.beginPath(), c.moveTo(canvas.hover, 4), c.lineTo(canvas.hover, h - 18), c.stroke();
+    c.textBaseline = 'middle', c.textAlign = canvas.hover > w / 2 ? 'right' : 'left';
+    series.forEach((s, i) => {
+      const p = s.points.findLast(([t]) => t <= at);
+      if (p) c.fillStyle = colour(s.k), c.fillText(` ${s.name || ''} ${p[1].toFixed(3)} ${unit} `, canvas.hover, 12 + 13 * i);
+    });
+  }
   const last = series.map(s => s.points.length ? s.points[s.points.length - 1][1] : NaN);
   canvas.setAttribute('aria-label', last.map(v => Number.isFinite(v) ? v.toFixed(2) : 'none').join(', ') + ' ' + unit);
+}
+/// events: [[t, effect], ...], a mark each, in the colour of its effect.
+export function strip(canvas, events, t0, t1) {
+  const {c, w, h} = begin(canvas), left = 44;
+  c.fillStyle = css('--line'), c.fillRect(left, h / 2, w - left - 4, 1);
+  for (const [t, effect] of events) {
+    const wide = Math.max(2, 0.1 / (t1 - t0) * (w - left - 4));
+    c.fillStyle = css(/stop|brake/.test(effect) ? '--red' : /report|refuse/.test(effect) ? '--soft' : '--c1');
+    c.fillRect(left + (t - t0) / (t1 - t0) * (w - left - 4) - wide, 2, wide, h - 4);
+  }
+  canvas.setAttribute('aria-label', `${events.length} reports in the time shown`);
 }
 /// groups: rows of numbers, one group a joint; each number a bar from zero, their sum a line.
 export function bars(canvas, groups, names) {

@@ -1,8 +1,12 @@
 #include "examples/live_page/page.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "skinctl/guard/faults.hpp"
 
 namespace live_page {
 namespace {
@@ -10,6 +14,15 @@ namespace {
 std::string read(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// What the page says of reasons, and the effect of each.
+std::string reasons() {
+  nlohmann::json all;
+  for (const skinctl::Fault& f : skinctl::faults)
+    all[f.name] = {{"words", skinctl::describe(f.reason)},
+                   {"effect", skinctl::name(std::max(f.motion, f.torque))}};
+  return "export const reasons = " + all.dump() + ";\n";
 }
 
 }  // namespace
@@ -23,6 +36,7 @@ void put_page(adapters::live::ServerOptions& options) {
   for (const char* name : {"app.js", "cdr.js", "charts.js", "place.js", "replay.js", "robot.js", "skin.js",
                            "stream.js", "surface.js", "timeline.js"})
     options.files[std::string("/") + name] = {"text/javascript; charset=utf-8", read(folder / name)};
+  options.files["/reasons.js"] = {"text/javascript; charset=utf-8", reasons()};
   // Where Debian's libjs-three puts it. Without it the page shows everything but the robot, and says so.
   options.folders["/three/"] = "/usr/share/javascript/three";
 }

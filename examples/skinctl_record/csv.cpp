@@ -151,7 +151,7 @@ Decode decoder_of(const std::string& type) {
 
 }  // namespace
 
-std::size_t write_csv(std::span<const unsigned char> file, const std::string& topic, std::ostream& out) {
+Table write_csv(std::span<const unsigned char> file, const std::string& topic, std::ostream& out) {
   const auto contents = read_mcap(file, [](const McapMessage&) {});
   if (!contents.ours) refuse("skinctl_record: no MCAP file");
   Decode decode = nullptr;
@@ -163,10 +163,17 @@ std::size_t write_csv(std::span<const unsigned char> file, const std::string& to
     type = schema != nullptr ? schema->name : c.encoding;
     decode = schema != nullptr && c.encoding == "cdr" ? decoder_of(schema->name) : nullptr;
   }
-  if (type.empty()) refuse("skinctl_record: no topic " + topic + "; there are " + topics);
+  if (type.empty()) {
+    const std::string missing = contents.left_out();
+    refuse("skinctl_record: no topic " + topic + "; there are " + topics +
+           (missing.empty() ? "" : "; " + missing));
+  }
   if (decode == nullptr)
     refuse("skinctl_record: " + topic + " has messages of type " + type + ", which is no table");
-  std::size_t lines = 0;
+  Table written;
+  written.left_out = contents.left_out();
+  if (!contents.whole)
+    written.left_out += (written.left_out.empty() ? "" : ", ") + std::string("the file was cut");
   std::vector<std::string> columns;
   const auto line = [&](const std::vector<std::string>& cells) {
     for (std::size_t i = 0; i < cells.size(); ++i) out << (i > 0 ? "," : "") << cells[i];
@@ -182,10 +189,10 @@ std::size_t write_csv(std::span<const unsigned char> file, const std::string& to
       if (!reader.fits()) refuse("skinctl_record: a message of " + topic + " is cut short");
       if (columns != r.names) line(columns = r.names);
       line(r.values);
-      ++lines;
+      ++written.lines;
     });
   }));
-  return lines;
+  return written;
 }
 
 }  // namespace skinctl_record

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "examples/skinctl_record/csv.hpp"
+#include "examples/skinctl_record/view.hpp"
 #include "examples/support/output_file.hpp"
 #include "skinctl/recording/mcap_file.hpp"
 
@@ -23,8 +24,8 @@ int info(const std::string& path) {
               static_cast<unsigned long long>(found.summary.messages()), found.summary.chunks.size(),
               1e-9 * static_cast<double>(last - first),
               found.whole ? "" : "; the file was cut: `skinctl_record recover` ends it");
-  if (found.damaged > 0)
-    std::printf("%llu chunks are damaged\n", static_cast<unsigned long long>(found.damaged));
+  const std::string missing = found.left_out();
+  if (!missing.empty()) std::printf("%s\n", missing.c_str());
   for (const auto& [name, facts] : found.metadata) {
     std::printf("%s\n", name.c_str());
     for (const auto& [key, value] : facts) std::printf("  %s: %s\n", key.c_str(), value.c_str());
@@ -37,7 +38,7 @@ int info(const std::string& path) {
                 static_cast<unsigned long long>(count != found.summary.counts.end() ? count->second : 0),
                 c.topic.c_str(), schema != nullptr ? schema->name.c_str() : c.encoding.c_str());
   }
-  return found.whole && found.damaged == 0 ? 0 : 1;
+  return found.whole && missing.empty() ? 0 : 1;
 }
 
 int run(int argc, char** argv) {
@@ -45,10 +46,13 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   std::string file, topic, output;
   auto* info_command =
-      app.add_subcommand("info", "Says what a file holds; exit code 1 if it was cut or is damaged");
+      app.add_subcommand("info", "Says what a file holds; exit code 1 if not all of it is read");
   auto* recover_command = app.add_subcommand("recover", "Gives a file that was cut an end, in place");
   auto* csv_command = app.add_subcommand("csv", "Writes the messages of a topic as a table");
-  for (auto* command : {info_command, recover_command, csv_command})
+  auto* view_command = app.add_subcommand("view", "Serves the live page with the recording, on 127.0.0.1");
+  std::uint16_t port = 0;
+  view_command->add_option("--port", port, "TCP port; 0: any");
+  for (auto* command : {info_command, recover_command, csv_command, view_command})
     command->add_option("file", file, "MCAP file")->required();
   csv_command->add_option("topic", topic, "such as /joint_states")->required();
   csv_command->add_option("--output", output, "file; without it the standard output");
@@ -58,27 +62,32 @@ int run(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 2;
   }
   if (*info_command) return info(file);
+  if (*view_command) return skinctl_record::view(file, port);
   if (*recover_command) {
     const auto done = recover(file);
     std::printf(
         "%s: %llu messages, %s\n", file.c_str(), static_cast<unsigned long long>(done.messages),
         done.was_whole
             ? "whole, not touched"
-            : ("ended behind its last whole chunk, " + std::to_string(done.cut) + " bytes cut").c_str());
-    return 0;
+            : ("ended behind its last whole record, " + std::to_string(done.cut) + " bytes cut").c_str());
+    if (!done.left_out.empty()) std::fprintf(stderr, "%s: %s\n", file.c_str(), done.left_out.c_str());
+    return done.left_out.empty() ? 0 : 1;
   }
   examples::refuse_own_input(output, {file});
   const MappedFile mapped(file);
+  skinctl_record::Table written;
   if (output.empty()) {
-    skinctl_record::write_csv(mapped.bytes(), topic, std::cout);
-    return std::cout.flush() ? 0 : 2;
+    written = skinctl_record::write_csv(mapped.bytes(), topic, std::cout);
+    if (!std::cout.flush()) return 2;
+  } else {
+    std::ofstream table(output);
+    written = skinctl_record::write_csv(mapped.bytes(), topic, table);
+    table.flush();
+    if (!table) refuse(output + ": cannot be written");
+    std::printf("%s: %zu lines\n", output.c_str(), written.lines);
   }
-  std::ofstream table(output);
-  const auto lines = skinctl_record::write_csv(mapped.bytes(), topic, table);
-  table.flush();
-  if (!table) refuse(output + ": cannot be written");
-  std::printf("%s: %zu lines\n", output.c_str(), lines);
-  return 0;
+  if (!written.left_out.empty()) std::fprintf(stderr, "%s: %s\n", file.c_str(), written.left_out.c_str());
+  return written.left_out.empty() ? 0 : 1;
 }
 
 }  // namespace

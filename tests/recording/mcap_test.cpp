@@ -1,3 +1,7 @@
+// Promise: a file survives its writer: every message of every whole chunk reads, and `recover` ends it
+// Tried: 1000 cuts, SIGKILL, a full disk, a byte that changed, 20 000 damaged files. Also:
+// `examples/fuzz`
+
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -192,6 +196,92 @@ TEST_CASE("Mcap: a byte that changed in a chunk loses that chunk, and no other")
                  expected.begin() + static_cast<std::ptrdiff_t>(ends[3].second));
   CHECK(read_messages(damaged, &contents) == expected);
   CHECK(contents.damaged == 1);
+}
+
+namespace {
+/// A file as `McapWriter` writes it, with its chunks taken apart into records of the file.
+Bytes without_chunks(const Bytes& file, bool ended = true) {
+  Bytes out(file.begin(), file.begin() + 8);
+  for (std::size_t at = 8; at + 9 <= file.size() - 8;) {
+    std::uint64_t length = 0;
+    std::memcpy(&length, &file[at + 1], 8);
+    const auto begin = file.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto end = begin + 9 + static_cast<std::ptrdiff_t>(length);
+    if (file[at] == 6) {
+      out.insert(out.end(), begin + 9 + 40, end);
+    } else if (file[at] == 1 || file[at] == 12) {
+      out.insert(out.end(), begin, end);
+    }
+    at += 9 + length;
+  }
+  const Bytes end = detail::mcap::Summary{}.close(out.size());
+  if (ended) out.insert(out.end(), end.begin(), end.end());
+  return out;
+}
+}  // namespace
+
+TEST_CASE("Mcap: messages outside of chunks are read, counted and recovered") {
+  Memory memory;
+  McapWriter writer(memory, {.chunk_size = 3000});
+  const auto sent = write_messages(writer, 300);
+  REQUIRE(writer.finish());
+  McapContents contents;
+  CHECK(read_messages(without_chunks(memory.bytes), &contents) == sent);
+  CHECK(contents.whole);
+  CHECK(contents.left_out().empty());
+  CHECK(contents.summary.messages() == 300);
+  CHECK(contents.summary.times() == std::pair(std::uint64_t(0), std::uint64_t(299 * 2'000'000)));
+
+  const std::string path = path_of("loose");
+  Bytes cut = without_chunks(memory.bytes, false);
+  cut.resize(cut.size() * 2 / 3);
+  put_file(path, cut);
+  const auto done = recover(path);
+  CHECK(done.messages > 150);
+  CHECK(done.left_out.empty());
+  const auto kept = read_messages(contents_of(path), &contents);
+  CHECK(contents.whole);
+  CHECK(kept.size() == done.messages);
+  CHECK(begins_with(sent, kept));
+  std::filesystem::remove(path);
+}
+
+TEST_CASE(
+    "Mcap: a chunk without a CRC is read; compressed ones are called what they are, and never touched") {
+  Memory memory;
+  McapWriter writer(memory, {.chunk_size = 3000});
+  const auto sent = write_messages(writer, 100);
+  REQUIRE(writer.finish());
+  const auto ends = chunk_ends(memory.bytes);
+  std::size_t last = 8;
+  std::uint64_t length = 0;
+  for (std::size_t at = 8; at < ends.back().first; at += 9 + length) {
+    std::memcpy(&length, &memory.bytes[at + 1], 8);
+    if (memory.bytes[at] == 6) last = at;
+  }
+  Bytes plain = memory.bytes;
+  std::memset(&plain[last + 9 + 24], 0, 4);
+  McapContents contents;
+  CHECK(read_messages(plain, &contents) == sent);
+  CHECK(contents.left_out().empty());
+
+  Bytes packed = plain;  // the name is put in; what follows it is compressed for all a reader knows
+  const char name[] = {4, 0, 0, 0, 'z', 's', 't', 'd'};
+  packed.insert(packed.begin() + static_cast<std::ptrdiff_t>(last + 9 + 28 + 4), name + 4, name + 8);
+  packed[last + 9 + 28] = 4;
+  std::memcpy(&length, &packed[last + 1], 8);
+  length += 4;
+  std::memcpy(&packed[last + 1], &length, 8);
+  const auto rest = read_messages(packed, &contents);
+  CHECK(rest.size() == ends[ends.size() - 2].second);
+  CHECK(contents.damaged == 0);
+  CHECK(contents.left_out().starts_with("1 chunks are compressed (zstd)"));
+  const std::string path = path_of("packed");
+  packed.resize(packed.size() - 20);
+  put_file(path, packed);
+  CHECK_THROWS_AS(static_cast<void>(recover(path)), ConfigurationError);
+  CHECK(contents_of(path) == packed);
+  std::filesystem::remove(path);
 }
 
 TEST_CASE("Mcap: any bytes are refused or read, never beyond their end") {

@@ -1,3 +1,8 @@
+// Promise: a recording replays bit for bit, and one that was not begun where its scene was started says
+// so
+// Tried: with the program that recorded it; begun by `run_loop`, also of a robot that droops; through the
+// scene or the same one compiled `Apart`. Also: `cycle/apart_test.cpp`, `hardware/loop_test.cpp`
+
 #include "skinctl/recording/recording.hpp"
 
 #include <doctest/doctest.h>

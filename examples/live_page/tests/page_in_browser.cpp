@@ -2,6 +2,11 @@
 // scrubbing, a cut file, a patch laid by hand; at the width of a phone nothing overflows; no error of a script. Ends
 // with 77 (ctest: skipped) without Chromium. `--keep FOLDER` leaves screenshots behind; `--serve` serves until it is
 // interrupted, for people.
+//
+// Promise: a patch that is laid onto a link by hand is skin that the main job feels
+// Tried: every cell to within 1e-12 m of the tube, dragged by mouse and keys; the file that the button
+// saves, pressed on one of its cells
+
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
@@ -207,9 +212,21 @@ TEST_CASE(
     MESSAGE(drawn.get<std::string>());
     CHECK(page.evaluate("skinctl.view.cells.length") == 260);
   }
+  // A state in a word, its age, and the values under the pointer.
+  const std::string said = "document.getElementById('state').textContent";
+  CHECK(page.until("['moving', 'at rest', 'giving way', 'waiting'].includes(" + said + ")"));
+  CHECK(page.until("/^\\d+ ms old$/.test(document.getElementById('age').textContent)"));
+  CHECK(page.evaluate("document.body.classList.contains('old')") == false);
+  const auto inked = [&] { return page.evaluate(painted("joints")).get<int>(); };
+  page.evaluate("(() => { const k = document.getElementById('joints'); k.hover = k.clientWidth / 2; })()");
+  ::usleep(200'000);
+  CHECK(page.evaluate("document.getElementById('joints').hover") != nullptr);
+  CHECK(inked() > 100);
   // Stop is obeyed at once, resume asks.
   page.evaluate("document.getElementById('stop').click()");
   CHECK(page.until(last_reasons + ".includes('stopping')"));
+  CHECK(page.until(said + " === 'stopped'"));
+  CHECK(page.evaluate(painted("events")).get<int>() > 50);
   CHECK(page.until("/stop/.test(document.getElementById('reasons').textContent)"));
   page.key("r");
   CHECK(page.evaluate("document.getElementById('ask').open") == true);
@@ -264,7 +281,47 @@ TEST_CASE(
   CHECK(cut > 50);
   CHECK(cut < 500);
   CHECK(opened("new ArrayBuffer(400)") == 0);
+  // Played at five times its pace, to its end.
+  CHECK(opened("b") == 500);
+  page.evaluate(
+      "(() => { document.getElementById('speed').value = '5'; document.getElementById('play').click(); })()");
+  CHECK(page.until(
+      "skinctl.playing && skinctl.at > skinctl.timeline.first && skinctl.at < skinctl.timeline.last"));
+  CHECK(page.until("!skinctl.playing && skinctl.at === skinctl.timeline.last"));
   CHECK(page.errors() == "");
+}
+
+TEST_CASE("The live page: data that are old look so, and the end of the job is said in its words") {
+  const browser::Folder folder;
+  Served served(false);
+  browser::Page page(chromium, folder);
+  page.window(1000, 800);
+  page.go(served.server->url());
+  REQUIRE(page.until("skinctl.timeline.list('/skinctl/status').length > 2"));
+  page.evaluate("skinctl.view = null");
+  const std::string old = "document.body.classList.contains('old')",
+                    said = "document.getElementById('state').textContent";
+  CHECK(page.until("!" + old));
+  served.stop = true;  // the loop sends no more, the server lives
+  CHECK(page.until(old + " && " + said + " === 'no data'"));
+  CHECK(page.until("/^[1-9]\\d* s old$/.test(document.getElementById('age').textContent)"));
+  served.server->stop("the skin has fallen silent");
+  CHECK(page.until(said + " === 'ended: the skin has fallen silent'"));
+  CHECK(page.evaluate(old) == true);
+}
+
+TEST_CASE("The live page: a recording that the server has is opened by its address, and played") {
+  const browser::Folder folder;
+  Served served(false, {{"/recording.mcap", {"application/octet-stream", recorded(folder)}}});
+  browser::Page page(chromium, folder);
+  page.window(1000, 800);
+  page.go(served.server->url() + "?file=recording.mcap");
+  CHECK(
+      page.until("skinctl.file === 'recording.mcap' && skinctl.timeline.list('/joint_states').length > 100"));
+  CHECK(page.evaluate("skinctl.stream === undefined") == true);
+  CHECK(page.evaluate("document.getElementById('stop').disabled") == true);
+  page.evaluate("document.getElementById('play').click()");
+  CHECK(page.until("skinctl.playing"));
 }
 
 TEST_CASE("The live page: answers to Stop and Resume stay, and key S stops whatever has the focus") {

@@ -33,7 +33,7 @@ class CycleBytes {
   /// Number of inputs that laws and limits of the user's own add.
   static constexpr std::uint32_t own_inputs =
       std::uint32_t(std::tuple_size_v<typename C::Added>) - has_gripper - has_surroundings;
-  static constexpr std::size_t sample_size = 8 + 4 + 8 * 4, wrench_size = 8 + 6 * 8;
+  static constexpr std::size_t sample_size = 8 + 4 + 8 * 4 + 2 * 2, wrench_size = 8 + 6 * 8;
 
   /// The samples of an input that was read.
   struct Samples {
@@ -146,7 +146,7 @@ class CycleBytes {
  private:
   // A sample lies in memory as it is written.
   static_assert(std::is_standard_layout_v<CellSample> && offsetof(CellSample, cell) == 8 &&
-                offsetof(CellSample, force) == 12 && offsetof(CellSample, temperature) == sample_size - 4);
+                offsetof(CellSample, force) == 12 && offsetof(CellSample, unrest) == sample_size - 2);
 
   using Added = std::type_identity<typename C::Added>;
   template <class... Parts, class F>
@@ -155,7 +155,7 @@ class CycleBytes {
   }
   template <class Samples>
   static constexpr std::size_t taxel_size(const Samples&) noexcept {
-    return 8 + 4 + sizeof(Samples::value_type::readings);
+    return 8 + 4 + sizeof(Samples::value_type::readings) + 2 * 2;
   }
   template <class Out, class V>
   static void numbers(Out& out, V value) noexcept {

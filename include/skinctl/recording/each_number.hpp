@@ -40,13 +40,14 @@ void each_number(CellSample& s, F&& f) {
   for (float& x : s.force) f(x);
   f(s.proximity);
   for (float& x : s.acceleration) f(x);
-  f(s.temperature);
+  f(s.temperature), f(s.measured), f(s.unrest);
 }
 template <SensorKind Kind, class F>
 void each_number(SensorSample<Kind>& s, F&& f) {
   each_number(s.time, f);
   f(s.cell);
   for (float& x : s.readings) f(x);
+  f(s.measured), f(s.unrest);
 }
 template <class F>
 void each_number(WrenchSample& s, F&& f) {

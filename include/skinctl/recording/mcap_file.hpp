@@ -87,13 +87,13 @@ class MappedFile {
 struct Recovered {
   bool was_whole = false;  ///< nothing was to be done
   std::uint64_t messages = 0;
-  std::uint64_t cut = 0;      ///< bytes behind the last whole chunk that went
-  std::uint64_t damaged = 0;  ///< chunks whose CRC is wrong: they stay, readers refuse them
+  std::uint64_t cut = 0;  ///< bytes behind the last whole chunk that went
+  std::string left_out;   ///< messages that were not counted, in words: they stay; empty: none
 };
 
 /// Gives a file that was cut off (a killed program, a lost supply) an end again: cuts behind the last whole chunk, and
 /// writes its message indexes and the summary anew. A whole file is not touched. Throws `ConfigurationError` for a file
-/// that is no MCAP, or cannot be written.
+/// that is no MCAP, has compressed chunks, whose contents a summary would have to name, or cannot be written.
 inline Recovered recover(const std::string& path) {
   using namespace detail::mcap;
   Recovered out;
@@ -104,8 +104,9 @@ inline Recovered recover(const std::string& path) {
     const View bytes = file.bytes();
     McapContents contents = read_mcap(bytes, [](const McapMessage&) {});
     if (!contents.ours) refuse("skinctl: " + path + ": no MCAP file");
-    out = {contents.whole, contents.summary.messages(), 0, contents.damaged};
+    out = {contents.whole, contents.summary.messages(), 0, contents.left_out()};
     if (contents.whole) return out;
+    if (contents.compressed > 0) refuse("skinctl: " + path + ": not touched: " + out.left_out);
     keep = contents.last_unit_end;
     // The indexes of the last chunk, if nothing follows it: read that chunk alone.
     auto& chunks = contents.summary.chunks;

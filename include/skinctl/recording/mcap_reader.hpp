@@ -26,9 +26,26 @@ struct McapContents {
   detail::mcap::Summary summary;  ///< of what was read, not what the file says of itself
   std::map<std::string, detail::mcap::Texts> metadata;
   std::uint64_t data_end = 0;  ///< behind the last record of the data that is whole
-  /// Behind the last whole chunk or metadata record; message indexes from here to `data_end` belong to the last chunk.
+  /// Behind the last whole record that is no message index; indexes from here to `data_end` belong to the
+  /// last chunk.
   std::uint64_t last_unit_end = 0;
-  std::uint64_t damaged = 0;  ///< chunks whose CRC is wrong, or whose records are none; compressed ones too
+  std::uint64_t damaged = 0;     ///< chunks whose CRC is wrong, or whose records are none
+  std::uint64_t compressed = 0;  ///< whole chunks in a compression: not read
+  std::string compression;       ///< name of that compression in the file
+  std::uint64_t unknown = 0;     ///< messages outside of chunks whose channel was not announced
+
+  /// What was left out, in words; empty: nothing.
+  [[nodiscard]] std::string left_out() const {
+    std::string out;
+    const auto add = [&](std::uint64_t n, const std::string& what) {
+      if (n > 0) out += (out.empty() ? "" : ", ") + std::to_string(n) + what;
+    };
+    add(damaged, " chunks are damaged");
+    add(compressed, " chunks are compressed (" + compression +
+                        "), which is not read: `mcap decompress` of mcap.dev unpacks them");
+    add(unknown, " messages are of a channel that was not announced");
+    return out;
+  }
 
   [[nodiscard]] const detail::mcap::Schema* schema(std::uint16_t id) const noexcept {
     for (const auto& s : summary.schemas)
@@ -128,8 +145,20 @@ class FrontToBack {
   }
 
  private:
+  enum class Taken { other, fine, message, damaged };
+
   void take(const Record& r, std::uint64_t start, std::uint64_t end) {
     Cursor c(r.content);
+    std::uint16_t of = 0;  // its channel
+    std::uint64_t time = 0;
+    const Taken taken = take_plain(r, 0, std::numeric_limits<std::uint64_t>::max(), of, time);
+    if (taken == Taken::message) {  // legal outside of a chunk
+      ++out_.summary.counts[of];
+      out_.summary.loose_first = std::min(out_.summary.loose_first, time);
+      out_.summary.loose_last = std::max(out_.summary.loose_last, time);
+    }
+    if (taken == Taken::damaged && r.op == Op::message) ++out_.unknown;
+    if (taken != Taken::other) out_.last_unit_end = end;
     if (r.op == Op::header) {
       out_.profile = c.text(), out_.library = c.text();
       out_.last_unit_end = end;
@@ -163,45 +192,61 @@ class FrontToBack {
     const View records = c.take(c.get<std::uint64_t>());
     index.start = start, index.length = end - start;
     MessageIndexes messages;
-    if (c.broken() || !compression.empty() || records.size() != index.size || detail::crc32(records) != crc ||
-        !take_records(records, index.first, index.last, messages))
+    constexpr std::uint32_t none = 0;  // the file was written without CRCs
+    if (!c.broken() && !compression.empty()) {
+      ++out_.compressed;
+      out_.compression = compression.substr(0, 32);
+    } else if (c.broken() || records.size() != index.size || (crc != none && detail::crc32(records) != crc) ||
+               !take_records(records, index.first, index.last, messages)) {
       ++out_.damaged;
+    }
     for (const auto& [id, entries] : messages)
       out_.summary.counts[id] += entries.size(), index.index_offsets[id] = 0;
     out_.summary.chunks.push_back(std::move(index));
   }
-  /// Messages are numbered by their channel: one that is not announced before is damage.
   bool take_records(View records, std::uint64_t first, std::uint64_t last, MessageIndexes& indexes) {
     Cursor inner(records);
     while (inner.left() > 0) {
       const std::uint64_t place = inner.at();
       const auto r = next(inner);
-      if (!r) return false;
-      Cursor c(r->content);
-      if (r->op == Op::schema) {
-        Schema s;
-        s.id = c.get<std::uint16_t>(), s.name = c.text(), s.encoding = c.text(), s.text = c.text();
-        if (c.broken() || s.id == 0) return false;
-        if (!schemas_[s.id]) schemas_[s.id] = true, out_.summary.schemas.push_back(std::move(s));
-      } else if (r->op == Op::channel) {
-        Channel ch;
-        ch.id = c.get<std::uint16_t>(), ch.schema = c.get<std::uint16_t>(), ch.topic = c.text(),
-        ch.encoding = c.text(), ch.metadata = c.texts();
-        if (c.broken() || (ch.schema != 0 && !schemas_[ch.schema])) return false;
-        if (channels_.emplace(ch.id, ch).second) out_.summary.channels.push_back(std::move(ch));
-      } else if (r->op == Op::message) {
-        const auto found = channels_.find(c.get<std::uint16_t>());
-        const auto sequence = c.get<std::uint32_t>();
-        const auto time = c.get<std::uint64_t>();
-        static_cast<void>(c.get<std::uint64_t>());
-        if (c.broken() || found == channels_.end() || time < first || time > last) return false;
-        constexpr auto latest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
-        each_(McapMessage{found->second, Nanoseconds(static_cast<std::int64_t>(std::min(time, latest))),
-                          sequence, r->content.subspan(c.at())});
-        indexes[found->first].emplace_back(time, place);
-      }
+      std::uint16_t id = 0;
+      std::uint64_t time = 0;
+      const Taken taken = r ? take_plain(*r, first, last, id, time) : Taken::damaged;
+      if (taken == Taken::damaged) return false;
+      if (taken == Taken::message) indexes[id].emplace_back(time, place);
     }
     return true;
+  }
+  /// A schema, channel or message. Messages are numbered by their channel: one that is not announced before
+  /// is damage.
+  Taken take_plain(const Record& r, std::uint64_t first, std::uint64_t last, std::uint16_t& id,
+                   std::uint64_t& time) {
+    Cursor c(r.content);
+    if (r.op == Op::schema) {
+      Schema s;
+      s.id = c.get<std::uint16_t>(), s.name = c.text(), s.encoding = c.text(), s.text = c.text();
+      if (c.broken() || s.id == 0) return Taken::damaged;
+      if (!schemas_[s.id]) schemas_[s.id] = true, out_.summary.schemas.push_back(std::move(s));
+      return Taken::fine;
+    }
+    if (r.op == Op::channel) {
+      Channel ch;
+      ch.id = c.get<std::uint16_t>(), ch.schema = c.get<std::uint16_t>(), ch.topic = c.text(),
+      ch.encoding = c.text(), ch.metadata = c.texts();
+      if (c.broken() || (ch.schema != 0 && !schemas_[ch.schema])) return Taken::damaged;
+      if (channels_.emplace(ch.id, ch).second) out_.summary.channels.push_back(std::move(ch));
+      return Taken::fine;
+    }
+    if (r.op != Op::message) return Taken::other;
+    const auto found = channels_.find(id = c.get<std::uint16_t>());
+    const auto sequence = c.get<std::uint32_t>();
+    time = c.get<std::uint64_t>();
+    static_cast<void>(c.get<std::uint64_t>());
+    if (c.broken() || found == channels_.end() || time < first || time > last) return Taken::damaged;
+    constexpr auto latest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+    each_(McapMessage{found->second, Nanoseconds(static_cast<std::int64_t>(std::min(time, latest))), sequence,
+                      r.content.subspan(c.at())});
+    return Taken::message;
   }
 
   McapContents& out_;
@@ -213,8 +258,8 @@ class FrontToBack {
 }  // namespace detail::mcap
 
 /// Reads a file from memory, front to back, without its summary: calls `each(message)` for the messages of
-/// every whole chunk whose CRC is right, and says what is there. Any bytes are safe: lengths are checked, and
-/// nothing is believed.
+/// every whole chunk whose CRC is right and of those outside of chunks, and says what is there and what was
+/// left out. Any bytes are safe: lengths are checked, and nothing is believed.
 template <class Each>
 McapContents read_mcap(std::span<const unsigned char> file, Each&& each) {
   McapContents out;

@@ -32,8 +32,8 @@ template <class C>
   const auto facts = contents.metadata.find(RunIdentity::name);
   if (facts == contents.metadata.end()) refuse("skinctl: " + path + ": no run that replays");
   identity.check<C>(path, facts->second);
-  if (contents.damaged > 0)
-    refuse("skinctl: " + path + ": " + std::to_string(contents.damaged) + " chunks are damaged");
+  if (const std::string missing = contents.left_out(); !missing.empty())
+    refuse("skinctl: " + path + ": " + missing);
   LoadedRun<C> out{Recording<C>(size + 4096)};
   out.whole = contents.whole;
   bool began = false, fits = true;

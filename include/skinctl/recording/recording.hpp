@@ -148,7 +148,7 @@ class Recording {
   /// Eight letters, the last of which is the version; what must agree; number of cycles last.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
-    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', '5'}) w.put(c);
+    for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', '6'}) w.put(c);
     for (const std::uint32_t number : Format::kind()) w.put(number);
     w.put(cycles);
     return w.bytes();

@@ -66,9 +66,10 @@ struct RunIdentity {
   [[nodiscard]] static std::string inputs() {
     const auto [order, kind, joints, scalar, goal] = CycleBytes<C>::kind();
     return std::to_string(joints) + " joints, " + std::to_string(8 * scalar) + "-bit numbers, goals of " +
-           std::to_string(goal) + " bytes" + ((kind & 8) != 0 ? ", a gripper" : "") +
-           ((kind & 32) != 0 ? ", surroundings" : "") + ((kind & 4) != 0 ? ", configurations" : "") +
-           ((kind & 2) != 0 ? ", motor torques" : "") + ((kind & 1) != 0 ? ", wrenches" : "");
+           std::to_string(goal) + " bytes, cells of " + std::to_string(CycleBytes<C>::sample_size) +
+           " bytes" + ((kind & 8) != 0 ? ", a gripper" : "") + ((kind & 32) != 0 ? ", surroundings" : "") +
+           ((kind & 4) != 0 ? ", configurations" : "") + ((kind & 2) != 0 ? ", motor torques" : "") +
+           ((kind & 1) != 0 ? ", wrenches" : "");
   }
 };
 

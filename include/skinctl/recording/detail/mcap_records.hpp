@@ -140,6 +140,8 @@ struct Summary {
   std::vector<std::array<std::uint64_t, 2>> metadata{};  ///< places and lengths of metadata records
   std::vector<std::string> metadata_names{};
   std::map<std::uint16_t, std::uint64_t> counts{};  ///< messages of each channel
+  /// Times of messages outside of chunks [ns]; the first after the last: there are none.
+  std::uint64_t loose_first = std::numeric_limits<std::uint64_t>::max(), loose_last = 0;
 
   [[nodiscard]] std::uint64_t messages() const {
     std::uint64_t n = 0;
@@ -148,7 +150,7 @@ struct Summary {
   }
   /// Earliest and latest time of a message [ns]; zeros without one.
   [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> times() const {
-    std::uint64_t first = std::numeric_limits<std::uint64_t>::max(), last = 0;
+    std::uint64_t first = loose_first, last = loose_last;
     for (const ChunkIndex& c : chunks)
       if (!c.index_offsets.empty())
         first = first < c.first ? first : c.first, last = last > c.last ? last : c.last;
