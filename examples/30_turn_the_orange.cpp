@@ -7,6 +7,7 @@
 
 #include "skinctl/semantics/dot.hpp"
 #include "skinctl/semantics/executor.hpp"
+#include "skinctl/semantics/process.hpp"
 #include "skinctl/semantics/skill_map.hpp"
 #include "skinctl/skills/behaviours.hpp"
 #include "skinctl/skills/skill_set.hpp"

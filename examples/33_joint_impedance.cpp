@@ -31,7 +31,7 @@ RobotConfiguration<6> configuration() {
       .period = 4ms,
       .delay = 6ms,  // 4 ms, and half of the period in which it goes to a new position
       .dead_band = JointPosition<6>::constant(0.05),  // holds a push of 75 N m that is felt wrong by a fifth
-      .max_lead = 5};
+  };
 }
 /// Heavy for a push of the hand, so that its springs show.
 auto heavy(RobotConfiguration<6> c) {

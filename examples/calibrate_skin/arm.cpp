@@ -30,6 +30,7 @@ struct Arm::Parts {
 
   Parts(const ArmOptions& o, const RobotMasses& weight) : options(o) {
     adapters::ur5::DriverConfig config;
+    config.motors = adapters::ur5::MotorOutput::current;
     if (o.host.empty()) {
       simulated_ur5::Config robot;
       robot.controller.series = simulated_ur5::Series::cb3;
@@ -128,7 +129,7 @@ Ride Arm::follow(const std::function<JointPoint(double)>& path, double duration)
     time.push_back(t);
     measured.push_back(p.measured());
     truth.push_back(p.truth());
-    torque.push_back(p.driver->report().current);
+    torque.push_back(p.driver->report().motors);
     for (std::size_t i = 0; i < 6; ++i) torque.back()[i] *= p.options.torque_per_ampere[i];
     if (progress.due(t)) progress.show("  %4.0f of %.0f s", t, duration + 2 * rest);
     const Eigen::VectorXd at = path(std::clamp(t - rest, 0.0, duration)).q;

@@ -50,6 +50,12 @@ struct Place {
   int count = 0;
 };
 
+/// A place of the skin, and the grade of what it feels: the better, the smaller.
+struct Dot {
+  Xyz<double> at{}, normal{};
+  int grade = 0;
+};
+
 /// What is drawn, seen along one direction: `right` and `up` of the picture, `viewer` out of it.
 struct View {
   const char* name;
@@ -149,7 +155,7 @@ class Drawing {
                      [&](const Capsule& a, const Capsule& b) { return nearness(a) < nearness(b); });
   }
 
-  std::string svg() const {
+  std::string svg(const std::vector<Dot>& dots = {}) const {
     std::string out = "<svg class=\"sp arm\" viewBox=\"0 0 " + number(width) + ' ' + number(height_ + 30) +
                       "\" role=\"img\" aria-label=\"The arm, " + view_.name + "\">";
     out += "<text class=\"name\" x=\"0\" y=\"13\">" + std::string(view_.name) + "</text>";
@@ -158,6 +164,12 @@ class Drawing {
       out += "<path class=\"ground\" d=\"M" + number(foot.x - 60) + ' ' + number(foot.y) + "h120\"/>";
     }
     for (const Capsule& c : links_) out += capsule(c);
+    for (const Dot& d : dots) {
+      if (dot(d.normal, view_.viewer) < 0) continue;  // on the far side
+      const Point p = seen(d.at);
+      out += "<circle class=\"felt-" + std::to_string(d.grade) + "\" cx=\"" + number(p.x) + "\" cy=\"" +
+             number(p.y) + "\" r=\"3.2\"/>";
+    }
     std::vector<Label> labels;
     for (const Place& place : touched_) labels.push_back(label(place, labels));
     for (std::size_t i = 0; i < labels.size(); ++i) out += leader(touched_[i], labels[i]);
@@ -242,23 +254,45 @@ class Drawing {
   double scale_ = 1, left_ = 0, high_ = 0, height_ = width;
 };
 
-}  // namespace
-
-std::string arm_picture(const RunLog& log) {
+/// Both views of the arm in the first pose of the log; `draw(drawing, poses)` gives the SVG of one.
+template <class Draw>
+std::string views(const RunLog& log, const Draw& draw) {
   const auto first = std::find_if(log.entries.begin(), log.entries.end(), [](const LogEntry& e) {
     return std::all_of(e.q.begin(), e.q.end(), [](float q) { return std::isfinite(q); });
   });
   if (first == log.entries.end()) return {};
   const Poses X = poses_at(first->q);
-  const auto links = capsules(X);
-  const auto touched = places(log, X);
   // The arm's plane turns with joint 0; at 0 it reaches along -x.
   const double c = std::cos(static_cast<double>(first->q[0])), s = std::sin(static_cast<double>(first->q[0]));
   const Xyz<double> reach{-c, -s, 0}, side{-s, c, 0}, up{0, 0, 1};
   std::string out;
   for (const View& view : {View{"from the side", reach, up, side}, View{"from above", reach, {s, -c, 0}, up}})
-    out += Drawing(view, links, touched).svg();
+    out += draw(view, X);
   return out;
+}
+
+}  // namespace
+
+std::string arm_picture(const RunLog& log) {
+  return views(log, [&](const View& view, const Poses& X) {
+    const auto touched = places(log, X);
+    return Drawing(view, capsules(X), touched).svg();
+  });
+}
+std::string felt_picture(const RunLog& log) {
+  if (log.felt.empty()) return {};
+  return views(log, [&](const View& view, const Poses& X) {
+    const std::vector<Place> none;
+    std::vector<Dot> dots;
+    for (const FeltPlace& f : log.felt) {
+      if (f.link >= 6) continue;
+      const auto& [x, y, z] = f.place;
+      const auto& [u, v, w] = f.normal;
+      const int grade = f.noticed <= 5 ? 0 : f.noticed <= 25 ? 1 : std::isfinite(f.noticed) ? 2 : 3;
+      dots.push_back({in_base(X[f.link], {x, y, z}), X[f.link].axes() * Xyz<double>{u, v, w}, grade});
+    }
+    return Drawing(view, capsules(X), none).svg(dots);
+  });
 }
 
 }  // namespace compliant_ur5

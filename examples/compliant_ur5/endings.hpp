@@ -17,7 +17,9 @@ enum class Ending : unsigned char {
   displaced,     ///< at the start
   skin_unheard,  ///< never
   skin_silent,   ///< no longer
-  skin_deaf,     ///< too few cells report, though the sender lives
+  skin_deaf,     ///< no cell of a patch counts, though the sender lives
+  not_tared,     ///< the wrist sensor, at the start
+  sense_silent,  ///< wrist sensor or motors give no numbers
   stuck,         ///< a joint that is told to move stands, and nothing touches the skin
   late,          ///< the arm follows later than declared
   broken,
@@ -43,16 +45,24 @@ inline constexpr std::array<EndingRow, static_cast<std::size_t>(Ending::count)> 
     {Ending::displaced, "displaced", "the first state", "nothing is moved", 0,
      examples::job::Exit::not_following, "the arm stands too far from where it was told to be",
      "let it stand free; start again"},
-    {Ending::skin_unheard, "skin_unheard", "too few cells for skin_patience (2 s) from the start",
-     "nothing has moved", 0, examples::job::Exit::blind, "the skin was never heard",
+    {Ending::skin_unheard, "skin_unheard",
+     "a patch of which no cell counts for skin_patience (2 s) from the start", "nothing has moved", 0,
+     examples::job::Exit::blind, "the skin was never heard",
      "see the sender's address and port; start again"},
     {Ending::skin_silent, "skin_silent", "no datagram for 100 ms",
      "brakes (30 rad/s^2) and holds 0.5 s; then the robot is told to stop", 700, examples::job::Exit::blind,
      "the skin has fallen silent", "mend the skin; start again"},
-    {Ending::skin_deaf, "skin_deaf",
-     "too few cells of a patch report, or none within skin_reach (40 mm) of a place",
+    {Ending::skin_deaf, "skin_deaf", "no cell of a patch counts",
      "brakes (30 rad/s^2) and holds 0.5 s; then the robot is told to stop", 700, examples::job::Exit::blind,
      "the skin is blind, though its sender lives", "mend the skin; start again"},
+    {Ending::not_tared, "not_tared",
+     "readings of 0.5 s at rest that differ by more than half of their threshold", "nothing has moved", 0,
+     examples::job::Exit::blind, "the wrist sensor cannot be tared",
+     "let go of the tool; see the sensor's noise; start again"},
+    {Ending::sense_silent, "sense_silent",
+     "wrench or motor torques that are no numbers, or beyond what a sensor measures, for 100 ms",
+     "brakes and holds 0.5 s; then the robot is told to stop", 700, examples::job::Exit::blind,
+     "the sensor has fallen silent", "see the sensor's state at the panel; start again"},
     {Ending::stuck, "stuck",
      "a joint stands beside its commands for 0.3 s, untouched; by torque beside its target for 3 s, or 0.3 s "
      "under twice its friction",

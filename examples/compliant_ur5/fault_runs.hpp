@@ -11,6 +11,7 @@
 #include <string>
 
 #include "examples/compliant_ur5/run.hpp"
+#include "skinctl/io/formatted.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/robots/ur5.hpp"
 
@@ -24,6 +25,9 @@ struct FaultRun {
   int touched = -1;         ///< cell that a finger of the scenario presses from `touched_at` on; -1: none
   double touched_at = 2.5;  ///< [s]
   double duration = 6;      ///< [s]
+  Sense sense = Sense::skin;
+  std::string more{};            ///< further tables of the scenario
+  bool trust_all_cells = false;  ///< what sensors read is believed
 };
 struct FaultRunResult {
   Outcome outcome = Outcome::fine;
@@ -41,9 +45,11 @@ inline FaultRunResult run_with_faults(Settings s, const FaultRun& r) {
                    "1");
   if (r.streams) scenario.insert(scenario.find(skin) + skin.size(), "force_delta = 0\n");
   if (r.touched >= 0)
-    scenario += "[[touch]]\ncell = " + std::to_string(r.touched) +
-                "\nstart = " + std::to_string(r.touched_at) +
-                "\nstiffness = 3000\ndamping = 20\napproach_speed = 0.06\ntravel = 0.06\nhold = 0.6\n";
+    scenario +=
+        "[[touch]]\ncell = " + std::to_string(r.touched) +
+        "\nstart = " + skinctl::formatted("%f", r.touched_at) +
+        "\nstiffness = 3000\ndamping = 20\ntremor = 0.02\napproach_speed = 0.06\ntravel = 0.06\nhold = 0.6\n";
+  scenario += r.more;
   const auto file =
       std::filesystem::temp_directory_path() / ("skinctl_fault_run_" + std::to_string(getpid()) + ".toml");
   std::ofstream(file) << scenario;
@@ -53,7 +59,9 @@ inline FaultRunResult run_with_faults(Settings s, const FaultRun& r) {
   s.quiet = true;
   s.compare = false;
   s.interface = r.interface;
-  s.rate = r.interface == skinctl::Interface::torque ? 500 : 125;
+  s.sense = r.sense;
+  s.trust_all_cells = r.trust_all_cells;
+  s.rate = r.interface == skinctl::Interface::torque || r.sense != Sense::skin ? 500 : 125;
   s.cycles = static_cast<std::uint64_t>(r.duration * s.rate);
   s.skin_faults = r.faults;
   FaultRunResult out;

@@ -24,7 +24,7 @@ class FollowingJudge {
   static constexpr double uncertain = 0.008;  ///< standard deviation of a lag that is believed [s]
 
   explicit FollowingJudge(const skinctl::RobotConfiguration<N>& robot)
-      : monitor_(robot), band_(robot.tolerance_of_lag()) {
+      : monitor_(robot), band_(robot.dead_band) {
     lag_ = monitor_.estimate(memory_);
   }
 

@@ -29,6 +29,10 @@ class LivePage {
     std::printf("live: %s%s\n", server_->url().c_str(), s.allow_control ? ", control allowed" : "");
     std::fflush(stdout);
   }
+  /// The job has ended: pages are told why.
+  void end(const std::string& words) {
+    if (server_) server_->stop(words);
+  }
   /// For `JobRecorder`.
   [[nodiscard]] std::vector<skinctl::CycleConsumer<Scene>*> consumers() const {
     return view_ ? std::vector<skinctl::CycleConsumer<Scene>*>{view_.get()}

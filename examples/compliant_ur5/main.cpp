@@ -1,5 +1,6 @@
 // The main job: a stiff UR5 covered with skin gives way where it is touched, and goes back to its task.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -31,6 +32,12 @@ void write_json(const compliant_ur5::RunLog& log, const std::string& path) {
                               {"deflection", t.deflection},
                               {"give_way", t.give_way},
                               {"return_error", t.return_error}});
+  for (const auto& f : log.felt)  // null: nobody notices a push there
+    out["places"].push_back(
+        {{"cell", f.cell},
+         {"link", f.link},
+         {"noticed", std::isfinite(f.noticed) ? nlohmann::ordered_json(f.noticed) : nullptr},
+         {"speed", f.speed}});
   for (const auto& t : log.times)
     out["times_us"][t.stage] = {{"median", t.median}, {"p99", t.p99}, {"p99.9", t.p999}, {"max", t.max}};
   std::ofstream file(path);
@@ -44,6 +51,7 @@ int run(int argc, char** argv) {
   s.report = "compliant_ur5.html";
   std::string interface = "position", robot, picture;
   bool simulate = false, endings = false;
+  std::string sense = "skin";
   CLI::App app(
       "A UR5 with skin, commanded by position, velocity or torque, gives way to touch and goes back to its "
       "task.");
@@ -75,13 +83,17 @@ int run(int argc, char** argv) {
   app.add_flag("--trust-all-cells", s.trust_all_cells,
                "readings count as they come: nothing is masked, no rest level is followed");
   app.add_option("--cycles", s.cycles, "end after so many cycles (0: as long as the scenario lasts)");
-  auto* rate = app.add_option("--rate", s.rate, "cycles a second; by torque 500")
+  auto* rate = app.add_option("--rate", s.rate,
+                              "cycles a second; by torque 500, and without a skin unless told otherwise")
                    ->check(CLI::IsMember({125.0, 500.0}));
   app.add_option("--preset", s.preset, "speed against accuracy: balanced has sub-steps of 2 ms, fast of 8 ms")
       ->check(CLI::IsMember({"balanced", "fast"}));
   app.add_option("--interface", interface,
                  "what is commanded; torque: from PolyScope 5.23 or PolyScope X 10.11 on")
       ->check(CLI::IsMember({"position", "velocity", "torque"}));
+  app.add_option("--sense", sense,
+                 "what feels touch: the skin, the sensor in the wrist of an e-Series, or the motors' torques")
+      ->check(CLI::IsMember({"skin", "wrist", "motors"}));
   app.add_option("--speed", s.speed, "of the simulation: 0 as fast as possible, in step; 1 real time")
       ->check(CLI::Range(0.0, 100.0));
   app.add_flag("--rigid", s.rigid, "the skin does not act: what a stiff arm does to the finger");
@@ -128,10 +140,15 @@ int run(int argc, char** argv) {
   if (!robot.empty()) s.robot = robot;
   if (s.live && app.count("--speed") == 0) s.speed = 1;
   if (interface == "velocity") s.interface = skinctl::Interface::velocity;
+  if (sense == "wrist") s.sense = compliant_ur5::Sense::wrist;
+  if (sense == "motors") s.sense = compliant_ur5::Sense::motors;
+  if (s.sense != compliant_ur5::Sense::skin && rate->count() == 0) s.rate = 500;
   if (interface == "torque") {
     s.interface = skinctl::Interface::torque;
     if (rate->count() == 0) s.rate = 500;
   }
+  if (s.sense != compliant_ur5::Sense::skin && app.count("--scenario") == 0)
+    s.scenario = WITHOUT_SKIN_SCENARIO;
   compliant_ur5::read_scenario(s.scenario, s);
   if (!s.replay.empty()) return static_cast<int>(compliant_ur5::replay(s));
 

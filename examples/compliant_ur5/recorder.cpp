@@ -42,7 +42,7 @@ RunDescription run_description(const Settings& s) {
   run.urdf = urdf_text(ur5::Model{}, dress);
   run.newtons = static_cast<float>(s.newtons_per_reading);
   std::size_t number = 0;
-  for (const SkinPatch& patch : skin_patches(s)) {
+  for (const SkinPatch& patch : s.sense == Sense::skin ? skin_patches(s) : std::vector<SkinPatch>{}) {
     for (const SkinCell& cell : patch.cells) {
       const auto& p = cell.X_LC.origin();
       run.pressed.places.push_back({patch.link, number, p, cell.X_LC.axis_z()});
@@ -87,8 +87,8 @@ RunIdentity run_identity(const Settings& s) {
                                 {"heaviest hand", c.heaviest_hand},
                                 {"proximity gain", c.proximity_gain},
                                 {"force threshold", c.force_threshold},
-                                {"skin enough", c.skin_enough},
-                                {"skin reach", c.skin_reach},
+                                {"force limit", c.force_limit},
+                                {"stopping", c.stopping},
                                 {"max velocity", c.max_velocity},
                                 {"velocity limit", c.velocity_limit},
                                 {"acceleration limit", c.acceleration_limit},
@@ -107,6 +107,25 @@ RunIdentity run_identity(const Settings& s) {
                      {"most friction", t.most_friction},
                      {"dead zone", t.dead_zone},
                      {"patience", t.patience}};
+  }
+  if (s.sense != Sense::skin) all["virtual inertia"] = c.virtual_inertia;
+  if (s.sense == Sense::wrist) {
+    const auto& w = s.wrist;
+    all["wrist"] = {
+        {"gain", w.gain},   {"threshold", w.threshold},       {"moment threshold", w.moment_threshold},
+        {"noise", w.noise}, {"moment noise", w.moment_noise}, {"reach", w.reach}};
+  }
+  if (s.sense == Sense::motors) {
+    const auto& m = s.motors;
+    all["motors"] = {{"gain", m.gain},
+                     {"rate", m.rate},
+                     {"threshold", m.threshold},
+                     {"noise", m.noise},
+                     {"rotors", m.rotor_inertia},
+                     {"damping", m.damping},
+                     {"stiffest", m.stiffest},
+                     {"viscous", m.viscous},
+                     {"coulomb", m.coulomb}};
   }
   if (s.hand)
     all["hand"] = {{"mass", s.hand->mass}, {"centre", s.hand->centre}, {"palm gain", s.hand->palm_gain}};

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <system_error>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "examples/compliant_ur5/arm_picture.hpp"
+#include "examples/compliant_ur5/noted.hpp"
 #include "examples/compliant_ur5/report_style.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/core/xml_text.hpp"
@@ -33,9 +35,10 @@ constexpr double degrees = 180 / std::numbers::pi;
 constexpr double wide = 700, narrow = 320;
 
 std::string link_name(int link) {
-  constexpr const char* names[] = {"shoulder", "upper arm", "forearm", "wrist 1", "wrist 2", "wrist 3"};
+  if (link < 0) return "unknown link";  // felt by the motors
   const std::string number = "link " + std::to_string(link);
-  return link >= 0 && link < 6 ? std::string(names[link]) + " (" + number + ")" : number;
+  return link >= 0 && link < 6 ? std::string(link_names[static_cast<std::size_t>(link)]) + " (" + number + ")"
+                               : number;
 }
 
 bool gave_way(const TouchSummary& t) {
@@ -128,8 +131,9 @@ void add_touches(Plot& plot, const RunLog& log) {
     const TouchSummary& t = log.touches[i];
     const std::string number = std::to_string(i + 1);
     plot.bands.push_back({t.start, t.end, number,
-                          "touch " + number + ": " + link_name(t.link) + ", cell " + std::to_string(t.cell) +
-                              ", " + decimal(t.peak_force, 1) + " N"});
+                          "touch " + number + ": " + link_name(t.link) +
+                              (t.cell == 0 ? "" : ", cell " + std::to_string(t.cell)) + ", " +
+                              decimal(t.peak_force, 1) + " N"});
   }
 }
 
@@ -373,6 +377,25 @@ std::string arm_section(const RunLog& log) {
          "</div></section>\n";
 }
 
+std::string felt_section(const RunLog& log) {
+  const std::string views = felt_picture(log);
+  if (views.empty()) return {};
+  std::array<std::size_t, 2> counts{};
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const FeltPlace& f : log.felt) {
+    ++counts[std::isfinite(f.noticed) ? 0 : 1];
+    slowest = std::min(slowest, f.speed);
+  }
+  return "<section id=felt><h2>Where this arm feels, and how well</h2><p>The least force on each place that "
+         "somebody notices, at the end of the run: <span class=\"dot felt-0\"></span> up to 5 N, <span "
+         "class=\"dot felt-1\"></span> up to 25 N, <span class=\"dot felt-2\"></span> more, <span "
+         "class=\"dot "
+         "felt-3\"></span> none: " +
+         std::to_string(counts[1]) + " of " + std::to_string(counts[0] + counts[1]) +
+         " places. A place may lead no faster than a body that it meets allows; the slowest " +
+         decimal(slowest, 3) + " m/s.</p><div class=views>" + views + "</div></section>\n";
+}
+
 /// Why the times above are not those of the README.
 std::string why_slower(const RunLog& log) {
   const CycleParts& c = log.cycle;
@@ -531,25 +554,22 @@ std::string facts(const std::string& title, const std::vector<Fact>& list) {
   return out + "</dl></section>\n";
 }
 
-/// What the loop reported, and in how many cycles.
+/// What the loop reported, with which effect, and in how many cycles.
 std::string statuses(const RunLog& log) {
-  constexpr auto count = static_cast<std::size_t>(skinctl::Reason::count);
-  std::array<std::size_t, count> cycles{};
-  std::array<double, count> first{};
-  for (const LogEntry& e : log.entries)
-    skinctl::Status::from_bits(e.status).for_each([&](skinctl::Reason r) {
-      const auto i = static_cast<std::size_t>(r);
-      if (cycles[i]++ == 0) first[i] = e.time;
-    });
   std::string rows;
-  for (std::size_t i = 0; i < count; ++i)
-    if (cycles[i] > 0)
-      rows += "<tr><th class=word scope=row>" +
-              skinctl::xml_text(skinctl::describe(static_cast<skinctl::Reason>(i))) + "<td>" +
-              std::to_string(cycles[i]) + "<td>" + decimal(first[i], 2) + "</tr>\n";
+  for (const Noted& n : noted(log))
+    rows += "<tr><th class=word scope=row>" + skinctl::xml_text(skinctl::describe(n.reason)) +
+            "<td class=word>" + skinctl::name(n.reaction) + "<td>" + std::to_string(n.cycles) + "<td>" +
+            decimal(n.first, 2) + "</tr>\n";
   if (rows.empty()) return {};
-  return "<section><h2>What the loop reported</h2><p>Anything that a cycle limited, held or refused.</p>"
-         "<div class=scroll tabindex=0><table><thead><tr><th class=word scope=col>What<th scope=col>Cycles"
+  return "<section><h2>What the loop reported</h2><p>Anything that a cycle limited, held or refused after "
+         "the "
+         "sensor's first reading; before it, " +
+         std::to_string(cycles_of_start(log)) +
+         " cycles waited for it.</p>"
+         "<div class=scroll tabindex=0><table><thead><tr><th class=word scope=col>What<th class=word "
+         "scope=col>Effect"
+         "<th scope=col>Cycles"
          "<th scope=col>First at<small>s</small></tr></thead><tbody>\n" +
          rows + "</tbody></table></div></section>\n";
 }
@@ -660,7 +680,8 @@ std::string report(const RunLog& log) {
          (log.entries.empty() ? "" : " \u00B7 " + seconds(duration(log))) + "</p>\n<h1>" +
          unbroken(skinctl::xml_text(headline(log))) + "</h1>\n";
   out += bars(log) + tiles(log);
-  out += arm_section(log) + touch_table(log) + close_up(log) + plots(log) + time_table(log);
+  out +=
+      arm_section(log) + touch_table(log) + close_up(log) + plots(log) + felt_section(log) + time_table(log);
   out += "<div class=two>" + facts("Result", log.result) + facts("Scenario", log.scenario) + "</div>\n";
   out += statuses(log) + data_section(log) + glossary + "</main></body></html>\n";
   return out;

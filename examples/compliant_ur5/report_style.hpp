@@ -71,6 +71,9 @@ min-width:0}
 .arm .leader{stroke:var(--ink);stroke-width:1.2}.arm .leader.behind{stroke-dasharray:3 3}
 .arm .spot{fill:var(--ink);stroke:var(--card);stroke-width:1.2}
 .arm .spot.behind{fill:var(--card);stroke:var(--ink);stroke-dasharray:2 2}
+.arm .felt-0{fill:#2a9d5c}.arm .felt-1{fill:#d9a400}.arm .felt-2{fill:#d95f02}.arm .felt-3{fill:#b3123b}
+.dot{display:inline-block;width:.7em;height:.7em;border-radius:50%}
+.dot.felt-0{background:#2a9d5c}.dot.felt-1{background:#d9a400}.dot.felt-2{background:#d95f02}.dot.felt-3{background:#b3123b}
 .arm .flag{fill:var(--card);stroke:var(--ink);stroke-width:1.5}.sp.arm .touch{fill:var(--ink);font-weight:600}
 .arm .ruler,.arm .ground{stroke:var(--soft);stroke-width:1.5;stroke-linecap:butt}
 .files{margin:0;padding-left:1.2em;font-size:14.5px}.files a{color:var(--good)}.files small{color:var(--soft);font-size:13px}

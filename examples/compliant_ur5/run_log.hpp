@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -56,6 +57,18 @@ struct CycleParts {
   double repeated_median = 0;  ///< of these [us]
 };
 
+inline constexpr std::array<const char*, 6> link_names = {"shoulder", "upper arm", "forearm",
+                                                          "wrist 1",  "wrist 2",   "wrist 3"};
+
+/// A place of the skin, and how well it felt at the end.
+struct FeltPlace {
+  std::uint32_t cell = 0;
+  std::size_t link = 0;
+  std::array<double, 3> place{}, normal{};  ///< along the link's axes [m]
+  double noticed = 0;                       ///< least force on its middle that is noticed [N]; infinite: none
+  double speed = 0;                         ///< with which it may lead [m/s]
+};
+
 struct RunLog {
   std::string title;                  ///< what ran: robot, interface, rate
   std::string ending, words;          ///< why it ended: name of its row in endings.hpp, and in words
@@ -63,7 +76,9 @@ struct RunLog {
   std::vector<Fact> scenario;         ///< stiffness, speed, travel, delay ...
   std::vector<Fact> result;           ///< cycles, missed deadlines, allocations, limits ...
   std::vector<LogEntry> entries;
+  double began = 0;  ///< end of the start: first reading of the sensor [s]
   std::vector<TouchSummary> touches;
+  std::vector<FeltPlace> felt;
   std::vector<StageTimes> times;
   CycleParts cycle;
   std::array<double, 6> velocity_limit{}, acceleration_limit{};

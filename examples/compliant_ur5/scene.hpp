@@ -1,9 +1,10 @@
-// The scene of the main job: a UR5 with 260 cells that goes to its goals and gives way to touch.
+// The scene of the main job: a UR5 that goes to its goals and gives way to touch, with a skin or without one.
 #pragma once
 
 #include <Eigen/Eigenvalues>
 
-#include "examples/adapters/ur5/driver.hpp"
+#include "examples/adapters/ur5/program.hpp"
+#include "examples/compliant_ur5/senses.hpp"
 #include "examples/compliant_ur5/settings.hpp"
 #include "examples/compliant_ur5/skin.hpp"
 #include "skinctl/control/gravity_control.hpp"
@@ -12,6 +13,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/felt_places.hpp"
 #include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
 #include "skinctl/robot/preset.hpp"
@@ -41,8 +43,12 @@ skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s, dou
   t.K_i2 = s.control.K_i2;
   t.tb = {};
   t.max_velocity = skinctl::JointVelocity<6>::constant(s.control.max_velocity);
+  t.waits = 0.5;  // a place that feels badly slows the arm: its plan waits
   return t;
 }
+
+/// Standard deviation of a force sensor at rest, as it is declared [steps].
+inline constexpr float force_noise = 0.4f;
 
 /// Behind rest levels and fault rules: a stuck cell, or one that drifts, does not push. The virtual arm has no dry
 /// friction that would hold the force of a cell alone, so that a cell without a witness does not count.
@@ -53,9 +59,8 @@ inline auto trusted_skin(const Settings& s, double heavier = 1) {
   TrustSettings trust;
   trust.lone_force = {s.trust_all_cells ? std::numeric_limits<double>::infinity() : 0.0};
   trust.follow_rest = trust.find_faults = !s.trust_all_cells;
-  trust.noise = {{.force = 0.4f, .rest = static_cast<float>(s.rest_reading / trust.health.step)}};
+  trust.noise = {{.force = force_noise, .rest = static_cast<float>(s.rest_reading / trust.health.step)}};
   trust.health.delta = s.force_delta / trust.health.step;
-  trust.reach = s.control.skin_reach;
   trust.answer = 0.05;  // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
   const auto patches = skin_patches(s, heavier);
   if (!s.trust_all_cells && s.hand) {  // a palm has one cell: nobody else can be its witness
@@ -86,7 +91,10 @@ skinctl::RobotConfiguration<6> configuration(const Settings& s, double heavier =
           .delay = nanoseconds(s.control.delay),
           .lag = nanoseconds(s.control.lag + ahead),
           .virtual_damping = s.control.decay / heavier,
-          .viscous_friction = (1 / heavier) * JointTorque<6>(s.control.viscous),
+          .viscous_friction =
+              (1 / heavier) * JointTorque<6>(s.sense == Sense::motors ? s.motors.damping : s.control.viscous),
+          .virtual_inertia =
+              s.sense == Sense::skin ? JointTorque<6>() : JointTorque<6>(s.control.virtual_inertia),
           .dead_band = JointPosition<6>::constant(0.02),
           .substep = s.preset == preset::Fast::name ? preset::Fast::substep : preset::Balanced::substep};
 }
@@ -119,6 +127,7 @@ inline auto scene_by_torque(const Settings& s) {
   t.K_i1 = t.K_i2 = 0;  // they have no dead zone
   t.tb = {};
   t.max_velocity = JointVelocity<6>::constant(s.control.max_velocity);
+  t.waits = 0.5;
   const FrictionLearning<SplineJoint<6>> reach(SplineJoint<6>(t), t,
                                                {.rate = s.torque.learning,
                                                 .bound = JointTorque<6>(s.torque.most_friction),
@@ -126,64 +135,121 @@ inline auto scene_by_torque(const Settings& s) {
   return Cycle(arm, trusted_skin(s), blended(weighted(reach + SkinJointControl{})));
 }
 
+/// What the arm gives way to, its gains divided by `heavier`.
+/// @param mass  with which the arm is felt [kg].
+template <Sense S>
+auto touch_of(const Settings& s, double heavier = 1, double mass = 5) {
+  if constexpr (S == Sense::skin) {
+    return trusted_skin(s, heavier);
+  } else if constexpr (S == Sense::wrist) {
+    return wrist_touch(s, heavier, mass);
+  } else {
+    return motor_touch(s, heavier, mass);
+  }
+}
+/// The same as far as the stability of contacts asks for it.
+template <Sense S>
+auto places_of_touch(const Settings& s, double heavier = 1) {
+  if constexpr (S == Sense::skin) {
+    return UrSkin(skin_patches(s, heavier), {});
+  } else {
+    return touch_of<S>(s, heavier);
+  }
+}
+
 /// What may touch the arm, for which it must be felt heavy enough: a finger, or an edge, that stays where it is, and
 /// hands, whose tissue loses a third of a swing. Delay and lag are declared in full, so that little margin is enough.
+/// The observer of the motors filters, and waits for the end of a cycle.
+inline skinctl::Nanoseconds delay_of_sense(const Settings& s) {
+  return s.sense == Sense::motors ? skinctl::nanoseconds(1 / s.motors.rate + 1 / s.rate)
+                                  : skinctl::Nanoseconds(0);
+}
+inline double stiffest(const Settings& s, double declared) {
+  return s.sense == Sense::motors ? std::min(declared, s.motors.stiffest) : declared;
+}
 inline skinctl::StiffestContact hardest_finger(const Settings& s) {
-  return {.stiffness = s.control.stiffest_wall,
+  return {.stiffness = stiffest(s, s.control.stiffest_wall),
           .newtons = s.newtons_per_reading,
+          .skin_delay = delay_of_sense(s),
           .margin = 1.2,
           .margin_of_two = 1};
 }
 inline skinctl::StiffestContact heaviest_hand(const Settings& s) {
-  return {.stiffness = s.control.stiffest_hand,
+  return {.stiffness = stiffest(s, s.control.stiffest_hand),
           .body = s.control.heaviest_hand,
           .loss = 0.3,
-          .newtons = s.newtons_per_reading};
+          .newtons = s.newtons_per_reading,
+          .skin_delay = delay_of_sense(s)};
 }
 
-/// By how much the arm is felt heavier than its links and the gains of its skin make it, so that all of that rests.
-template <skinctl::Interface I>
+/// By how much the arm is felt heavier than its links and the gains of its skin make it, so that all of that rests,
+/// times `Settings::heavier_than_needed`.
+template <skinctl::Interface I, Sense S = Sense::skin>
 double heavier(const Settings& s) {
   const auto arm = skinctl::robot_by<I>(skinctl::ur5::Model{}, configuration<I>(s));
-  const UrSkin skin(skin_patches(s), {});
-  return 1.05 * std::max({1.0, hardest_finger(s).heavier(arm, skin), heaviest_hand(s).heavier(arm, skin)});
+  const auto skin = places_of_touch<S>(s);
+  return 1.05 * s.control.heavier_than_needed *
+         std::max({1.0, hardest_finger(s).heavier(arm, skin), heaviest_hand(s).heavier(arm, skin)});
+}
+
+/// The felt mass of the lightest place by position or velocity [kg], `factor` being `heavier(s)`.
+template <skinctl::Interface I, Sense S = Sense::skin>
+double felt_mass(const Settings& s, double factor) {
+  return hardest_finger(s).lightest(skinctl::robot_by<I>(skinctl::ur5::Model{}, configuration<I>(s, factor)),
+                                    places_of_touch<S>(s, factor));
+}
+template <skinctl::Interface I, Sense S = Sense::skin>
+double felt_mass(const Settings& s) {
+  return felt_mass<I, S>(s, heavier<I, S>(s));
 }
 
 /// A virtual arm gives way, and its motion is commanded.
-template <skinctl::Interface I>
+template <skinctl::Interface I, Sense S>
 auto scene_by_motion(const Settings& s) {
   using namespace skinctl;
-  const double factor = heavier<I>(s);
+  const double factor = heavier<I, S>(s);
   const auto arm =
       robot_by<I>(ur5::Model{}, configuration<I>(s, factor), hardest_finger(s), heaviest_hand(s));
+  constexpr double heaviest = 1000;  // [kg]; a rigid arm, whose touch is muted, is heavier still
   return Cycle(
-      arm, trusted_skin(s, factor),
+      arm, touch_of<S>(s, factor, std::min(heaviest, felt_mass<I, S>(s, factor))),
       blended(weighted(SplineJoint<6>(tracking(arm, s, factor)) + SkinJointControl{} + GravityControl{})));
 }
 
-/// The felt mass of the lightest place by position or velocity [kg].
-template <skinctl::Interface I>
-double felt_mass(const Settings& s) {
-  const double factor = heavier<I>(s);
-  return hardest_finger(s).lightest(skinctl::robot_by<I>(skinctl::ur5::Model{}, configuration<I>(s, factor)),
-                                    UrSkin(skin_patches(s, factor), {}));
-}
-
 /// From skin and state to commands for `I`: every number of it comes from the settings.
-template <skinctl::Interface I>
+template <skinctl::Interface I, Sense S = Sense::skin>
 auto make_scene(const Settings& s) {
   using namespace skinctl;
   if constexpr (I == Interface::torque) {
+    static_assert(S == Sense::skin, "by torque the arm feels by its skin");
     return scene_by_torque(s);
   } else {
-    return scene_by_motion<I>(s);
+    return scene_by_motion<I, S>(s);
   }
 }
 
-/// The same, as the job runs it: it does not move before its skin is heard, and stops when a patch falls silent.
+/// How fast its places go that feel badly: from the touch to the beginning of braking pass two cycles, delay and lag.
 template <skinctl::Interface I>
+skinctl::FeltPlaces<max_cells> felt_places(const Settings& s) {
+  using namespace skinctl;
+  const auto robot = configuration<I>(s);
+  return {.places = UrSkin(skin_patches(s), {}).places(),
+          .force = s.control.force_limit,
+          .stiffness = s.control.stiffest_wall,
+          .deceleration = s.control.stopping,
+          .reaction = 2 * robot.period + robot.delay + robot.lag,
+          .newtons = s.newtons_per_reading};
+}
+
+/// The same, as the job runs it: it does not move before its skin is heard, stops when a patch falls silent, and leads
+/// with no place that feels nothing.
+template <skinctl::Interface I, Sense S = Sense::skin>
 auto make_watched_scene(const Settings& s) {
-  return make_scene<I>(s).with(skinctl::SkinWatch{.enough = s.control.skin_enough});
+  if constexpr (S == Sense::skin) {
+    return make_scene<I>(s).with(skinctl::SkinWatch{}, felt_places<I>(s));
+  } else {
+    return make_scene<I, S>(s);  // its watch is its own: see `PushWatch`
+  }
 }
 
 }  // namespace compliant_ur5

@@ -28,9 +28,10 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.numbers("force_gain", c.force_gain, true);
     t.number("proximity_gain", c.proximity_gain);
     t.number("force_threshold", c.force_threshold);
+    t.numbers("virtual_inertia", c.virtual_inertia, true);
     t.number("max_velocity", c.max_velocity);
-    t.number("skin_enough", c.skin_enough);
-    t.number("skin_reach", c.skin_reach);
+    t.number("force_limit", c.force_limit);
+    t.number("stopping", c.stopping);
     t.number("skin_patience", c.skin_patience);
     t.number("velocity_limit", c.velocity_limit);
     t.number("acceleration_limit", c.acceleration_limit);
@@ -51,6 +52,32 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.numbers("most_friction", c.most_friction, true);
     t.number("dead_zone", c.dead_zone);
     t.number("patience", c.patience);
+    t.finish();
+  }
+  if (const auto* wrist = root["wrist_control"].as_table()) {
+    Table t(file, "wrist_control", *wrist);
+    auto& c = settings.wrist;
+    t.number("gain", c.gain);
+    t.number("threshold", c.threshold);
+    t.number("moment_threshold", c.moment_threshold);
+    t.number("noise", c.noise);
+    t.number("moment_noise", c.moment_noise);
+    t.number("reach", c.reach);
+    t.finish();
+  }
+  if (const auto* motors = root["motor_control"].as_table()) {
+    Table t(file, "motor_control", *motors);
+    auto& c = settings.motors;
+    t.number("gain", c.gain);
+    t.number("rate", c.rate);
+    t.numbers("damping", c.damping, true);
+    t.number("stiffest", c.stiffest);
+    t.numbers("threshold", c.threshold, true);
+    t.numbers("noise", c.noise, true);
+    t.numbers("rotor_inertia", c.rotor_inertia, true);
+    t.numbers("viscous", c.viscous, true);
+    t.numbers("coulomb", c.coulomb, true);
+    t.numbers("torque_constant", c.torque_constant, true);
     t.finish();
   }
   if (const auto* skin =

@@ -21,6 +21,16 @@ constexpr PerJoint same(double x) {
   return {x, x, x, x, x, x};
 }
 
+/// What the arm feels touch by.
+enum class Sense : unsigned char {
+  skin,
+  wrist,  ///< the force-torque sensor in the flange of an e-Series: what touches the tool
+  motors  ///< their currents: what pushes any link harder than the gears rub
+};
+constexpr const char* in_words(Sense s) {
+  return s == Sense::skin ? "skin" : s == Sense::wrist ? "wrist" : "motors";
+}
+
 /// One step of the task.
 struct Goal {
   double at = 0;        ///< [s] after the first cycle
@@ -39,12 +49,14 @@ struct ControlSettings {
   double stiffest_wall = 3e3;      ///< under the skin's cover, that it may meet [N/m]
   double stiffest_hand = 1e4;      ///< likewise of a hand [N/m]
   double heaviest_hand = 10;       ///< [kg]
+  double heavier_than_needed = 1;  ///< felt mass in units of the smallest one for which such contacts rest
   double proximity_gain = 0;       ///< w_p [N per unit of proximity]
   double force_threshold = 0.068;  ///< on the sum of the three force readings, above their rest level
-  double skin_enough = 0.6;        ///< share of each patch's cells that must report, or the arm does not move
-  double skin_reach =
-      0.04;  ///< of the cells: each place has one that counts so near [m], or the arm does not move
+  double force_limit = 65;         ///< on a body of `stiffest_wall` that a place meets, or it goes slower [N]
+  double stopping = 3;             ///< deceleration of a place that is touched, along its normal [m/s^2]
   double skin_patience = 2;        ///< after so long without them the job ends [s]
+  /// Without a skin: of each joint, as a tool on a long lever turns a flange that weighs next to nothing [kg m^2].
+  PerJoint virtual_inertia = same(0.3);
   double max_velocity = 0.5;       ///< of motions to goals [rad/s]
   double velocity_limit = 3;       ///< of commands [rad/s]
   double acceleration_limit = 30;  ///< of commands [rad/s^2]
@@ -64,6 +76,32 @@ struct TorqueControl {
   PerJoint most_friction{};                   ///< of what is learnt [N m]
   double dead_zone = 0.0009;                  ///< [rad]
   double patience = 0.04;  ///< after so long without a command the robot stops by itself [s]
+};
+
+/// How the arm gives way to its wrist sensor.
+struct WristControl {
+  double gain = 1;                ///< newtons that the arm gives way to per newton measured
+  double threshold = 3;           ///< on |force|: less is no touch; 2/3 of it are subtracted [N]
+  double moment_threshold = 0.3;  ///< likewise on |moment| about the middle of the flange [N m]
+  double noise = 0.1;             ///< of the mean of 8 ms of a component, standard deviation [N]
+  double moment_noise = 0.004;    ///< likewise [N m]
+  double reach = 0.2;             ///< of the tool from the flange [m]
+};
+
+/// How it gives way to what its motors feel.
+struct MotorControl {
+  double gain = 1;              ///< N m that the arm gives way to per N m found
+  double rate = 150;            ///< of the momentum observer [1/s]
+  PerJoint damping = same(60);  ///< friction that the arm is felt to have: its filter is late [N m s/rad]
+  double stiffest = 1000;       ///< of what it may meet, for the same reason [N/m]
+  PerJoint threshold{9, 9, 6.5, 2.5, 2.5, 2.5};  ///< beyond dry friction and noise [N m]
+  /// Of what is found, standard deviation [N m]: six times as much counts as life, so beyond dry friction that turns.
+  PerJoint noise{1.1, 1.1, 0.8, 0.3, 0.3, 0.3};
+  PerJoint rotor_inertia{0.5, 0.5, 0.5, 0.1, 0.1, 0.1};  ///< at the joints [kg m^2]
+  PerJoint viscous{7, 7, 5, 1.5, 1.5, 1.5};              ///< friction of the gears [N m s/rad]
+  PerJoint coulomb{6, 6, 4, 1.5, 1.5, 1.5};              ///< likewise, dry [N m]
+  /// At the joint, of a controller that tells currents, no torques [N m/A].
+  PerJoint torque_constant{12.5, 12.5, 12.5, 9, 9, 9};
 };
 
 /// A hand at the flange.
@@ -91,6 +129,7 @@ struct Settings {
       "balanced";    ///< or "fast": `skinctl::preset`; here in double, as the robot's states are
   double speed = 0;  ///< of the simulation: 0: lock-step, 1: real time
   skinctl::Interface interface = skinctl::Interface::position;
+  Sense sense = Sense::skin;
   std::string touch_profile;     ///< CSV that replaces the scenario's touches
   std::string skin_faults;       ///< of the simulated skin: see `simulated_ur5::read_skin_faults`
   bool trust_all_cells = false;  ///< readings count as they come
@@ -113,11 +152,13 @@ struct Settings {
       2.0 / 1024;  ///< smallest change of a reading that a cell sends, likewise; 0: all are sent
   ControlSettings control;
   TorqueControl torque;
+  WristControl wrist;
+  MotorControl motors;
   std::optional<CarriedHand> hand;
   std::vector<Goal> task;
 };
 
-/// Reads the tables `[run]`, `[control]`, `[torque]`, `[skin]` and `[[goal]]` of a scenario; others are the simulation's.
+/// Reads the tables `[run]`, `[control]`, `[torque]`, `[wrist_control]`, `[motor_control]`, `[skin]` and `[[goal]]` of a scenario; others are the simulation's.
 /// Throws `skinctl::ConfigurationError` with file and line for unknown keys of its own tables and wrong
 /// types.
 void read_scenario(const std::string& file, Settings& settings);

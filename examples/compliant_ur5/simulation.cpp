@@ -18,7 +18,8 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
                                                               RunLog& log) {
   simulated_ur5::Config config;
   simulated_ur5::read_scenario(s.scenario, config);
-  config.controller.series = s.rate > 125 ? simulated_ur5::Series::e_series : simulated_ur5::Series::cb3;
+  const bool e_series = s.rate > 125 || s.sense == Sense::wrist;
+  config.controller.series = e_series ? simulated_ur5::Series::e_series : simulated_ur5::Series::cb3;
   Settings worn = s;
   if (!s.simulated_skin.empty()) worn.skin = s.simulated_skin;
   config.controller.cells = simulated_cells(skin_patches(worn));
@@ -34,12 +35,7 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
   config.skin_host = s.skin_address;
   if (boost::asio::ip::make_address(s.skin_address).is_unspecified()) config.skin_host = "127.0.0.1";
   config.skin_port = skin_port;
-  if (key) {
-    const std::uint64_t session = adapters::skin::session_now();
-    config.seal = [key = *key, session](std::span<std::uint8_t> bytes, std::size_t size) {
-      return adapters::skin::seal(bytes, size, session, key);
-    };
-  }
+  config.skin_key = key;
   if (!s.touch_profile.empty()) {
     // One recorded press on the forearm, and again on the upper arm.
     const auto profile = simulated_ur5::read_profile_file(s.touch_profile);

@@ -1,8 +1,5 @@
 #include "examples/compliant_ur5/skin.hpp"
 
-#include "skinctl/io/skin_file.hpp"
-#include "skinctl/io/skin_placement.hpp"
-#include "skinctl/robots/ur5_links.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 
 namespace compliant_ur5 {
@@ -12,12 +9,7 @@ using namespace skinctl;
 std::vector<SkinPatch> skin_patches(const Settings& s, double heavier) {
   std::vector<SkinPatch> out;
   if (!s.skin.empty()) {
-    const SkinFile file = read_skin_file(s.skin);
-    for (const SkinFile::Region& region : file.regions)
-      require(!(region.force_limit < std::numeric_limits<double>::infinity()),
-              ("region \"" + region.name + "\" of " + s.skin + ": force_limit").c_str(), region.force_limit,
-              "none: this job has no limits of regions, see ContactSkin");
-    out = skinctl::skin_patches(file, place_skin<ur5::Ros2Links>(file));
+    out = patches_of_file(s);
   } else {
     const auto add = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& patch) {
       SkinPatch& to = out.emplace_back(
@@ -45,8 +37,7 @@ std::vector<SkinPatch> skin_patches(const Settings& s, double heavier) {
 
 CellGraph skin_graph(const Settings& s, const std::vector<SkinPatch>& patches) {
   if (s.skin.empty()) return CellGraph(UrSkin(patches).places());
-  const SkinFile file = read_skin_file(s.skin);
-  return cell_graph(file, place_skin<ur5::Ros2Links>(file));
+  return graph_of_file(s);
 }
 
 std::vector<ObservedCell> observed_cells(const std::vector<SkinPatch>& patches) {

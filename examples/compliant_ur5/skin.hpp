@@ -26,6 +26,10 @@ std::vector<skinctl::SkinPatch> skin_patches(const Settings& settings, double he
 /// Which of these cells are neighbours: as the file says, else those near by.
 skinctl::CellGraph skin_graph(const Settings& settings, const std::vector<skinctl::SkinPatch>& patches);
 
+/// Both of the file `Settings::skin`, with its gains.
+std::vector<skinctl::SkinPatch> patches_of_file(const Settings& settings);
+skinctl::CellGraph graph_of_file(const Settings& settings);
+
 /// The same cells as the observer and as the simulation want them.
 std::vector<ObservedCell> observed_cells(const std::vector<skinctl::SkinPatch>& patches);
 std::vector<simulated_ur5::SkinCell> simulated_cells(const std::vector<skinctl::SkinPatch>& patches);

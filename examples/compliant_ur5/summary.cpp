@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "examples/compliant_ur5/noted.hpp"
+
 namespace compliant_ur5 {
 
 std::string text(const char* format, double value) {
@@ -28,6 +30,12 @@ void print(const Settings& s, const RunLog& log) {
     std::printf("  %-20s %10.2f %8.2f %8.2f %8.2f\n", t.stage.c_str(), t.median, t.p99, t.p999, t.max);
   std::printf("\n");
   for (const Fact& f : log.result) std::printf("  %-34s %s\n", f.name.c_str(), f.value.c_str());
+  const auto reasons = noted(log);
+  if (reasons.empty()) return;
+  std::printf("\n  first [s]  cycles  effect  noted after the first reading (start: %zu cycles)\n",
+              cycles_of_start(log));
+  for (const Noted& n : reasons)
+    std::printf("  %9.2f %7zu  %-6s  %s\n", n.first, n.cycles, name(n.reaction), describe(n.reason));
 }
 
 }  // namespace compliant_ur5

@@ -15,11 +15,12 @@ TouchObserver::TouchObserver(std::vector<ObservedCell> cells, double newtons_per
       reading_(cells_.size()),
       newtons_(newtons_per_reading),
       rest_(3 * rest_reading) {
+  touches_.reserve(1024);
+  if (cells_.empty()) return;
   std::uint32_t largest = 0;
   for (const auto& cell : cells_) largest = std::max(largest, cell.id);
   index_.assign(largest + 1, cells_.size());
   for (std::size_t i = 0; i < cells_.size(); ++i) index_[cells_[i].id] = i;
-  touches_.reserve(1024);
 }
 
 TouchObserver::Poses TouchObserver::poses(const skinctl::JointPosition<6>& q) noexcept {
@@ -29,10 +30,19 @@ TouchObserver::Poses TouchObserver::poses(const skinctl::JointPosition<6>& q) no
           plain(all.get<3>()), plain(all.get<4>()), plain(all.get<5>())};
 }
 
+Xyz<double> TouchObserver::point(const skinctl::JointPosition<6>& q, const ObservedCell& at) noexcept {
+  const auto X = poses(q)[static_cast<std::size_t>(at.link)];
+  return X.origin() + X.axes() * at.position;
+}
+
+Xyz<double> TouchObserver::in_link(const skinctl::JointPosition<6>& q, int link,
+                                   const Xyz<double>& direction) noexcept {
+  return poses(q)[static_cast<std::size_t>(link)].axes().transpose() * direction;
+}
+
 Xyz<double> TouchObserver::place(const Poses& poses) const noexcept {
-  const auto& cell = cells_[touched_];
-  const auto& X = poses[static_cast<std::size_t>(cell.link)];
-  return X.origin() + X.axes() * cell.position;
+  const auto& X = poses[static_cast<std::size_t>(touched_.link)];
+  return X.origin() + X.axes() * touched_.position;
 }
 
 void TouchObserver::felt_by(TouchSummary& touch, const ObservedCell& cell) noexcept {
@@ -60,22 +70,32 @@ void TouchObserver::cycle(double t, std::span<const skinctl::CellSample> samples
   const auto link =
       static_cast<std::size_t>(std::max_element(per_link.begin(), per_link.end()) - per_link.begin());
   force_ = per_link[link];
+  follow(t, cells_[most[link]], q, task);
+}
 
+void TouchObserver::cycle(double t, double force, const ObservedCell& felt,
+                          const skinctl::JointPosition<6>& q, const skinctl::JointPosition<6>& task) {
+  force_ = force;
+  follow(t, felt, q, task);
+}
+
+void TouchObserver::follow(double t, const ObservedCell& felt, const skinctl::JointPosition<6>& q,
+                           const skinctl::JointPosition<6>& task) {
   const Poses now = poses(q);
   if (!touching_ && force_ > 1) {
     touching_ = true;
-    touched_ = most[link];
+    touched_ = felt;
     from_ = place(now);
-    normal_ = now[link].axes() * cells_[touched_].normal;
+    normal_ = now[static_cast<std::size_t>(felt.link)].axes() * felt.normal;
     touches_.push_back({.start = t, .end = t});
-    felt_by(touches_.back(), cells_[touched_]);
+    felt_by(touches_.back(), felt);
   }
   if (touches_.empty()) return;
   TouchSummary& touch = touches_.back();
   if (touching_) {
     if (force_ > touch.peak_force) {
       touch.peak_force = force_;
-      felt_by(touch, cells_[most[link]]);
+      felt_by(touch, felt);
     }
     const double away = -dot(place(now) - from_, normal_);
     touch.deflection = std::max(touch.deflection, away);

@@ -28,15 +28,27 @@ class TouchObserver {
   void cycle(double t, std::span<const skinctl::CellSample> samples, const skinctl::JointPosition<6>& q,
              const skinctl::JointPosition<6>& task);
 
+  /// The same without cells: a force [N] on link `felt.link`, at `felt.position`, against `felt.normal`.
+  void cycle(double t, double force, const ObservedCell& felt, const skinctl::JointPosition<6>& q,
+             const skinctl::JointPosition<6>& task);
+
   /// The force on the link that feels most [N].
   [[nodiscard]] double force() const noexcept { return force_; }
   [[nodiscard]] const std::vector<TouchSummary>& touches() const noexcept { return touches_; }
   [[nodiscard]] bool touching() const noexcept { return touching_; }
 
+  /// Where a place of a link is in the base's frame [m], and a direction of the base along the axes of a link.
+  [[nodiscard]] static skinctl::Xyz<double> point(const skinctl::JointPosition<6>& q,
+                                                  const ObservedCell& at) noexcept;
+  [[nodiscard]] static skinctl::Xyz<double> in_link(const skinctl::JointPosition<6>& q, int link,
+                                                    const skinctl::Xyz<double>& direction) noexcept;
+
  private:
   using Poses = std::array<skinctl::Transform<skinctl::Base, skinctl::FrameTag>, 6>;
   static Poses poses(const skinctl::JointPosition<6>& q) noexcept;
   [[nodiscard]] skinctl::Xyz<double> place(const Poses& poses) const noexcept;
+  void follow(double t, const ObservedCell& felt, const skinctl::JointPosition<6>& q,
+              const skinctl::JointPosition<6>& task);
   static void felt_by(TouchSummary& touch, const ObservedCell& cell) noexcept;
 
   std::vector<ObservedCell> cells_;
@@ -46,7 +58,7 @@ class TouchObserver {
   std::vector<TouchSummary> touches_;
   bool touching_ = false;
   double quiet_since_ = 0;
-  std::size_t touched_ = 0;  ///< cell at which the present or last touch began
+  ObservedCell touched_;  ///< where the present or last touch began
   skinctl::Xyz<double> from_{}, normal_{};
 };
 

@@ -1,5 +1,13 @@
 // fault_table: what goes wrong between a program and a device, as it is seen, with the exit code and the way back. Simulated
 // devices, real sockets. Nothing may hang: a case that takes a minute ends the program with 3.
+//
+// Promise: what goes wrong between a program and its devices ends as its table says, and nothing hangs:
+// cables, killed peers, half-open connections, bytes one by one, bursts, other versions, duplicates,
+// wrong order, cut short, 1 to 50 % lost, restarts, stops, clocks that go back
+// Tried: 136 cases of a UR5 by position, velocity and torque, an Allegro hand, three grippers, a skin:
+// reaction, time, exit code, way back; grippers and skins as a test. Also: program `fault_table`,
+// `examples/fault_table`
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>

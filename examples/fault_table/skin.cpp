@@ -1,11 +1,10 @@
 // Faults between a skin and its receiver, in simulated time: datagrams through a real socket, clocks that are counted.
-#include "examples/simulated_ur5/skin.hpp"
-
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <random>
 
+#include "examples/adapters/skin/datagram.hpp"
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/fault_table/row.hpp"
 #include "examples/support/job.hpp"
@@ -59,11 +58,12 @@ Row suffer(const Fault& fault) {
     }
     // The sender's clock is not the robot's.
     const Nanoseconds its = now + 3s + ((wrong || (fault.lasts && t >= begins)) ? fault.sender.clock : 0ns);
-    std::array<simulated_ur5::SkinSample, cells> samples{};
+    std::array<skinctl::CellSample, cells> samples{};
     for (std::size_t c = 0; c < cells; ++c)
       samples[c] = {.time = its, .cell = static_cast<std::uint32_t>(c + 1), .force = {0.1f, 0.1f, 0.1f}};
-    std::vector<std::uint8_t> bytes(simulated_ur5::datagram_limit);
-    bytes.resize(simulated_ur5::write_datagram(bytes.data(), sequence++, its.count(), samples.data(), cells));
+    std::array<std::uint8_t, adapters::skin::largest> room{};
+    const std::size_t size = adapters::skin::write(room, sequence++, its, std::span(std::as_const(samples)));
+    const std::vector<std::uint8_t> bytes(room.begin(), room.begin() + static_cast<std::ptrdiff_t>(size));
     const Datagrams all = wrong && fault.change ? fault.change(bytes, k, random) : Datagrams{bytes};
     if (wrong) sent += cells, withheld += all.empty();
     for (const auto& d : all) socket.send_to(boost::asio::buffer(d), to);

@@ -99,9 +99,10 @@ void urscript(Bytes bytes) {
 }
 void skin_datagram(Bytes bytes) {
   adapters::skin::Datagram d;
-  if (!adapters::skin::parse(bytes, d)) return;
+  if (!adapters::skin::parse(bytes, d) || !d.is<skinctl::Hexagon>()) return;
   for (std::size_t i = 0; i < d.count(); ++i)
-    static_cast<void>(adapters::skin::plausible(d.sample(i), d, std::chrono::milliseconds(100)));
+    static_cast<void>(
+        adapters::skin::plausible(d.sample<skinctl::Hexagon>(i), d, std::chrono::milliseconds(100)));
 }
 void ros1(Bytes bytes) {
   std::vector<skinctl::CellSample> samples;
@@ -180,7 +181,7 @@ void mcap(Bytes bytes) {
   for (const std::string& topic : topics)
     allow_refusal([&] {
       std::ostringstream table;
-      return skinctl_record::write_csv(bytes, topic, table);
+      return skinctl_record::write_csv(bytes, topic, table).lines;
     });
 }
 /// Several messages, each with its length before it.

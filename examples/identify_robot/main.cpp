@@ -154,6 +154,7 @@ int main(int argc, char** argv) {
     if (!save.empty()) write_log(save, log);
     const Response found = identify(log);
     std::fputs(in_words(found).c_str(), stdout);
+    if (const std::string why = why_unusable(found); !why.empty()) skinctl::refuse(why);
     if (!output.empty()) {
       std::ofstream file(output);
       if (!(file << as_toml(found)).flush())

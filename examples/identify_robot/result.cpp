@@ -1,5 +1,7 @@
 #include "examples/identify_robot/result.hpp"
 
+#include <utility>
+
 #include "examples/support/text.hpp"
 #include "skinctl/calibration/robot_response.hpp"
 #include "skinctl/robots/ur5.hpp"
@@ -19,6 +21,29 @@ std::string value(const Estimate& e, double unit, const char* name) {
 
 Response identify(const Log& log) {
   return skinctl::identify_response(skinctl::ur5::Model{}, log);
+}
+
+std::string why_unusable(const Response& found) {
+  constexpr double longest_period = 0.1,
+                   fastest = 4 * 3.1416;      // [s], [rad/s]: a UR turns at most by half of that
+  constexpr double largest_deviation = 5e-3;  // [s]: more of delay than a governor's margins hold at 125 Hz
+  if (!(found.period > 1e-4 && found.period <= longest_period))
+    return text("measurements come every %.4g s, allowed: 0.0001 to %g; are their times in seconds?",
+                found.period, longest_period);
+  for (std::size_t i = 0; i < 6; ++i)
+    if (found.joint[i].speed > fastest)
+      return text("joint %zu moves at %.4g rad/s, allowed: at most %.3g; are its angles in radians?", i,
+                  found.joint[i].speed, fastest);
+  if (!found.both.known()) return "the commands hardly move the robot: nothing is known of its delay";
+  const std::pair<const char*, Estimate> all[] = {
+      {"delay", found.delay}, {"lag", found.lag}, {"delay and lag", found.both}};
+  for (const auto& [name, e] : all)
+    if (!(e.deviation <= largest_deviation))
+      return text(
+          "%s: known to %.3g ms only, allowed: %g ms; does the log hold the commands that the robot got, on "
+          "the clock of its measurements?",
+          name, e.deviation / 1e-3, largest_deviation / 1e-3);
+  return {};
 }
 
 std::string in_words(const Response& found) {
@@ -47,8 +72,8 @@ std::string in_words(const Response& found) {
   }
   out += "\n";
   double gap = 0;
-  for (const auto& j : found.joint) gap = std::max(gap, std::abs(j.gap.value));
-  if (!found.both.known()) out += "The robot did not move: nothing is known of its delay.\n";
+  for (const auto& j : found.joint)
+    if (std::abs(j.gap.value) > 2 * j.gap.deviation) gap = std::max(gap, std::abs(j.gap.value));
   if (gap > 0.02)
     out += text(
         "A joint stands %.0f mrad beside its commands: look for a servo that droops, or an encoder with an "

@@ -32,6 +32,7 @@ struct Config {
   Generation generation = Generation::v4;
   bool geared = false;       ///< V5: joints 1, 5 and 9; a V5 Sense is
   char type = 'A';           ///< V5: the letter in its serial number, which says nothing sure about gears
+  int hardware = -1;         ///< upper byte of its hardware version; -1: its generation
   unsigned hand = 0;         ///< number on the bus
   double full_torque = 0.7;  ///< V4: at 1200 PWM [N m]
   /// 1: real time. 0: as fast as commands come: time stands still after each set of positions until the torques

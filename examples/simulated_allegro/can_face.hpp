@@ -119,8 +119,10 @@ class CanFace {
   Frame info() const {
     Frame f = empty(0x80, 7);
     const bool hot = body_.temperature() > 75;
+    const int own = body_.config().generation == Generation::v4 ? 4 : 5;
+    const int hardware = body_.config().hardware < 0 ? own : body_.config().hardware;
     f.data = {1,
-              static_cast<std::uint8_t>(body_.config().generation == Generation::v4 ? 4 : 5),
+              static_cast<std::uint8_t>(hardware),
               2,
               1,
               static_cast<std::uint8_t>(body_.config().plant.side == Side::left ? 1 : 0),

@@ -86,6 +86,37 @@ void OnRobotDevice::advance(double now) {
   move(fingers_, now_, now);
 }
 
+int OnRobotDevice::value_at(std::uint16_t at) const {
+  namespace rg = adapters::gripper::rg;
+  const int width = static_cast<int>(std::lround(1e4 * fingers_.opening()));
+  switch (at) {
+    case rg::target_force:
+      return force_;
+    case rg::target_force + 1:
+      return width_;
+    case rg::fingertip:
+      return static_cast<std::uint16_t>(offset_);
+    case rg::width:
+      return width;
+    case rg::tip_width:
+      return static_cast<std::uint16_t>(width - 2 * offset_);
+    case rg::status:
+      return (fingers_.moving() ? rg::busy : 0) | (fingers_.holding() ? rg::gripping : 0) | safety_;
+    default:
+      return -1;
+  }
+}
+
+void OnRobotDevice::write(std::uint16_t at, std::uint16_t value) {
+  namespace rg = adapters::gripper::rg;
+  if (at == rg::target_force) force_ = value;
+  if (at == rg::target_force + 1) width_ = value;
+  if (at != rg::target_force + 2) return;
+  if (value == rg::halt) fingers_.halt();
+  if ((value != rg::grip && value != rg::grip_tips) || safety_ != 0 || fingers_.moving()) return;
+  fingers_.go(1e-4 * (width_ + (value == rg::grip_tips ? 2 * offset_ : 0)), 0.1 * force_, speed);
+}
+
 adapters::gripper::modbus::Bytes OnRobotDevice::answer(const adapters::gripper::modbus::Frame& frame,
                                                        double now) {
   namespace modbus = adapters::gripper::modbus;
@@ -96,20 +127,6 @@ adapters::gripper::modbus::Bytes OnRobotDevice::answer(const adapters::gripper::
     modbus::Bytes out(frame.transaction, frame.unit, static_cast<std::uint8_t>(frame.function | 0x80));
     return out.u8(why);
   };
-  const auto register_at = [&](std::uint16_t at) -> int {
-    switch (at) {
-      case 0:
-        return force_;
-      case 1:
-        return width_;
-      case rg::width:
-        return static_cast<int>(std::lround(1e4 * fingers_.opening()));
-      case rg::status:
-        return (fingers_.moving() ? rg::busy : 0) | (fingers_.holding() ? rg::gripping : 0) | safety_;
-      default:
-        return -1;
-    }
-  };
   if (frame.unit != rg::unit) return refuse(0x0b);
   if (frame.function == modbus::read_registers) {
     if (frame.data.size() != 4) return refuse(bad_value);
@@ -118,7 +135,7 @@ adapters::gripper::modbus::Bytes OnRobotDevice::answer(const adapters::gripper::
     modbus::Bytes out(frame.transaction, frame.unit, frame.function);
     out.u8(static_cast<std::uint8_t>(2 * count));
     for (std::uint32_t k = first; k < first + std::uint32_t{count}; ++k) {
-      const int value = k > 0xffff ? -1 : register_at(static_cast<std::uint16_t>(k));
+      const int value = k > 0xffff ? -1 : value_at(static_cast<std::uint16_t>(k));
       if (value < 0) return refuse(no_address);
       out.u16(static_cast<std::uint16_t>(value));
     }
@@ -130,16 +147,18 @@ adapters::gripper::modbus::Bytes OnRobotDevice::answer(const adapters::gripper::
     if (count == 0 || frame.data[4] != 2 * count || frame.data.size() != 5u + 2u * count)
       return refuse(bad_value);
     if (first + count > 3) return refuse(no_address);
-    for (std::uint16_t k = 0; k < count; ++k) {
-      const std::uint16_t value = modbus::u16_at(frame.data, 5 + 2u * k);
-      if (first + k == 0) force_ = value;
-      if (first + k == 1) width_ = value;
-      if (first + k == 2 && value == rg::halt) fingers_.halt();
-      if (first + k == 2 && (value == rg::grip || value == 16) && !safety_)
-        fingers_.go(1e-4 * width_, 0.1 * force_, speed);
-    }
+    for (std::uint16_t k = 0; k < count; ++k)
+      write(static_cast<std::uint16_t>(first + k), modbus::u16_at(frame.data, 5 + 2u * k));
     modbus::Bytes out(frame.transaction, frame.unit, frame.function);
     return out.u16(first).u16(count);
+  }
+  if (frame.function == modbus::write_register) {
+    if (frame.data.size() != 4) return refuse(bad_value);
+    const std::uint16_t at = modbus::u16_at(frame.data, 0), value = modbus::u16_at(frame.data, 2);
+    if (at > rg::target_force + 2) return refuse(no_address);
+    write(at, value);
+    modbus::Bytes out(frame.transaction, frame.unit, frame.function);
+    return out.u16(at).u16(value);
   }
   return refuse(no_function);
 }

@@ -44,12 +44,17 @@ class OnRobotDevice {
   Fingers& fingers() { return fingers_; }
   /// A bit of the status from now on, 2 to 6: its safety switches.
   void safety(std::uint16_t bits) { safety_ = bits; }
+  /// How far each fingertip reaches inward of its finger from now on [0.1 mm].
+  void fingertips(std::int16_t offset) { offset_ = offset; }
   static constexpr double opening = 0.11, speed = 0.1;  ///< [m], [m/s]
 
  private:
   void advance(double now);
+  void write(std::uint16_t at, std::uint16_t value);
+  [[nodiscard]] int value_at(std::uint16_t at) const;
 
   Fingers fingers_{opening};
+  std::int16_t offset_ = 0;
   std::uint16_t force_ = 400, width_ = 1100, safety_ = 0;
   double now_ = 0;
   bool started_ = false;

@@ -155,6 +155,11 @@ void Server::fault(int code) {
   onrobot_.safety(static_cast<std::uint16_t>(code));
 }
 
+void Server::fingertips(std::int16_t offset) {
+  const std::scoped_lock lock(mutex_);
+  onrobot_.fingertips(offset);
+}
+
 Server::Seen Server::seen() {
   const std::scoped_lock lock(mutex_);
   if (config_.kind == Kind::robotiq) robotiq_.answer("", now());

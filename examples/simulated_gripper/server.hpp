@@ -52,6 +52,8 @@ class Server {
   void put(const Object& object);
   /// A fault of the device: FLT of a Robotiq, safety bits of an OnRobot.
   void fault(int code);
+  /// How far the fingertips of an OnRobot reach inward, each, from now on [0.1 mm].
+  void fingertips(std::int16_t offset);
   struct Seen {
     double opening = 0, force = 0;
     bool moving = false;

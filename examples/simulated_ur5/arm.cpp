@@ -41,7 +41,13 @@ void check(const ArmConfig& c) {
           c.protective_deceleration, "> 0 to 1e4 rad/s^2");
   require(c.drives.presliding >= 1e-5 && c.drives.presliding <= 0.1, "way of presliding", c.drives.presliding,
           "1e-5 to 0.1 rad");
+  require(c.warming >= 0 && c.warming <= 80, "warming", c.warming, "0 to 80 K");
+  require(c.warming_time >= 1 && c.warming_time <= 1e5, "warming time", c.warming_time, "1 to 1e5 s");
+  require(c.friction_per_kelvin >= 0 && c.friction_per_kelvin <= 0.1, "friction per kelvin",
+          c.friction_per_kelvin, "0 to 0.1 1/K");
   for (std::size_t i = 0; i < joint_count; ++i) {
+    require(std::abs(c.torque_bias[i]) <= 1000, "torque bias", c.torque_bias[i], "-1000 to 1000 N m");
+    require(std::abs(c.torque_creep[i]) <= 100, "torque creep", c.torque_creep[i], "-100 to 100 N m/s");
     require(c.stiffness[i] >= 100, "stiffness", c.stiffness[i], "100 N m/rad to infinite");
     require(c.velocity_limit[i] > 0 && c.velocity_limit[i] <= 100, "velocity limit", c.velocity_limit[i],
             "> 0 to 100 rad/s");
@@ -69,6 +75,7 @@ Arm::Arm(const ArmConfig& config, Nanoseconds cycle)
     : config_(config),
       cycle_(cycle),
       dt_(seconds(cycle)),
+      drives_(config.drives),
       lag_(config.lag),
       target_q_(config.home),
       q_(config.home),
@@ -305,11 +312,19 @@ bool Arm::at_rest() const {
   return true;
 }
 
+double Arm::warmer() const {
+  return config_.warming * (1 - std::exp(-seconds(now_) / config_.warming_time));
+}
+
 void Arm::measure() {
   for (std::size_t i = 0; i < joint_count; ++i) {
     measured_q_[i] = q_[i] + config_.position_noise * random_.normal();
     measured_dq_[i] = dq_[i] + config_.velocity_noise * random_.normal();
-    torque_noise_[i] = config_.torque_noise[i] * torque_random_.normal();
+    torque_noise_[i] = config_.torque_noise[i] * torque_random_.normal() + config_.torque_bias[i] +
+                       seconds(now_) * config_.torque_creep[i];
+    const double left = std::max(0.1, 1 - config_.friction_per_kelvin * warmer());
+    drives_.viscous[i] = left * config_.drives.viscous[i];
+    drives_.coulomb[i] = left * config_.drives.coulomb[i];
   }
   if (mode_ != Mode::torque) {  // means of the cycle
     Joints q{}, dq{}, ddq{};
@@ -318,15 +333,14 @@ void Arm::measure() {
       dq[i] = (q_[i] - q_before_[i]) / dt_;
       ddq[i] = (dq_[i] - dq_before_[i]) / dt_;
     }
-    motor_torque_ = torque_of_motion(q, dq, ddq, config_.bodies, config_.drives);
+    motor_torque_ = torque_of_motion(q, dq, ddq, config_.bodies, drives_);
     for (std::size_t i = 0; i < joint_count; ++i) {
       // Dry friction turns round over the way; so does its mean.
       const double step = q_[i] - q_before_[i], side = step > 0 ? 1 : -1,
-                   way = std::abs(step) / config_.drives.presliding, rest = side - friction_side_[i];
+                   way = std::abs(step) / drives_.presliding, rest = side - friction_side_[i];
       const double turned = way > 1e-9 ? (1 - std::exp(-way)) / way : 1;
       friction_side_[i] = side - rest * std::exp(-way);
-      motor_torque_[i] +=
-          config_.drives.viscous[i] * dq[i] + config_.drives.coulomb[i] * (side - rest * turned);
+      motor_torque_[i] += drives_.viscous[i] * dq[i] + drives_.coulomb[i] * (side - rest * turned);
     }
   }
   q_before_ = q_, dq_before_ = dq_;

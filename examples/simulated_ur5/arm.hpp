@@ -50,10 +50,15 @@ struct ArmConfig {
   JointDrives drives;               ///< the position loop overcomes it; its currents show it
   Bodies bodies = makers_bodies();  ///< what the arm weighs
   Joints torque_noise = {1.2, 1.2, 1.2, 0.3, 0.3, 0.3};  ///< of torques by currents, standard deviation [N m]
-  Joints torque_limit = {150, 150, 150, 28, 28, 28};     ///< of the motors at the joints [N m]
-  double position_noise = 2e-5;                          ///< standard deviation of the encoders [rad]
-  double velocity_noise = 5e-4;                          ///< of the measured velocity [rad/s]
-  double protective_deceleration = 20;                   ///< of a protective stop [rad/s^2]
+  Joints torque_bias{},
+      torque_creep{};                 ///< of torques by currents [N m], and its change [N m/s] from boot on
+  double warming = 0;                 ///< of the motors, in the end [K]
+  double warming_time = 600;          ///< until 63 % of it [s]
+  double friction_per_kelvin = 0.01;  ///< share of friction that a warmer gear has lost
+  Joints torque_limit = {150, 150, 150, 28, 28, 28};        ///< of the motors at the joints [N m]
+  double position_noise = 2e-5;                             ///< standard deviation of the encoders [rad]
+  double velocity_noise = 5e-4;                             ///< of the measured velocity [rad/s]
+  double protective_deceleration = 20;                      ///< of a protective stop [rad/s^2]
   Joints home = {0, -pi / 2, -pi / 2, -pi / 2, pi / 2, 0};  ///< where the arm stands at the start [rad]
 };
 
@@ -103,8 +108,10 @@ class Arm {
   /// What the motors gave without load, the mean of the last cycle, without its noise; under direct torque what they give,
   /// compensation included [N m].
   const Joints& motor_torque() const { return motor_torque_; }
-  /// Noise of the measured torque, new with each `measure` [N m].
+  /// Noise, bias and creep of the measured torque, new with each `measure` [N m].
   const Joints& torque_noise() const { return torque_noise_; }
+  /// How much warmer the motors are than at boot [K].
+  double warmer() const;
   /// True while a movej is under way.
   bool moving() const { return mode_ == Mode::move; }
   /// Draws new noise, and finds what the motors gave; call once per cycle.
@@ -143,6 +150,7 @@ class Arm {
   ArmConfig config_;
   Nanoseconds cycle_;
   double dt_;
+  JointDrives drives_;  ///< as warm as they are
   Mode mode_ = Mode::stop;
   Joints command_{};       ///< servo: position; speed: velocity; torque: torque
   Joints last_command_{};  ///< servo: the command of the cycle before

@@ -46,7 +46,7 @@ void Arm::advance_under_torque(const Joints& load) {
   const double h = seconds(plant_step);
   now_ += plant_step;
   const Joints before = dq_;
-  dq_ = speeds_after(q_, dq_, torque, config_.bodies, config_.drives, h, dry_friction_);
+  dq_ = speeds_after(q_, dq_, torque, config_.bodies, drives_, h, dry_friction_);
   for (std::size_t i = 0; i < joint_count; ++i) q_[i] += 0.5 * h * (before[i] + dq_[i]);
 }
 

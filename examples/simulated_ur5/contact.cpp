@@ -1,14 +1,12 @@
 #include "examples/simulated_ur5/contact.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "skinctl/core/contract.hpp"
 
 namespace simulated_ur5 {
 namespace {
 
-constexpr std::size_t no_cell = static_cast<std::size_t>(-1);
 constexpr std::size_t most_touches = 10000;
 constexpr double profile_lead = 0.5;  ///< approach before a recorded press [s]
 
@@ -21,44 +19,6 @@ double ForceProfile::at(double t) const {
   if (i >= time.size()) return force.back();
   const double part = (t - time[i - 1]) / (time[i] - time[i - 1]);
   return force[i - 1] + part * (force[i] - force[i - 1]);
-}
-
-ForceProfile read_profile(std::istream& in, const std::string& name) {
-  ForceProfile profile;
-  std::string line;
-  bool header_allowed = true;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    const auto bad = [&](const std::string& why) {
-      skinctl::refuse(name + ":" + std::to_string(number) + ": " + why + "; expected: time [s],force [N]");
-    };
-    if (const auto comment = line.find('#'); comment != std::string::npos) line.resize(comment);
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    const char* text = line.c_str();
-    char* end = nullptr;
-    const double t = std::strtod(text, &end);
-    if (end == text) {
-      if (!header_allowed) bad("no number");
-      header_allowed = false;
-      continue;
-    }
-    header_allowed = false;
-    while (*end == ' ' || *end == '\t') ++end;
-    if (*end != ',' && *end != ';') bad("one column");
-    const char* second = end + 1;
-    const double f = std::strtod(second, &end);
-    if (end == second) bad("no force");
-    if (std::string(end).find_first_not_of(" \t\r,;") != std::string::npos) bad("more than two columns");
-    if (!std::isfinite(t) || !std::isfinite(f) || t < 0 || f < 0 || f > 1e5 || t > 1e6)
-      bad("a number out of range");
-    if (!profile.time.empty() && t <= profile.time.back()) bad("time does not ascend");
-    if (profile.time.size() >= 1'000'000) bad("more than 1000000 rows");
-    profile.time.push_back(t);
-    profile.force.push_back(f);
-  }
-  if (profile.time.size() < 2) skinctl::refuse(name + ": a profile needs two rows of time,force at least");
-  const double first = profile.time.front();
-  for (double& t : profile.time) t -= first;
-  return profile;
 }
 
 double Touch::duration() const {
@@ -74,6 +34,7 @@ void check(const Touch& t) {
   in("start", t.start, 0, 1e6, "0 to 1e6 s");
   in("stiffness", t.stiffness, 1, 1e6, "1 to 1e6 N/m");
   in("damping", t.damping, 0, 1e4, "0 to 1e4 N s/m");
+  in("tremor", t.tremor, 0, 0.5, "0 to 0.5");
   in("gap", t.gap, 0, 1, "0 to 1 m");
   in("approach_speed", t.approach_speed, 1e-4, 5, "1e-4 to 5 m/s");
   in("travel", t.travel, 0, 0.5, "0 to 0.5 m");
@@ -107,6 +68,7 @@ ContactWorld::ContactWorld(std::vector<Touch> touches, const std::vector<SkinCel
     touch.normal = normalised(touch.normal);
     target_cell_.push_back(target);
     std::vector<std::size_t> near;
+    near.reserve(touch.led ? cells_.size() : 0);
     for (std::size_t i = 0; i < cells_.size(); ++i)
       if (cells_[i].link == touch.link && dot(cells_[i].normal, touch.normal) > 0.3) near.push_back(i);
     near_cells_.push_back(std::move(near));
@@ -126,7 +88,7 @@ void ContactWorld::restart() {
     results_[i].cell = touches_[i].cell.value_or(0);
   }
   load_ = {};
-  force_ = moment_ = {};
+  force_ = moment_ = tool_force_ = tool_moment_ = {};
   largest_ = 0;
   active_ = -1;
   quiet_ = true;
@@ -138,6 +100,40 @@ Vec3 ContactWorld::target_point(const Touch& touch, const Links& links, Vec3& no
   const Pose& pose = links.link[touch.link];
   normal = pose.rotate(touch.normal);
   return pose.point(touch.point);
+}
+
+void ContactWorld::place(std::size_t i, std::size_t link, Vec3 point, Vec3 normal, std::size_t cell) {
+  Touch& touch = touches_[i];
+  touch.link = std::min(link, joint_count - 1);
+  touch.point = point;
+  touch.normal = normalised(normal);
+  target_cell_[i] = cell < cells_.size() ? cell : no_cell;
+  near_cells_[i].clear();
+  for (std::size_t k = 0; k < cells_.size(); ++k)
+    if (cells_[k].link == touch.link && dot(cells_[k].normal, touch.normal) > 0.3)
+      near_cells_[i].push_back(k);
+  fingers_[i] = Finger{};
+  fingers_[i].led = true;
+  fingers_[i].led_way = -touch.gap;
+  TouchResult& result = results_[i];
+  result.link = touch.link;
+  result.cell = 0;
+  result.began = result.ended = false;
+  result.first_contact = result.last_contact = -1;
+  result.peak_force = result.peak_force_time = result.impulse = result.peak_deflection = 0;
+}
+
+void ContactWorld::lead(std::size_t i, double way, Vec3 aside) {
+  fingers_[i].led_way = way;
+  fingers_[i].aside = aside;
+}
+
+void ContactWorld::lift(std::size_t i) {
+  fingers_[i].led = false;
+}
+
+void ContactWorld::set_stiffness(std::size_t i, double stiffness) {
+  touches_[i].stiffness = std::clamp(stiffness, 1.0, 1e6);
 }
 
 ContactWorld::Surface ContactWorld::surface_at(const Touch& touch, const Links& links, Vec3 tip,
@@ -247,7 +243,7 @@ void ContactWorld::press(std::size_t i, double t, double h, const Links& links) 
     finger.placed = true;
     if (!touch.follow) finger.frozen = true;
   }
-  const double way = travelled(touch, since);
+  const double way = touch.led ? finger.led_way : travelled(touch, since);
   if (way > 0) finger.frozen = true;
 
   double force = 0;
@@ -259,19 +255,22 @@ void ContactWorld::press(std::size_t i, double t, double h, const Links& links) 
     const double into = since - profile_lead;
     if (into >= 0) force = touch.profile_scale * touch.profile.at(into);
   } else {
-    tip = finger.anchor - way * finger.direction;
+    tip = finger.anchor - way * finger.direction + finger.aside;
     surface = surface_at(touch, links, tip, finger.direction);
     const double depth = surface.depth;
     if (depth > 0) {
       double rate = finger.depth > 0 ? (depth - finger.depth) / h : 0;
       // A recording already holds what its finger's own motion did: only the arm's motion is damped.
       if (recorded && finger.depth > 0) rate -= (way - finger.way) / h;
-      force = surface.hold * std::max(0.0, touch.stiffness * depth + touch.damping * rate);
+      constexpr double pulse = 2 * 3.14159265358979 * 8;  // of a hand's tremor [rad/s]
+      const double trembles = 1 + touch.tremor * std::sin(pulse * since);
+      force = surface.hold * std::max(0.0, trembles * (touch.stiffness * depth + touch.damping * rate));
       if (surface.hold > 0) tip = surface.point;
     }
     finger.depth = depth;
     finger.way = way;
   }
+  finger.tip = tip;
   approach(touch, links, tip);
   const Pose& pose = links.link[touch.link];
   if (force > 0) {
@@ -281,6 +280,10 @@ void ContactWorld::press(std::size_t i, double t, double h, const Links& links) 
     for (std::size_t j = 0; j < joint_count; ++j) load_[j] += torque[j];
     force_ = force_ + pushed;
     moment_ = moment_ + cross(at, pushed);
+    if (touch.link == 5) {
+      tool_force_ = tool_force_ + pushed;
+      tool_moment_ = tool_moment_ + cross(at, pushed);
+    }
     largest_ = std::max(largest_, force);
     active_ = static_cast<int>(i);
     spread(touch, links, at, force);
@@ -319,14 +322,14 @@ void ContactWorld::advance(double t, double h, const Links& links) {
     std::fill(stimulus_.proximity.begin(), stimulus_.proximity.end(), 0);
   }
   load_ = {};
-  force_ = moment_ = {};
+  force_ = moment_ = tool_force_ = tool_moment_ = {};
   largest_ = 0;
   active_ = -1;
   quiet_ = true;
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     const double since = t - touches_[i].start;
-    if (since < 0 || results_[i].ended) continue;
-    if (since >= touches_[i].duration()) {
+    if (touches_[i].led ? !fingers_[i].led : since < 0 || results_[i].ended) continue;
+    if (!touches_[i].led && since >= touches_[i].duration()) {
       results_[i].ended = true;
       continue;
     }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "examples/simulated_ur5/skin.hpp"
@@ -38,6 +39,7 @@ struct Touch {
 
   double stiffness = 5000;      ///< finger and skin together [N/m]
   double damping = 20;          ///< [N s/m]; acts while pressed, never pulls
+  double tremor = 0;            ///< amplitude of its tremor at 8 Hz, as a share of its force
   double gap = 0.05;            ///< distance at which the finger appears [m]
   double approach_speed = 0.1;  ///< [m/s]
   double travel = 0.02;         ///< how far beyond the surface the finger goes [m]
@@ -48,6 +50,10 @@ struct Touch {
   /// False: the line of motion is fixed in space when the finger appears. True: it follows the surface until
   /// contact.
   bool follow = false;
+
+  /// True: somebody leads the finger while the world runs, by `ContactWorld::place` and `lead`; start, approach, travel
+  /// and hold do not count.
+  bool led = false;
 
   /// Not empty: the finger repeats this recording instead of approach, travel and hold.
   ForceProfile profile;
@@ -85,15 +91,31 @@ class ContactWorld {
   /// Moves the fingers to time `t` [s after the scenario's start] and presses them on the arm; `h` is the
   /// step.
   void advance(double t, double h, const Links& links);
+  /// Puts the led finger of touch `i` in front of a place of `link` (its frame), before a new touch; `cell` is an index,
+  /// or `no_cell`: a plane. It allocates nothing.
+  void place(std::size_t i, std::size_t link, Vec3 point, Vec3 normal, std::size_t cell);
+  /// How far it is beyond the surface at which it was placed, along the inward normal, and beside its line (base's frame)
+  /// [m].
+  void lead(std::size_t i, double way, Vec3 aside);
+  /// Takes it away until it is placed again.
+  void lift(std::size_t i);
+  void set_stiffness(std::size_t i, double stiffness);  ///< [N/m], as `Touch::stiffness`
+  static constexpr std::size_t no_cell = static_cast<std::size_t>(-1);
+
   /// Back to before the first touch.
   void restart();
 
   const Joints& load() const { return load_; }  ///< torque on the joints [N m]
   Vec3 force() const { return force_; }         ///< on the arm, base's frame [N]
-  Vec3 moment_about(Vec3 point) const { return moment_ - cross(point, force_); }  ///< [N m]
-  double largest_force() const { return largest_; }                               ///< of a single finger [N]
+  /// Of this the part on link 5, which a sensor in the flange feels.
+  Vec3 tool_force() const { return tool_force_; }
+  Vec3 tool_moment_about(Vec3 point) const { return tool_moment_ - cross(point, tool_force_); }  ///< [N m]
+  Vec3 moment_about(Vec3 point) const { return moment_ - cross(point, force_); }                 ///< [N m]
+  double largest_force() const { return largest_; }  ///< of a single finger [N]
   const SkinStimulus& stimulus() const { return stimulus_; }
   const std::vector<TouchResult>& results() const { return results_; }
+  /// The end of a finger and the direction that it came from, in the base's frame, as of the last step.
+  std::pair<Vec3, Vec3> finger(std::size_t i) const { return {fingers_[i].tip, fingers_[i].direction}; }
   /// The touch that presses, or -1.
   int active() const { return active_; }
 
@@ -103,8 +125,12 @@ class ContactWorld {
     bool frozen = false;  ///< the line of motion no longer follows the surface
     Vec3 anchor;          ///< surface point when the line was fixed, base's frame
     Vec3 direction;       ///< outward normal then
+    Vec3 tip;             ///< its end, base's frame
     double depth = 0;     ///< compression at the step before [m]
     double way = 0;       ///< distance travelled inward at the step before [m]
+    bool led = false;     ///< somebody leads it now
+    double led_way = 0;   ///< see `lead` [m]
+    Vec3 aside;           ///< likewise
     bool pressed = false;
     Vec3 contact_anchor;  ///< touched point at first contact, base's frame
     Vec3 contact_in_link;
@@ -132,7 +158,7 @@ class ContactWorld {
   SkinStimulus stimulus_;
   std::vector<double> weights_;
   Joints load_{};
-  Vec3 force_{}, moment_{};
+  Vec3 force_{}, moment_{}, tool_force_{}, tool_moment_{};
   double largest_ = 0;
   int active_ = -1;
   bool quiet_ = true;

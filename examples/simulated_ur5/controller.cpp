@@ -1,6 +1,7 @@
 #include "examples/simulated_ur5/controller.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "examples/simulated_ur5/kinematics.hpp"
 #include "skinctl/core/contract.hpp"
@@ -40,6 +41,7 @@ void check(const ControllerConfig& c) {
   using skinctl::require;
   check(c.arm);
   check(c.skin);
+  check(c.force_sensor);
   require(c.protective_force >= 0, "protective force", c.protective_force, ">= 0 N");
   require(c.power_on_time >= 0 && c.power_on_time <= 600, "power on time", c.power_on_time, "0 to 600 s");
   require(c.brake_release_time >= 0 && c.brake_release_time <= 600, "brake release time",
@@ -51,6 +53,7 @@ Controller::Controller(ControllerConfig config)
     : config_((check(config), std::move(config))),
       arm_(config_.arm, cycle_of(config_.series)),
       skin_(config_.cells, config_.skin, config_.seed),
+      force_sensor_(config_.force_sensor),
       world_(config_.touches, config_.cells, config_.skin.proximity_distance),
       next_skin_tick_(config_.skin.period) {
   arm_.reseed(config_.seed);
@@ -62,7 +65,7 @@ Controller::Controller(ControllerConfig config)
   }
   const Pose tool = forward_kinematics(arm_.q()).flange;
   tool_before_ = tool_before_that_ = tool.origin;
-  stop_for_safety_ = [this](const std::string& why) { protective_stop(why); };
+  stop_for_safety_ = [this](const std::string& why, std::int32_t code) { protective_stop(why, code); };
   if (!on_notice) on_notice = [](const Notice&) {};
   if (config_.scenario_at_boot) start_scenario();
   publish();
@@ -90,6 +93,7 @@ void Controller::start_scenario() {
   // From here on everything is a function of the seed and the commands, whenever the client came.
   arm_.reseed(config_.seed);
   skin_.restart(config_.seed + 1);
+  force_sensor_.reseed(config_.seed + 2);
   next_skin_tick_ = now_ + config_.skin.period;
 }
 
@@ -156,7 +160,9 @@ void Controller::protective_stop(const std::string& why, std::int32_t code) {
     pause_requested_ = false;
   }
   say("Protective stop: " + why);
-  tell({Notice::Kind::violation, "Protective stop: " + why, {}, 0, 0, code, 0});
+  Notice n{Notice::Kind::violation, "Protective stop: " + why, {}, 0, 0, code, 0};
+  n.warning = code == by_program_code;
+  tell(n);
 }
 
 void Controller::emergency_stop() {
@@ -206,6 +212,7 @@ Joints Controller::load_at(const Links& links) const {
 
 void Controller::step() {
   advance_modes();
+  if (unlocks_ && unlock_protective_stop()) unlocks_ = false;
   run_program();
   const Violation violation = arm_.plan(scaling_);
   if (violation != Violation::none) protective_stop(text_of(violation));
@@ -235,8 +242,51 @@ void Controller::step() {
   publish();
 }
 
+void check(const ForceSensorConfig& c) {
+  using skinctl::require;
+  const auto in = [](const char* what, const Vec3& v, double most, const char* range) {
+    for (const double x : {v.x, v.y, v.z}) require(std::abs(x) <= most, what, x, range);
+  };
+  require(c.force_noise >= 0 && c.force_noise <= 100, "force noise", c.force_noise, "0 to 100 N");
+  require(c.moment_noise >= 0 && c.moment_noise <= 10, "moment noise", c.moment_noise, "0 to 10 N m");
+  require(c.bias_from >= 0 && c.bias_from <= 1e6, "bias from", c.bias_from, "0 to 1e6 s");
+  in("force bias", c.force_bias, 1000, "-1000 to 1000 N");
+  in("moment bias", c.moment_bias, 100, "-100 to 100 N m");
+  in("force creep", c.force_creep, 100, "-100 to 100 N/s");
+  in("moment creep", c.moment_creep, 10, "-10 to 10 N m/s");
+  in("force per kelvin", c.force_per_kelvin, 10, "-10 to 10 N/K");
+}
+
+/// The wrench at the tool's point, along the axes of the base: of a CB3, which has no sensor, all that acts on the arm;
+/// of an e-Series what acts beyond the flange and on link 5, less the payload that the controller was told.
+void Controller::publish_wrench(const Links& actual, Vec3 tool) {
+  RobotState& s = state_;
+  s.wrench_by_currents = six(world_.force(), world_.moment_about(tool));
+  s.actual_tcp_force = s.raw_wrench = s.wrench_by_currents;
+  s.tcp_force = norm(world_.force());
+  if (config_.series != Series::e_series) return;
+  const Pose& flange = actual.flange;
+  const auto weight = [&](double mass, Vec3 centre) {
+    const Vec3 force = flange.rotate_back({0, 0, -9.81 * mass});
+    return FlangeWrench{force, cross(centre, force)};
+  };
+  const FlangeWrench carried = weight(config_.arm.unknown_payload, config_.arm.payload_centre),
+                     told = weight(s.payload, s.payload_cog);
+  const FlangeWrench raw = force_sensor_.read(
+      {flange.rotate_back(world_.tool_force()) + carried.force,
+       flange.rotate_back(world_.tool_moment_about(flange.origin)) + carried.moment},
+      config_.force_sensor.bias_from > 0 ? scenario_time() : std::max(0.0, scenario_time()), arm_.warmer());
+  s.raw_wrench = six(raw.force, raw.moment);
+  const Vec3 force = flange.rotate(raw.force - told.force),
+             moment = flange.rotate(raw.moment - told.moment) - cross(tool - flange.origin, force);
+  s.actual_tcp_force = six(force, moment);
+  s.tcp_force = norm(force);
+}
+
 void Controller::publish() {
   RobotState& s = state_;
+  if (s.safety_mode != std::exchange(told_safety_mode_, s.safety_mode))
+    tell({Notice::Kind::safety_mode, {}, {}, 0, 0, 0, static_cast<std::int32_t>(s.safety_mode)});
   s.timestamp = seconds(now_);
   s.control_step = counters_.cycles;
   s.target_q = arm_.target_q();
@@ -254,7 +304,7 @@ void Controller::publish() {
                       : arm_.motor_torque()[i] + arm_.torque_noise()[i] - (arm_.under_torque() ? 0 : load[i]);
     s.actual_current[i] = s.torque[i] / torque_constant[i];
     s.control_output[i] = s.power_on ? s.target_current[i] : 0;
-    s.temperatures[i] = 28;
+    s.temperatures[i] = 28 + arm_.warmer();
     s.joint_voltage[i] = s.power_on ? 48 : 0;
   }
   const Pose offset = pose_of(s.tcp_offset), actual_tool = actual.flange * offset,
@@ -266,9 +316,7 @@ void Controller::publish() {
       six(point_velocity(actual, 5, tool, s.actual_dq), angular_velocity(actual, 5, s.actual_dq));
   s.target_tcp_speed = six(point_velocity(target, 5, target_tool.origin, s.target_dq),
                            angular_velocity(target, 5, s.target_dq));
-  const Vec3 force = world_.force();
-  s.actual_tcp_force = six(force, world_.moment_about(tool));
-  s.tcp_force = norm(force);
+  publish_wrench(actual, tool);
   const Vec3 true_tool = forward_kinematics(arm_.q()).flange.origin;
   const double dt = seconds(cycle());
   const Vec3 acceleration =

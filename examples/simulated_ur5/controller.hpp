@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "examples/simulated_ur5/contact.hpp"
+#include "examples/simulated_ur5/force_sensor.hpp"
 #include "examples/simulated_ur5/notice.hpp"
 #include "examples/simulated_ur5/skin.hpp"
 #include "examples/simulated_ur5/state.hpp"
@@ -26,6 +27,7 @@ struct ControllerConfig {
   std::optional<Version> version;  ///< nothing: that of the series
   ArmConfig arm;
   SkinConfig skin;
+  ForceSensorConfig force_sensor;  ///< of an e-Series; a CB3 reckons by its currents, here without fault
   std::vector<SkinCell> cells;
   std::vector<Touch> touches;
   std::uint64_t seed = 1;
@@ -85,9 +87,11 @@ class Controller {
   bool stop_program();
   /// False within `unlock_time` after the stop.
   bool unlock_protective_stop();
+  /// The same as soon as it is allowed.
+  void unlock_when_allowed() { unlocks_ = true; }
   void restart_safety();
   /// @param code  that primary clients are told: C<code>.
-  void protective_stop(const std::string& why, std::int32_t code = 209);
+  void protective_stop(const std::string& why, std::int32_t code = path_code);
   void emergency_stop();
   void load(std::string name, std::string script);
   const std::string& loaded_name() const { return loaded_name_; }
@@ -139,12 +143,14 @@ class Controller {
   void advance_modes();
   void start_scenario();
   void publish();
+  void publish_wrench(const Links& actual, Vec3 tool);
   /// Torque on the joints [N m]: contacts, and the weight that the controller does not know of.
   Joints load_at(const Links& links) const;
 
   ControllerConfig config_;
   Arm arm_;
   Skin skin_;
+  ForceSensor force_sensor_;
   ContactWorld world_;
   RobotState state_;
   Counters counters_;
@@ -166,7 +172,9 @@ class Controller {
   std::optional<urscript::Machine> machine_;
   urscript::Sockets sockets_;
   urscript::Line line_;
-  std::function<void(const std::string&)> stop_for_safety_;
+  std::function<void(const std::string&, std::int32_t)> stop_for_safety_;
+  bool unlocks_ = false;                              ///< a protective stop, as soon as it is allowed
+  SafetyMode told_safety_mode_ = SafetyMode::normal;  ///< to primary clients
   Nanoseconds watchdog_fed_at_{};
 
   // Scenario.

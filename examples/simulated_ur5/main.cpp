@@ -8,7 +8,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "examples/adapters/skin/authentication.hpp"
 #include "examples/simulated_ur5/scenario.hpp"
 #include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "examples/simulated_ur5/skin_faults.hpp"
@@ -143,13 +142,7 @@ int main(int argc, char** argv) {
           series == "cb3" ? simulated_ur5::Series::cb3 : simulated_ur5::Series::e_series;
     if (!polyscope.empty()) config.controller.version = read_version(polyscope);
     if (!skin_file.empty()) config.controller.cells = simulated_ur5::read_skin_cells(skin_file);
-    if (!key_file.empty()) {
-      const std::uint64_t session = adapters::skin::session_now();
-      config.seal = [key = adapters::skin::Key::read(key_file), session](std::span<std::uint8_t> bytes,
-                                                                         std::size_t size) {
-        return adapters::skin::seal(bytes, size, session, key);
-      };
-    }
+    if (!key_file.empty()) config.skin_key = adapters::skin::Key::read(key_file);
     if (!skin.empty()) split_target(skin, config);
     if (!faults.empty())
       config.controller.skin.faults =

@@ -9,7 +9,15 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 enum Package : std::uint8_t { robot_state = 16, robot_message = 20 };
-enum MessageType : std::uint8_t { text = 0, popup = 2, version = 3, error_code = 6, key = 7, exception = 10 };
+enum MessageType : std::uint8_t {
+  text = 0,
+  popup = 2,
+  version = 3,
+  safety_mode_message = 5,
+  error_code = 6,
+  key = 7,
+  exception = 10
+};
 
 /// Where a message comes from: -2 and -3 as bytes.
 constexpr std::uint8_t from_interface = 254, from_runtime = 253;
@@ -242,6 +250,15 @@ void write_error(Bytes& out, std::int32_t code, std::int32_t argument, ReportLev
   w.u32(0);  // no data
   w.u32(0);
   w.text(words.substr(0, longest_text));
+}
+
+void write_safety_mode(Bytes& out, SafetyMode mode, Nanoseconds now) {
+  Message w(out, now, from_runtime, safety_mode_message);
+  w.i32(0);  // code and argument
+  w.i32(0);
+  w.u8(static_cast<std::uint8_t>(mode));
+  w.u32(0);  // no data
+  w.u32(0);
 }
 
 void write_key(Bytes& out, std::string_view title, std::string_view words, Nanoseconds now) {

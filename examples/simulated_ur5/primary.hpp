@@ -25,6 +25,8 @@ void write_text(std::vector<std::uint8_t>& out, std::string_view text, Nanosecon
 /// Code and argument as in "C<code>A<argument>".
 void write_error(std::vector<std::uint8_t>& out, std::int32_t code, std::int32_t argument, ReportLevel level,
                  std::string_view text, Nanoseconds now);
+/// Of every change of the safety mode.
+void write_safety_mode(std::vector<std::uint8_t>& out, SafetyMode mode, Nanoseconds now);
 /// Events with a title, such as PROGRAM_XXX_STARTED with the program's name.
 void write_key(std::vector<std::uint8_t>& out, std::string_view title, std::string_view text,
                Nanoseconds now);

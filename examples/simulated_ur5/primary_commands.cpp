@@ -16,7 +16,7 @@ constexpr Command commands[] = {
     {"set robotmode run", [](Controller& c) { c.brake_release(); }},
     {"set robotmode power on", [](Controller& c) { c.power_on(); }},
     {"set robotmode power off", [](Controller& c) { c.power_off(); }},
-    {"set unlock protective stop", [](Controller& c) { c.unlock_protective_stop(); }},
+    {"set unlock protective stop", [](Controller& c) { c.unlock_when_allowed(); }},
     {"set real", [](Controller&) {}},  // this robot takes itself for real
     {"set sim", [](Controller&) {}},
     {"stop program", [](Controller& c) { c.stop_program(); }},

@@ -59,6 +59,30 @@ void read_robot(Table t, Config& config) {
   t.finish();
 }
 
+void read_force_sensor(Table t, ForceSensorConfig& c) {
+  t.number("force_noise", c.force_noise);
+  t.number("moment_noise", c.moment_noise);
+  vector(t, "force_bias", c.force_bias);
+  vector(t, "moment_bias", c.moment_bias);
+  vector(t, "force_creep", c.force_creep);
+  vector(t, "moment_creep", c.moment_creep);
+  vector(t, "force_per_kelvin", c.force_per_kelvin);
+  t.number("bias_from", c.bias_from);
+  t.finish();
+}
+
+void read_motors(Table t, ArmConfig& c) {
+  t.numbers("viscous", c.drives.viscous, true);
+  t.numbers("coulomb", c.drives.coulomb, true);
+  t.numbers("torque_noise", c.torque_noise, true);
+  t.numbers("torque_bias", c.torque_bias, true);
+  t.numbers("torque_creep", c.torque_creep, true);
+  t.number("warming", c.warming);
+  t.number("warming_time", c.warming_time);
+  t.number("friction_per_kelvin", c.friction_per_kelvin);
+  t.finish();
+}
+
 void read_skin(Table t, const fs::path& folder, Config& config) {
   SkinConfig& s = config.controller.skin;
   std::string cells;
@@ -98,6 +122,7 @@ void read_touch(Table t, const fs::path& folder, std::size_t number, std::vector
   }
   t.number("stiffness", touch.stiffness);
   t.number("damping", touch.damping);
+  t.number("tremor", touch.tremor);
   t.number("gap", touch.gap);
   t.number("approach_speed", touch.approach_speed);
   t.number("travel", touch.travel);
@@ -141,6 +166,14 @@ void read_scenario(const std::string& file, Config& config) {
   if (const toml::node* robot = root.get("robot")) {
     if (!robot->is_table()) skinctl::refuse(file + ": robot must be a table");
     read_robot(Table(file, "robot", *robot->as_table()), config);
+  }
+  if (const toml::node* sensor = root.get("force_sensor")) {
+    if (!sensor->is_table()) skinctl::refuse(file + ": force_sensor must be a table");
+    read_force_sensor(Table(file, "force_sensor", *sensor->as_table()), config.controller.force_sensor);
+  }
+  if (const toml::node* motors = root.get("motors")) {
+    if (!motors->is_table()) skinctl::refuse(file + ": motors must be a table");
+    read_motors(Table(file, "motors", *motors->as_table()), config.controller.arm);
   }
   if (const toml::node* skin = root.get("skin")) {
     if (!skin->is_table()) skinctl::refuse(file + ": skin must be a table");

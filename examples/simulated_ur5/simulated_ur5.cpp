@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/udp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
@@ -12,6 +11,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "examples/adapters/skin/sender.hpp"
+#include "examples/adapters/socket.hpp"
 #include "examples/simulated_ur5/connection.hpp"
 #include "examples/simulated_ur5/primary.hpp"
 #include "examples/simulated_ur5/primary_commands.hpp"
@@ -27,7 +28,6 @@ namespace {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
-using asio::ip::udp;
 using ErrorCode = boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
@@ -73,8 +73,7 @@ class SimulatedUr5::Network {
         patience_(io_),
         script_sockets_(
             io_, config_.reach_out, [this] { script_heard(); },
-            [this](const std::string& text) { log(LogLevel::info, text); }),
-        skin_socket_(io_) {
+            [this](const std::string& text) { log(LogLevel::info, text); }) {
     skin_address_ = numeric_address(config_.skin_host, "skin host");
     skin_port_ = config_.skin_port;
     controller_.on_message = [this](const std::string& text) { log(LogLevel::info, text); };
@@ -167,8 +166,7 @@ class SimulatedUr5::Network {
   void set_skin_target(const asio::ip::address& address, std::uint16_t port) {
     skin_address_ = address;
     skin_port_ = port;
-    ErrorCode ignored;
-    skin_socket_.close(ignored);
+    skin_sender_.reset();
   }
   void set_skin_stream(bool on) { skin_on_ = on; }
 
@@ -191,7 +189,8 @@ class SimulatedUr5::Network {
 
   /// Tells every primary client.
   void announce(const Notice& n) {
-    log(LogLevel::info, n.title + (n.title.empty() ? "" : " ") + n.text);
+    if (n.kind != Notice::Kind::safety_mode)
+      log(LogLevel::info, n.title + (n.title.empty() ? "" : " ") + n.text);
     std::vector<std::uint8_t> bytes;
     const Nanoseconds now = controller_.now();
     switch (n.kind) {
@@ -202,7 +201,13 @@ class SimulatedUr5::Network {
         primary::write_key(bytes, n.title, n.text, now);
         break;
       case Notice::Kind::violation:
-        primary::write_error(bytes, n.code, n.argument, primary::ReportLevel::violation, n.text, now);
+        primary::write_error(bytes, n.code, n.argument,
+                             n.warning ? primary::ReportLevel::warning : primary::ReportLevel::violation,
+                             n.text, now);
+        break;
+      case Notice::Kind::safety_mode:
+        write_state(bytes, false);  // who hears of the mode must not find the state before it
+        primary::write_safety_mode(bytes, static_cast<SafetyMode>(n.argument), now);
         break;
       case Notice::Kind::exception:
         primary::write_exception(bytes, n.line, n.column, n.text, now);
@@ -524,28 +529,17 @@ class SimulatedUr5::Network {
   void send_skin(Nanoseconds t, const std::vector<SkinSample>& samples) {
     if (skin_port_ == 0 || !skin_on_ || controller_.skin().cells().empty()) return;
     if (config_.skin_stop_after > 0 && controller_.scenario_time() > config_.skin_stop_after) return;
-    ErrorCode error;
-    const udp::endpoint target(skin_address_, skin_port_);
-    if (!skin_socket_.is_open()) {
-      skin_socket_.open(target.protocol(), error);
-      if (error) return;
-      skin_socket_.non_blocking(true, error);
+    // A full or absent receiver loses datagrams; the sequence numbers tell it.
+    try {
+      if (!skin_sender_) skin_sender_.emplace(skin_address_.to_string(), skin_port_, config_.skin_key);
+    } catch (const adapters::ConnectionError& e) {
+      log(LogLevel::warning, e.what());
+      skin_port_ = 0;
+      return;
     }
-    std::array<std::uint8_t, datagram_limit> bytes;
-    const std::size_t most = config_.seal ? datagram_samples - 1 : datagram_samples;
-    std::size_t first = 0;
-    do {
-      const std::size_t count = std::min(samples.size() - first, most);
-      std::size_t size =
-          write_datagram(bytes.data(), skin_sequence_++, t + config_.controller.skin.clock_offset,
-                         samples.data() + first, count);
-      if (config_.seal) size = config_.seal(bytes, size);
-      // A full or absent receiver loses datagrams; the sequence numbers tell it.
-      skin_socket_.send_to(asio::buffer(bytes.data(), size), target, 0, error);
-      ++skin_datagrams_;
-      skin_samples_ += count;
-      first += count;
-    } while (first < samples.size());
+    skin_datagrams_ +=
+        skin_sender_->send(samples, std::chrono::nanoseconds(t + config_.controller.skin.clock_offset));
+    skin_samples_ += samples.size();
   }
 
   void close_all() {
@@ -560,7 +554,7 @@ class SimulatedUr5::Network {
       for (const auto& c : server->clients) c->close("the controller shut down");
       server->clients.clear();
     }
-    skin_socket_.close(ignored);
+    skin_sender_.reset();
   }
 
   Config config_;
@@ -582,11 +576,10 @@ class SimulatedUr5::Network {
   int skipped_in_a_row_ = 0;
   std::int64_t cycles_since_state_ = 0;
 
-  udp::socket skin_socket_;
+  std::optional<adapters::skin::Sender> skin_sender_;
   asio::ip::address skin_address_;
   std::uint16_t skin_port_ = 0;
   bool skin_on_ = true;
-  std::uint32_t skin_sequence_ = 0;
   std::uint64_t skin_datagrams_ = 0, skin_samples_ = 0;
 
   std::thread thread_;

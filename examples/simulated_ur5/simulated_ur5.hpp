@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <span>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "examples/adapters/skin/authentication.hpp"
 #include "examples/simulated_ur5/controller.hpp"
 #include "examples/simulated_ur5/dashboard.hpp"
 #include "examples/simulated_ur5/rtde_session.hpp"
@@ -39,11 +40,9 @@ struct Config {
   /// Lock-step: how long an answer may take [s of real time]. Then simulated time goes on at `idle_speed`, so
   /// that the program's own read timeout decides, until the next message.
   double patience = 1;
-  std::string skin_host = "127.0.0.1";  ///< numeric address that gets the skin's datagrams
-  std::uint16_t skin_port = 0;          ///< 0: nobody gets them
-  /// Seals each of the skin's datagrams, the first bytes of a buffer with room for `datagram_seal` more, and gives
-  /// its size: authenticated datagrams, version 2.
-  std::function<std::size_t(std::span<std::uint8_t>, std::size_t)> seal;
+  std::string skin_host = "127.0.0.1";          ///< numeric address that gets the skin's datagrams
+  std::uint16_t skin_port = 0;                  ///< 0: nobody gets them
+  std::optional<adapters::skin::Key> skin_key;  ///< the datagrams are sealed with it
   double skin_stop_after = 0;  ///< the skin falls silent this long after the scenario's start [s]; 0: never
   /// Whether programs may make the robot connect to other addresses than this machine's own loopback.
   bool reach_out = false;

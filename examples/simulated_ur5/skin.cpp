@@ -1,7 +1,6 @@
 #include "examples/simulated_ur5/skin.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include "skinctl/core/contract.hpp"
 
@@ -12,21 +11,6 @@ constexpr std::size_t max_cells = 20000;
 
 double step(double value, double size) {
   return std::round(value / size) * size;
-}
-
-template <class T>
-std::uint8_t* put(std::uint8_t* out, T value) {
-  static_assert(sizeof(T) <= 8);
-  std::uint64_t bits = 0;
-  if constexpr (std::is_same_v<T, float>) {
-    std::uint32_t word = 0;
-    std::memcpy(&word, &value, 4);
-    bits = word;
-  } else {
-    bits = static_cast<std::uint64_t>(value);
-  }
-  for (std::size_t i = 0; i < sizeof(T); ++i) *out++ = static_cast<std::uint8_t>(bits >> (8 * i));
-  return out;
 }
 
 }  // namespace
@@ -141,6 +125,10 @@ const std::vector<SkinSample>& Skin::sample(Nanoseconds t, const Links& links, c
     bool due = !m.ever_sent || t - m.sent_at >= config_.keep_alive;
     // Cells take turns, so that keep-alives do not come all at once.
     if (static_cast<std::int64_t>(i) % rotation == ticks_ % rotation) due = true;
+    unrest_.measure(m.unrest, s);
+    const float pressed =
+        (s.force[0] + s.force[1] + s.force[2]) / 3 - static_cast<float>(config_.rest_reading);
+    if (pressed >= static_cast<float>(config_.force_delta)) due = true;
     for (std::size_t a = 0; a < 3; ++a) {
       if (std::abs(s.force[a] - m.sent.force[a]) >= static_cast<float>(config_.force_delta)) due = true;
       if (std::abs(s.acceleration[a] - m.sent.acceleration[a]) >=
@@ -149,6 +137,7 @@ const std::vector<SkinSample>& Skin::sample(Nanoseconds t, const Links& links, c
     }
     if (std::abs(s.proximity - m.sent.proximity) >= static_cast<float>(config_.proximity_delta)) due = true;
     if (!due || m.dead) continue;
+    unrest_.tell(m.unrest, s);
     m.sent = s;
     m.sent_at = t;
     m.ever_sent = true;
@@ -157,27 +146,6 @@ const std::vector<SkinSample>& Skin::sample(Nanoseconds t, const Links& links, c
   }
   ++ticks_;
   return out_;
-}
-
-std::size_t write_datagram(std::uint8_t* out, std::uint32_t sequence, std::int64_t sent_at,
-                           const SkinSample* first, std::size_t count) {
-  count = std::min(count, datagram_samples);
-  std::uint8_t* p = out;
-  for (const char c : {'S', 'K', 'I', 'N'}) *p++ = static_cast<std::uint8_t>(c);
-  p = put(p, std::uint16_t{1});
-  p = put(p, static_cast<std::uint16_t>(count));
-  p = put(p, sequence);
-  p = put(p, sent_at);
-  for (std::size_t i = 0; i < count; ++i) {
-    const SkinSample& s = first[i];
-    p = put(p, s.cell);
-    p = put(p, std::int64_t(s.time.count()));
-    for (float f : s.force) p = put(p, f);
-    p = put(p, s.proximity);
-    for (float a : s.acceleration) p = put(p, a);
-    p = put(p, s.temperature);
-  }
-  return static_cast<std::size_t>(p - out);
 }
 
 }  // namespace simulated_ur5

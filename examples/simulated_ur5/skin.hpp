@@ -1,4 +1,4 @@
-// The robot skin: cells fixed to links, what they read, and the datagram that carries it.
+// The robot skin: cells fixed to links, and what they read.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 
 #include "examples/simulated_ur5/arm.hpp"
 #include "examples/simulated_ur5/geometry.hpp"
+#include "skinctl/sensing/unrest.hpp"
 #include "skinctl/testing/skin_faults.hpp"
 
 namespace simulated_ur5 {
@@ -37,7 +38,9 @@ struct SkinConfig {
   double acceleration_noise = 0.02;  ///< [m/s^2]
   double proximity_distance = 0.01;  ///< of a finger that gives reading 0.5 [m]
   double temperature = 30;           ///< [C]
-  double force_delta = 2.0 / 1024;   ///< a reading that changed by this much is new data
+  /// A reading that changed by this much is new data; a cell that is pressed by so much sends all its
+  /// readings.
+  double force_delta = 2.0 / 1024;
   double proximity_delta = 0.004;
   double acceleration_delta = 1;  ///< [m/s^2]
   Nanoseconds clock_offset{};     ///< added to the controller's time: the skin has its own clock
@@ -79,6 +82,7 @@ class Skin {
   struct Memory {
     SkinSample sent;
     Nanoseconds sent_at{};
+    skinctl::Unrest<>::Memory unrest;
     bool ever_sent = false;
     bool dead = false;
     Vec3 before, before_that;  ///< positions at the two samples before
@@ -87,23 +91,11 @@ class Skin {
   SkinConfig config_;
   std::vector<Memory> memory_;
   std::vector<SkinSample> felt_, out_;
+  skinctl::Unrest<> unrest_;
   skinctl::testing::SkinFaults faults_;
   std::map<std::uint32_t, std::size_t> index_;
   std::int64_t ticks_ = 0;
   Random random_;
 };
-
-/// The datagram of `examples/adapters/skin/PROTOCOL.md`.
-inline constexpr std::size_t datagram_header = 20;
-inline constexpr std::size_t datagram_sample = 44;
-inline constexpr std::size_t datagram_limit = 1472;
-inline constexpr std::size_t datagram_samples = (datagram_limit - datagram_header) / datagram_sample;
-
-inline constexpr std::size_t datagram_seal = 24;  ///< bytes of a seal, which take the room of one sample
-
-/// Writes samples `first` to `first + count - 1` (at most `datagram_samples`) into `out`, which must hold
-/// `datagram_limit` bytes; returns the size.
-std::size_t write_datagram(std::uint8_t* out, std::uint32_t sequence, std::int64_t sent_at,
-                           const SkinSample* first, std::size_t count);
 
 }  // namespace simulated_ur5

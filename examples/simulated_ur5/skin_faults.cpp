@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <sstream>
 
+#include "examples/support/text.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace simulated_ur5 {
@@ -35,9 +35,9 @@ std::vector<FaultyCell> read_skin_faults(const std::string& text, const std::vec
                       "; expected FAULT:CELL or FAULT:SHARE%, then @SECONDS and =LEVEL if wanted");
     };
     const auto number = [&](const std::string& digits, const char* what, double low, double high) {
-      char* end = nullptr;
-      const double x = std::strtod(digits.c_str(), &end);
-      if (digits.empty() || *end != '\0' || !(x >= low && x <= high))
+      std::string_view rest = digits;
+      double x = 0;
+      if (!examples::take_number(rest, x) || !rest.empty() || !(x >= low && x <= high))
         bad(std::string(what) + " out of range");
       return x;
     };

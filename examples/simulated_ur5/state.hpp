@@ -77,6 +77,8 @@ struct RobotState {
   Joints temperatures{}, joint_voltage{};
   std::array<double, 6> actual_tcp_pose{}, actual_tcp_speed{}, actual_tcp_force{};
   std::array<double, 6> target_tcp_pose{}, target_tcp_speed{};
+  std::array<double, 6> raw_wrench{};  ///< of the sensor: at the flange, along its axes, load included
+  std::array<double, 6> wrench_by_currents{};  ///< of all contacts, as actual_tcp_force
   Vec3 tool_acceleration, elbow_position, elbow_velocity;
   double momentum = 0, tcp_force = 0;
   double execution_time = 0;  ///< of the controller's cycle [ms]

@@ -104,6 +104,12 @@ class Page {
     call("Input.dispatchMouseEvent",
          {{"type", type}, {"x", x}, {"y", y}, {"button", "left"}, {"clickCount", 1}, {"buttons", 1}});
   }
+  /// A finger on the screen: touchStart, touchMove, touchEnd.
+  void touch(const std::string& type, double x, double y) {
+    nlohmann::json points = nlohmann::json::array();
+    if (type != "touchEnd") points.push_back({{"x", x}, {"y", y}});
+    call("Input.dispatchTouchEvent", {{"type", type}, {"touchPoints", points}});
+  }
   void picture(const fs::path& file) {
     const std::string data = call("Page.captureScreenshot", {{"format", "png"}})["data"];
     std::string bytes;

@@ -1,4 +1,9 @@
 // The main job as a program: help, exit codes, signals, and readers that go away.
+//
+// Promise: the main job as a program: exit codes, signals, readers that go away
+// Tried: SIGINT, SIGTERM, SIGHUP: stopped within 1 s with 130; the README's table is what `--endings`
+// prints. Also: `examples/support/tests/job_test.cpp`
+
 #include <doctest/doctest.h>
 #include <fcntl.h>
 #include <poll.h>

@@ -278,7 +278,7 @@ TEST_CASE("Browser: readable from 320 to 1920 px, whatever the run was") {
   worded.scenario.push_back({std::string(80, 'n'), std::string(200, 'v')});
   // A short name beside a long text keeps its letters on one line.
   worded.result.push_back(
-      {"noted",
+      {"why",
        "sample stale: the cell does not push; opposed: skin and tracking push against each "
        "other; bumpless transfer: a torque difference is being ramped out"});
   worded.times.push_back({"a stage with a long name", 1e9, 1e9, 1e9, 1e9});

@@ -379,7 +379,8 @@ TEST_CASE("Report: says what the log says, needs nothing else, and stays small f
     for (const Fact& f : *list) CHECK(has(html, "<dt>" + f.name + "</dt><dd>" + f.value + "</dd>"));
   for (const std::string& law : log.laws) CHECK(has(html, law + "</label>"));
   CHECK(has(html, "limit of joints 3, 4, 5: 20.0 rad/s\u00B2"));
-  CHECK(has(html, std::string(skinctl::describe(skinctl::Reason::acceleration_limited)) + "<td>"));
+  CHECK(has(html, std::string(skinctl::describe(skinctl::Reason::acceleration_limited)) +
+                      "<td class=word>limit<td>"));
   CHECK(count(html, "class=\"band\"") >= 10 * log.touches.size());
 }
 

@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
+#include <sys/wait.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -59,6 +61,42 @@ TEST_CASE("identify_robot: finds what the simulated arm was told to be, and its 
   CHECK(text_of(again).size() > 200);
   CHECK(std::abs(number(text_of(again), "delay_and_lag") - number(found, "delay_and_lag")) < 1e-6);
   for (const auto& file : {log, toml, again}) std::remove(file.c_str());
+}
+
+TEST_CASE("identify_robot: what its own uncertainty says is nothing is refused, and not written") {
+  const std::string good = temporary("identify_good"), bad = temporary("identify_wrong"),
+                    toml = temporary("toml");
+  REQUIRE(run("--duration 8 --save-log " + good).code == 0);
+  const Log log = read_log(good);
+  const auto refused = [&](const Log& wrong, const char* words) {
+    write_log(bad, wrong);
+    const auto ran = run("--log " + bad + " --output " + toml);
+    CAPTURE(ran.words);
+    CHECK(WEXITSTATUS(ran.code) == 2);
+    CHECK(ran.words.find(words) != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(toml));
+  };
+  Log wrong = log;  // milliseconds: a delay of 0 with the exit code 0
+  for (auto* entries : {&wrong.sent, &wrong.measured})
+    for (auto& e : *entries) e.time *= 1000;
+  refused(wrong, "are their times in seconds?");
+  wrong = log;
+  for (auto* entries : {&wrong.sent, &wrong.measured})
+    for (auto& e : *entries)
+      for (double& q : e.q) q *= 57.3;
+  refused(wrong, "are its angles in radians?");
+  wrong = log;  // clocks that differ by half a second
+  for (auto& e : wrong.measured) e.time += 0.5;
+  refused(wrong, "on the clock of its measurements?");
+  wrong = log;  // commands of another run
+  std::reverse(wrong.sent.begin(), wrong.sent.end());
+  for (std::size_t k = 0; k < wrong.sent.size(); ++k) wrong.sent[k].time = log.sent[k].time;
+  refused(wrong, "on the clock of its measurements?");
+  wrong = log;  // a robot that stands
+  for (auto* entries : {&wrong.sent, &wrong.measured})
+    for (auto& e : *entries) e.q = log.sent.front().q;
+  refused(wrong, "hardly move the robot");
+  for (const auto& file : {good, bad}) std::remove(file.c_str());
 }
 
 TEST_CASE("identify_robot: neither result nor log is written onto the log that it reads") {

@@ -1,4 +1,10 @@
 // The driver and the simulated hand, whose bytes are written apart from each other, over every link.
+//
+// Promise: an Allegro hand is left without torque at any end: return, exception, signal, SIGKILL, lost
+// link, fault of the hand
+// Tried: 21 faults over CAN and UDP: no torque 0.4 s after a fault that ends the job, and its exit code.
+// Also: `examples/compliant_allegro/tests`
+
 #include "examples/adapters/allegro/driver.hpp"
 
 #include <doctest/doctest.h>
@@ -110,6 +116,34 @@ TEST_CASE("Driver: every generation and side over every link; the servo is off a
       }
     }
   }
+}
+
+TEST_CASE("Driver: a hand of another generation than declared gets no torque") {
+  const auto refused = [](Generation is, int hardware, Generation declared, const char* words) {
+    auto c = quick(is);
+    c.hardware = hardware;
+    SimulatedHand hand(c);
+    Driver driver(CanHand(hand.pair()), options(declared), patient);
+    std::string why;
+    try {
+      driver.connect();
+      skinctl::State<16> state;
+      for (int k = 0; k < 50 && driver.wait(state) != Heard::lost; ++k) driver.send(command({}));
+      why = driver.error();
+    } catch (const ConnectionError& e) {
+      why = e.what();
+      CHECK_FALSE(hand.snapshot().servo);
+    }
+    CHECK_MESSAGE(why.find(words) != std::string::npos, why);
+    CHECK(hand.snapshot().torques == 0);
+  };
+  refused(Generation::v4, -1, Generation::v5, "this is a V4 (hardware version 0x0401), a V5 was expected");
+  refused(Generation::v5, -1, Generation::v4, "this is a V5 (hardware version 0x0501), a V4 was expected");
+  refused(Generation::v4, -1, Generation::v5_sense, "this is a V4");
+  refused(Generation::v4, 3, Generation::v4, "this is a V3");
+  // Numbers that nobody knows: the positions tell.
+  refused(Generation::v4, 9, Generation::v5, "of another generation");
+  refused(Generation::v4, 9, Generation::v5_sense, "of another generation");
 }
 
 TEST_CASE(

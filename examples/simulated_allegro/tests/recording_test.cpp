@@ -1,4 +1,8 @@
 // A real hand's joints, as frames, through the driver and its velocity estimator.
+//
+// Promise: a real hand's joints pass through the driver
+// Tried: 2697 states of a recording: positions to 1e-9 rad, velocities as the estimator states them
+
 #include <doctest/doctest.h>
 
 #include <cmath>

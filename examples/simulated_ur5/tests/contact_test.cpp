@@ -275,5 +275,6 @@ TEST_CASE("Touch: refuses what cannot be") {
   refused([](Touch& t) { t.stiffness = 0; });
   refused([](Touch& t) { t.approach_speed = 0; });
   refused([](Touch& t) { t.travel = -1; });
+  refused([](Touch& t) { t.tremor = -0.1; });
   refused([](Touch& t) { t.start = std::nan(""); });
 }

@@ -1,3 +1,8 @@
+// Promise: a controller that is told of a payload holds it
+// Tried: a simulated UR5 with 5 kg at its flange and soft servos droops, and comes back when told;
+// `compliant_arm_and_hand` tells its hand's 0.95 kg, and what it tells holds the hand as the whole model
+// does, to 1e-11. Also: `examples/compliant_arm_and_hand/tests`
+
 #include "examples/simulated_ur5/controller.hpp"
 
 #include <doctest/doctest.h>
@@ -278,12 +283,97 @@ TEST_CASE("Contact: a strong touch on a stiff arm is a protective stop, and the 
   double felt = 0;
   for (int i = 0; i < 400; ++i) {
     s.send(100, config.arm.home, 1);
-    felt = std::max(felt, s.c.state().tcp_force);
+    const auto& w = s.c.state().wrench_by_currents;
+    felt = std::max(felt, norm({w[0], w[1], w[2]}));
   }
   CHECK(felt == doctest::Approx(400).epsilon(0.01));
   CHECK(s.c.state().safety_mode == SafetyMode::normal);
   // The scenario's clock starts with the first motion command.
   CHECK(s.c.scenario_time() == doctest::Approx(0.8).epsilon(0.005));
+}
+
+TEST_CASE(
+    "ForceSensor: an e-Series feels what touches link 5, less the payload it was told, along the base's "
+    "axes") {
+  ControllerConfig config = exact();
+  config.series = Series::e_series;
+  config.force_sensor.force_noise = config.force_sensor.moment_noise = 0;
+  config.arm.unknown_payload = 2;
+  config.arm.payload_centre = {0.01, 0, 0.08};
+  Touch push;
+  push.link = 5;
+  push.point = {0, 0, 0.2};
+  push.normal = {0, 0, 1};  // onto the tool's end: the finger pushes it along its -z
+  push.profile = {{0, 0.1, 1}, {20, 20, 20}};
+  push.impose_force = true;
+  Touch elbow = push;
+  elbow.link = 2, elbow.point = {-0.2, 0, 0.06}, elbow.start = 3;
+  config.touches = {push, elbow};
+  const auto at = [&](const ControllerConfig& c, double t) {
+    Streaming s(c);
+    for (int k = 0; k < static_cast<int>(t / 0.002); ++k) s.send(100, c.arm.home, 1);
+    return s.c.state();
+  };
+  const Pose flange = forward_kinematics(config.arm.home).flange;
+  const auto force = [](const RobotState& s) {
+    return Vec3{s.actual_tcp_force[0], s.actual_tcp_force[1], s.actual_tcp_force[2]};
+  };
+  // Untouched: the weight that nobody told it; its moment about the flange, where the tool's point is.
+  const RobotState untouched = at(config, 0.3);
+  CHECK(norm(force(untouched) - Vec3{0, 0, -19.62}) < 1e-6);
+  const Vec3 moment = cross(flange.rotate(config.arm.payload_centre), {0, 0, -19.62});
+  CHECK(untouched.actual_tcp_force[3] == doctest::Approx(moment.x));
+  CHECK(untouched.actual_tcp_force[4] == doctest::Approx(moment.y));
+  CHECK(untouched.actual_tcp_force[5] == doctest::Approx(moment.z));
+  // Pushed: along the flange's axes the raw wrench has it, with the weight.
+  const RobotState pushed = at(config, 1);
+  CHECK(norm(force(pushed) - force(untouched) + 20 * flange.z) < 1e-3);
+  const Vec3 raw{pushed.raw_wrench[0], pushed.raw_wrench[1], pushed.raw_wrench[2]};
+  CHECK(norm(flange.rotate(raw) - force(pushed)) < 1e-6);
+  CHECK(norm(force(at(config, 4)) - force(untouched)) <
+        1e-6);                  // the forearm is on the other side of the sensor
+  config.series = Series::cb3;  // has none: its currents know of all that acts
+  CHECK(norm(force(at(config, 0.25)) + 20 * flange.z) < 1e-3);
+}
+
+TEST_CASE("ForceSensor, Arm: noise, bias and creep from their time on; warm motors rub less") {
+  ControllerConfig config = exact();
+  config.series = Series::e_series;
+  config.force_sensor.force_noise = 0.3;
+  config.force_sensor.force_bias = {0, 4, 0};
+  config.force_sensor.force_creep = {0, 0, 1};
+  config.force_sensor.bias_from = 1;
+  config.arm.torque_bias = {0, 0, 3, 0, 0, 0};
+  config.arm.torque_noise = {};
+  config.arm.warming = 20;
+  config.arm.warming_time = 1;
+  config.force_sensor.force_per_kelvin = {0.1, 0, 0};
+  Streaming s(config);
+  Vec3 sum, square;
+  const auto read = [&](int steps) {
+    sum = square = {};
+    for (int k = 0; k < steps; ++k) {
+      s.send(100, config.arm.home, 1);
+      const auto& w = s.c.state().raw_wrench;
+      sum = sum + Vec3{w[0], w[1], w[2]};
+      square.y += w[1] * w[1];
+    }
+    sum = (1.0 / steps) * sum;
+  };
+  read(450);
+  CHECK(std::abs(sum.y) < 0.1);
+  CHECK(std::sqrt(square.y / 450 - sum.y * sum.y) == doctest::Approx(0.3).epsilon(0.15));
+  read(1550);  // until 4 s
+  read(500);
+  CHECK(sum.y == doctest::Approx(4).epsilon(0.03));
+  CHECK(sum.z == doctest::Approx(3.5).epsilon(0.03));
+  CHECK(sum.x == doctest::Approx(0.1 * 20).epsilon(0.05));
+  CHECK(s.c.state().temperatures[2] == doctest::Approx(48).epsilon(0.01));
+  ControllerConfig unbiased = config;
+  unbiased.arm.torque_bias = {};
+  Streaming u(unbiased);
+  for (int k = 0; k < 2500; ++k) u.send(100, config.arm.home, 1);
+  CHECK(s.c.state().torque[2] - u.c.state().torque[2] == doctest::Approx(3));
 }
 
 TEST_CASE("Controller: from the first command on everything is a function of seed and commands") {

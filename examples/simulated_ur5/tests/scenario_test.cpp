@@ -44,6 +44,9 @@ TEST_CASE("Scenario: robot, skin and touches are read, other tables are left to 
           "stiffness = 3000\nintegral_time = 0.5\nunknown_payload = 4\n"
           "home = [0, -1, -1, -1, 1, 0.5]\nprotective_force = 0\npowered = true\nseed = 9\n"
           "[skin]\ncells = \"" SKIN_FILE "\"\nproximity_distance = 0.02\nkeep_alive = 0.05\n"
+          "[force_sensor]\nforce_noise = 0.2\nforce_bias = [0, 0, 4]\nforce_creep = [0.1, 0, 0]\nbias_from = "
+          "3\n"
+          "[motors]\ncoulomb = 2\ntorque_bias = [0, 0, 3, 0, 0, 0]\nwarming = 15\n"
           "[[touch]]\nname = \"push\"\ncell = 5\nstart = 2\nstiffness = 3000\nrepeat = 3\nperiod = 4\n"
           "[[touch]]\nlink = 3\npoint = [0, 0.05, 0.1]\nnormal = [0, 1, 0]\nprofile = \"press.csv\"\n"
           "profile_scale = 2\nimpose_force = true\nfollow = true\n"),
@@ -56,6 +59,13 @@ TEST_CASE("Scenario: robot, skin and touches are read, other tables are left to 
   CHECK(c.arm.integral_time == 0.5);
   CHECK(c.arm.unknown_payload == 4);
   CHECK(c.arm.velocity_limit[5] == 2);
+  CHECK(c.force_sensor.force_noise == 0.2);
+  CHECK(c.force_sensor.force_bias.z == 4);
+  CHECK(c.force_sensor.force_creep.x == 0.1);
+  CHECK(c.force_sensor.bias_from == 3);
+  CHECK(c.arm.drives.coulomb[5] == 2);
+  CHECK(c.arm.torque_bias[2] == 3);
+  CHECK(c.arm.warming == 15);
   CHECK(c.arm.home[5] == 0.5);
   CHECK(c.protective_force == 0);
   CHECK(c.powered);

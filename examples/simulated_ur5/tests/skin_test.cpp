@@ -87,6 +87,30 @@ TEST_CASE("Skin: only news are sent, and every cell before its keep-alive ends")
     for (const SkinSample& sample : skin.sample(t += 4'000'000, links, s)) CHECK(sample.cell != 117);
 }
 
+TEST_CASE("Skin: a pressed cell sends every measurement, and each message says how many it stands for") {
+  SkinConfig config;
+  config.force_noise = 0.7 / 1024;
+  config.faults = {
+      {.cell = 102, .fault = skinctl::CellFault::stuck, .from = std::chrono::seconds(1), .level = 0.01}};
+  Skin skin(row_of_cells(3), config, 1);
+  const Links links = forward_kinematics(ArmConfig{}.home);
+  SkinStimulus s;
+  s.force = {0, 6, 0};
+  std::array<unsigned, 3> measured{}, messages{}, still{};
+  for (int k = 1; k <= 500; ++k)
+    for (const SkinSample& sample : skin.sample(k * 4'000'000, links, s)) {
+      const std::size_t i = sample.cell - 100;
+      ++messages[i], measured[i] += sample.measured;
+      still[i] = sample.unrest == 0 ? still[i] + sample.measured : 0;
+      if (i == 0 && k > 1) CHECK(sample.unrest != skinctl::unsaid);
+    }
+  for (const unsigned m : measured) CHECK(m >= 475);
+  CHECK(messages[0] < 250);
+  CHECK(messages[1] == 500);
+  CHECK(still[0] < 19);
+  CHECK(still[2] > 200);  // for a second, at rest
+}
+
 TEST_CASE("Skin: accelerometers feel gravity in the cell's axes, and motion") {
   std::vector<SkinCell> cells = row_of_cells(1);
   Skin skin(cells, silent(), 1);
@@ -131,29 +155,6 @@ TEST_CASE("Skin: the same seed gives the same samples") {
   };
   CHECK(stream(3) == stream(3));
   CHECK(stream(3) != stream(4));
-}
-
-TEST_CASE("Datagram: the bytes are those of PROTOCOL.md") {
-  SkinSample s;
-  s.cell = 7;
-  s.time = std::chrono::nanoseconds(996'000'000);
-  s.force = {0.125f, 0.25f, 0.125f};
-  s.proximity = 0.5f;
-  s.acceleration = {0, 0, 9.8125f};
-  s.temperature = 30.5f;
-  std::array<std::uint8_t, datagram_limit> out{};
-  const std::uint8_t expected[64] = {
-      0x53, 0x4b, 0x49, 0x4e, 0x01, 0x00, 0x01, 0x00, 0x2a, 0x00, 0x00, 0x00, 0x00, 0xca, 0x9a, 0x3b,
-      0x00, 0x00, 0x00, 0x00, 0x07, 0x00, 0x00, 0x00, 0x00, 0xc1, 0x5d, 0x3b, 0x00, 0x00, 0x00, 0x00,
-      0x00, 0x00, 0x00, 0x3e, 0x00, 0x00, 0x80, 0x3e, 0x00, 0x00, 0x00, 0x3e, 0x00, 0x00, 0x00, 0x3f,
-      0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x1d, 0x41, 0x00, 0x00, 0xf4, 0x41};
-  REQUIRE(write_datagram(out.data(), 42, 1'000'000'000, &s, 1) == 64);
-  CHECK(std::memcmp(out.data(), expected, 64) == 0);
-  // Full and empty.
-  const std::vector<SkinSample> many(50, s);
-  CHECK(write_datagram(out.data(), 43, 0, many.data(), many.size()) == 20 + 33 * 44);
-  CHECK(datagram_samples == 33);
-  CHECK(write_datagram(out.data(), 44, 0, nullptr, 0) == 20);
 }
 
 TEST_CASE("Cells: those of a skin file are where the file puts them, by the names of the links") {

@@ -1,11 +1,13 @@
 // URScript as the makers' manual describes it: small programs, and what they leave in the output registers.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <ctime>
 
 #include "examples/simulated_ur5/controller.hpp"
 #include "examples/simulated_ur5/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/comma_locale.hpp"
 
 using namespace simulated_ur5;
 
@@ -88,6 +90,55 @@ TEST_CASE("URScript: arithmetic, comparisons, lists, poses, structs, strings") {
   CHECK(r.integer(3) == 1234);
   CHECK(r.integer(4) == 3 + 1 + 3 + 2);
   CHECK(r.real(3) == doctest::Approx(5 + 2 + 8 + 3.14159265));
+}
+
+TEST_CASE("URScript: numbers are read and written with a point in every locale") {
+  const skinctl::testing::CommaLocale comma;
+  Robot r;
+  r.run(
+      "  write_output_float_register(0, 2.5e-1)\n"
+      "  write_output_float_register(1, to_num(\" +1.5 m\"))\n"
+      "  textmsg(to_str(0.75))\n");
+  CHECK(r.exception() == "");
+  CHECK(r.real(0) == 0.25);
+  CHECK(r.real(1) == 1.5);
+  CHECK(r.texts() == "0.75|");
+}
+
+TEST_CASE("URScript: line ends within an expression are blanks, and p is a name like any other") {
+  Robot r;
+  r.run(
+      "  global a = # the value comes below\n"
+      "0.25  global c = 1 c = 2\n"
+      "  b = a +\n"
+      "      a\n"
+      "      * 2 - # one\n"
+      "\n"
+      "      -\n"
+      "      1\n"
+      "  if a ==\n"
+      "      0.25 and not\n"
+      "      False\n"
+      "      or False:\n"
+      "    write_output_float_register(0, b)\n"
+      "  end\n"
+      "  def scaled(p, factor):\n"
+      "    p[0] = p[0] * factor\n"
+      "    p[1 + 1] = p[p[5]]\n"
+      "    return p\n"
+      "  end\n"
+      "  p = scaled(p[1, 2, 3, 4, 5, 1], 10)\n"
+      "  write_output_float_register(1, p[0])\n"
+      "  write_output_float_register(2, p[2])\n"
+      "  p[0] = 7\n"
+      "  p = pose_add(p, p[1, 0, 0, 0, 0, 0])\n"
+      "  write_output_float_register(3, p[0])\n");
+  CHECK(r.refused == "");
+  CHECK(r.exception() == "");
+  CHECK(r.real(0) == 0.25 + 0.25 * 2 + 1);
+  CHECK(r.real(1) == 10);
+  CHECK(r.real(2) == 2);
+  CHECK(r.real(3) == doctest::Approx(8));
 }
 
 TEST_CASE("URScript: functions, defaults, names of arguments, scopes, loops") {
@@ -175,12 +226,12 @@ TEST_CASE("URScript: errors end the program with line and column") {
   r.run("  moveq([0, 0, 0, 0, 0, 0])\n");
   CHECK(r.exception() == "2:3 compile_error_name_not_found:moveq:");
   r.run(
-      "  def later():\n    movec(p[0,0,0,0,0,0], p[0,0,0,0,0,0], mode=1)\n  end\n"
+      "  def later():\n    path_offset_enable()\n  end\n"
       "  write_output_integer_register(6, 5)\n");
   CHECK(r.exception() == "");
   CHECK(r.integer(6) == 5);
-  r.run("  movec(p[0,0,0,0,0,0], p[0,0,0,0,0,0])\n");
-  CHECK(r.exception() == "2:3 runtime_error_not_simulated:movec:");
+  r.run("  path_offset_enable()\n");
+  CHECK(r.exception() == "2:3 runtime_error_not_simulated:path_offset_enable:");
   r.run(
       "  write_output_integer_register(7, 1)\n  a = [1, 2]\n  b = a[2]\n  write_output_integer_register(7, "
       "2)\n");
@@ -188,7 +239,7 @@ TEST_CASE("URScript: errors end the program with line and column") {
   CHECK(r.integer(7) == 1);
   CHECK_FALSE(r.c.state().program_running);
   for (const char* lines :
-       {"  x = 1 / 0\n", "  x = [1] + [1, 2]\n", "  x = \"a\" * 2\n", "  x = (1\n", "  x = 1 2\n",
+       {"  x = 1 / 0\n", "  x = [1] + [1, 2]\n", "  x = \"a\" * 2\n", "  x = (1\n", "  x = 1 )\n",
         "  while True\n", "  if 1:\n", "  break\n", "  x[0] = 1\n", "  sleep(1, 2)\n",
         "  sleep(t = 1, t = 1)\n", "  x = p[1, 2]\n", "  join(1, 2\n", "  def f():\n   def g():\n"}) {
     CAPTURE(lines);
@@ -241,6 +292,79 @@ TEST_CASE("URScript: movel goes straight to a pose of the tool, speedl at the to
   for (int i = 0; i < 300; ++i) r.c.step();
   CHECK(r.c.state().actual_tcp_speed[2] == doctest::Approx(0.05).epsilon(0.02));
   CHECK(std::abs(r.c.state().actual_tcp_speed[0]) < 2e-3);
+}
+
+TEST_CASE("URScript: movel takes the time that it is given, movec goes along an arc") {
+  Robot r;
+  const auto start = r.c.state().actual_tcp_pose;
+  const auto took = [&](const char* line) {
+    const Nanoseconds before = r.c.now();
+    r.run(std::string("  here = get_target_tcp_pose()\n") + line + "\n", 5000);
+    CHECK(r.exception() == "");
+    return seconds(r.c.now() - before);
+  };
+  CHECK(took("  movel(pose_add(here, p[0, 0, 0.1, 0, 0, 0]), t = 4)") == doctest::Approx(4).epsilon(0.1));
+  CHECK(took("  movel(pose_add(here, p[0, 0, -0.1, 0, 0, 0]), a = 1, v = 0.1, t = 2)") ==
+        doctest::Approx(2).epsilon(0.2));
+  // Half a circle of 40 mm radius, away from the base: its middle is 40 mm to the side.
+  double side = 0;
+  r.c.run(
+      "def arc():\n  here = get_target_tcp_pose()\n"
+      "  movec(pose_add(here, p[0, -0.04, 0.04, 0, 0, 0]), pose_add(here, p[0, 0, 0.08, 0, 0, 0]), a = 0.5, "
+      "v = "
+      "0.1)\nend\n");
+  for (int i = 0; i < 5000 && r.c.state().program_running; ++i) {
+    r.c.step();
+    const auto& at = r.c.state().actual_tcp_pose;
+    side = std::max(side, start[1] - at[1]);
+    const double y = at[1] - start[1], z = at[2] - (start[2] + 0.04);
+    CHECK(std::hypot(y, z) == doctest::Approx(0.04).epsilon(0.02));
+    CHECK(std::abs(at[0] - start[0]) < 1e-3);
+  }
+  CHECK(side == doctest::Approx(0.04).epsilon(0.01));
+  CHECK(r.c.state().actual_tcp_pose[2] - start[2] == doctest::Approx(0.08).epsilon(0.01));
+}
+
+TEST_CASE("URScript: servoc goes to its pose at its speed, a waypoint is where a motion goes") {
+  Robot r;
+  const auto start = r.c.state().actual_tcp_pose;
+  r.run(
+      "  here = get_target_tcp_pose()\n  there = pose_add(here, p[0, 0, 0.05, 0, 0, 0])\n  n = 0\n"
+      "  while n < 250:\n    servoc(there, v = 0.05)\n    n = n + 1\n  end\n"
+      "  write_output_float_register(0, pose_dist(here, get_target_tcp_pose()))\n"
+      "  while n < 1000:\n    servoc(there, v = 0.05)\n    n = n + 1\n  end\n"
+      "  movel(here)\n  write_output_float_register(1, pose_dist(here, get_target_waypoint()))\n");
+  CHECK(r.exception() == "");
+  CHECK(r.real(0) == doctest::Approx(0.025).epsilon(0.1));  // half a second at 50 mm/s
+  CHECK(r.real(1) < 1e-6);
+  CHECK(std::abs(r.c.state().actual_tcp_pose[2] - start[2]) < 1e-3);
+}
+
+TEST_CASE("URScript: what cannot be reached ends as on the controller") {
+  // By movej with a program's error, by movel and movec with a protective stop in which the program stays.
+  Robot r;
+  r.run("  movej([-123, 0, 0, 0, 0, 0])\n");
+  CHECK(r.exception() == "2:3 runtime_error_joint_limit:1:");
+  CHECK(r.c.state().safety_mode == SafetyMode::normal);
+  for (const char* line :
+       {"  movel(p[10, 0, 0, 0, 0, 0])\n", "  movec(p[0.2, 0.4, 0.5, 0, 0, 0], p[10, 0, 0, 0, 0, 0])\n"}) {
+    CAPTURE(line);
+    Robot one;
+    one.run(line, 500);
+    CHECK(one.exception() == "");
+    CHECK(one.c.state().safety_mode == SafetyMode::protective_stop);
+    CHECK(one.c.state().program_running);
+    std::vector<Notice::Kind> told;
+    for (const Notice& n : one.notices) told.push_back(n.kind);
+    CHECK(std::count(told.begin(), told.end(), Notice::Kind::violation) == 1);
+    CHECK(std::count(told.begin(), told.end(), Notice::Kind::safety_mode) == 1);
+    for (int i = 0; i < 3000; ++i) one.c.step();
+    CHECK(one.c.unlock_protective_stop());
+    one.c.step();
+    CHECK(one.notices.back().kind == Notice::Kind::safety_mode);
+    CHECK(one.notices.back().argument == 1);
+    CHECK(one.c.stop_program());
+  }
 }
 
 TEST_CASE("URScript: protective_stop, set_payload, tcp and register functions reach the state") {

@@ -24,9 +24,10 @@ struct Watchdog {
   bool stops = false;  ///< else pauses
 };
 
-/// A movel under way.
+/// Where the motion under way goes, and for movel and movec from where.
 struct Line {
   Joints start{}, end{};
+  std::optional<Pose6> goal{};  ///< of the last motion to a point
 };
 
 /// The robot as a program finds it in one cycle.
@@ -39,7 +40,7 @@ struct Robot {
   Nanoseconds now, cycle;
   Version version;
   const std::function<void(const Notice&)>& tell;
-  const std::function<void(const std::string&)>& protective_stop;
+  const std::function<void(const std::string&, std::int32_t code)>& protective_stop;
 };
 
 enum class Outcome {

@@ -69,8 +69,7 @@ void Compiler::block(std::span<const std::string_view> ends) {
     if (now().kind == Token::Kind::end) return;
     for (const std::string_view e : ends)
       if (now().is(e)) return;
-    statement();
-    if (good() && !at_line_end()) fail(now().at, "compile_error_unexpected:" + now().words() + ":");
+    statement();  // the next one may follow in the same line
   }
 }
 

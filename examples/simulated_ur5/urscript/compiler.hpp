@@ -29,6 +29,11 @@ class Compiler {
   bool at_line_end() const { return now().kind == Token::Kind::line_end || now().kind == Token::Kind::end; }
   bool accept(std::string_view s);
   void expect(std::string_view s);
+  /// An operator between two operands. Line ends before and behind it are not significant: no statement
+  /// begins with one.
+  bool accept_operator(std::string_view sign);
+  /// Whether `p[` begins a pose: it is an item where `p` is a variable and one index follows.
+  bool begins_pose() const;
   std::string expect_name();
   void skip_lines();
   /// The first problem counts; from then on nothing more is read.
@@ -45,6 +50,7 @@ class Compiler {
   void branch();
   void loop();
   void assignment(bool global, bool local);
+  void expect_assignment();
 
   // Expressions, from the loosest binding to the tightest.
   void expression();

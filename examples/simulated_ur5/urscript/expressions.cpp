@@ -1,7 +1,8 @@
 // The compiler's expressions.
-#include <cstdlib>
+#include <limits>
 
 #include "examples/simulated_ur5/urscript/compiler.hpp"
+#include "examples/support/text.hpp"
 
 namespace simulated_ur5::urscript {
 namespace {
@@ -21,8 +22,7 @@ void Compiler::expression() {
   const Nested nested(*this);
   conjunction();
   std::vector<std::int32_t> jumps;
-  while (accept("or")) {
-    skip_lines();
+  while (accept_operator("or")) {
     jumps.push_back(emit(Op::keep_if));
     conjunction();
   }
@@ -32,8 +32,7 @@ void Compiler::expression() {
 void Compiler::conjunction() {
   inversion();
   std::vector<std::int32_t> jumps;
-  while (accept("and")) {
-    skip_lines();
+  while (accept_operator("and")) {
     jumps.push_back(emit(Op::keep_unless));
     inversion();
   }
@@ -42,7 +41,10 @@ void Compiler::conjunction() {
 
 void Compiler::inversion() {
   bool inverted = false;
-  while (accept("not")) inverted = !inverted;
+  while (accept("not")) {
+    skip_lines();
+    inverted = !inverted;
+  }
   comparison();
   if (inverted) emit(Op::invert);
 }
@@ -51,16 +53,16 @@ void Compiler::comparison() {
   sum();
   for (;;) {
     // a > b is b < a, with a computed first.
-    if (now().is(">") || now().is(">=")) {
-      const Operation swapped = now().is(">") ? Operation::less : Operation::less_equal;
-      ++at_;
+    const bool greater = accept_operator(">");
+    if (greater || accept_operator(">=")) {
+      const Operation swapped = greater ? Operation::less : Operation::less_equal;
       sum();
       emit(Op::binary, static_cast<std::int32_t>(swapped), 1);
       continue;
     }
     const std::size_t before = at_;
     for (const auto& [sign, operation] : comparisons)
-      if (accept(sign)) {
+      if (accept_operator(sign)) {
         sum();
         emit(Op::binary, static_cast<std::int32_t>(operation));
       }
@@ -74,8 +76,7 @@ void Compiler::binary(void (Compiler::*next)(),
   for (bool more = true; more && good();) {
     more = false;
     for (const auto& [sign, operation] : operators) {
-      if (!accept(sign)) continue;
-      skip_lines();
+      if (!accept_operator(sign)) continue;
       (this->*next)();
       emit(Op::binary, static_cast<std::int32_t>(operation));
       more = true;
@@ -97,6 +98,7 @@ void Compiler::factor() {
     if (now().is("-")) ++minus;
     ++signs;
     ++at_;
+    skip_lines();
   }
   postfix();
   if (minus % 2 != 0) emit(Op::negate);
@@ -119,8 +121,9 @@ void Compiler::postfix() {
 }
 
 void Compiler::number() {
-  const std::string digits(now().text.substr(0, 64));
-  const double value = std::strtod(digits.c_str(), nullptr);
+  std::string_view digits = now().text;
+  double value = std::numeric_limits<double>::infinity();  // what is too large
+  static_cast<void>(examples::take_number(digits, value));
   const bool whole = now().kind == Token::Kind::whole && value < 9e15;
   ++at_;
   emit(Op::constant, constant(whole ? Value(static_cast<std::int64_t>(value)) : Value(value)));
@@ -145,7 +148,7 @@ void Compiler::primary() {
     emit(Op::make_list, n);
     return;
   }
-  if (t.is("p") && ahead(1).is("[")) {
+  if (begins_pose()) {
     at_ += 2;
     if (items("]") != 6) return fail(t.at, "compile_error_pose_needs_six_numbers");
     emit(Op::make_pose);
@@ -176,6 +179,28 @@ void Compiler::primary() {
   const Variable* v = find(t.text);
   if (!v) return fail(t.at, "compile_error_name_not_found:" + std::string(t.text.substr(0, 60)) + ":");
   emit(Op::load, v->slot, v->global);
+}
+
+bool Compiler::accept_operator(std::string_view sign) {
+  std::size_t i = at_;
+  while (tokens_[i].kind == Token::Kind::line_end) ++i;
+  if (!good() || !tokens_[i].is(sign)) return false;
+  at_ = i + 1;
+  skip_lines();
+  return true;
+}
+
+bool Compiler::begins_pose() const {
+  if (!now().is("p") || !ahead(1).is("[")) return false;
+  if (!find("p")) return true;
+  // The variable's item has one index, a pose six numbers.
+  int open = 0;
+  for (std::size_t n = 1; ahead(n).kind != Token::Kind::end; ++n) {
+    if (ahead(n).is("(") || ahead(n).is("[")) ++open;
+    if ((ahead(n).is(")") || ahead(n).is("]")) && --open == 0) return false;
+    if (ahead(n).is(",") && open == 1) return true;
+  }
+  return false;
 }
 
 std::int32_t Compiler::items(std::string_view close) {

@@ -37,6 +37,8 @@ constexpr Builtin state_table[] = {
     {"get_joint_temp", "j", [](Call& c) { return entry(c, c.robot.state.temperatures); }},
     {"get_actual_tcp_pose", "", [](Call& c) { return c.give(Value(c.robot.state.actual_tcp_pose)); }},
     {"get_target_tcp_pose", "", [](Call& c) { return c.give(Value(c.robot.state.target_tcp_pose)); }},
+    {"get_target_waypoint", "",
+     [](Call& c) { return c.give(Value(c.robot.line.goal.value_or(c.robot.state.target_tcp_pose))); }},
     {"get_actual_tcp_speed", "", [](Call& c) { return c.give(list_of(c.robot.state.actual_tcp_speed)); }},
     {"get_target_tcp_speed", "", [](Call& c) { return c.give(list_of(c.robot.state.target_tcp_speed)); }},
     {"get_actual_tool_flange_pose", "",

@@ -48,7 +48,7 @@ void Compiler::statement() {
       emit(Op::jump, loops_.back().start);
     return;
   }
-  const bool name = now().kind == Token::Kind::name && !now().is("p") && !now().is("not");
+  const bool name = now().kind == Token::Kind::name && !begins_pose() && !now().is("not");
   if (name && (ahead(1).is("=") || ahead(1).is("[") || (ahead(1).is(".") && ahead(3).is("="))))
     return assignment(false, false);
   expression();
@@ -149,6 +149,11 @@ void Compiler::loop() {
   loops_.pop_back();
 }
 
+void Compiler::expect_assignment() {
+  expect("=");
+  skip_lines();
+}
+
 void Compiler::assignment(bool global, bool local) {
   const Token name = now();
   expect_name();
@@ -159,19 +164,19 @@ void Compiler::assignment(bool global, bool local) {
     const Variable v = *known;
     if (accept(".")) {
       const std::int32_t field = constant(Value(expect_name()));
-      expect("=");
+      expect_assignment();
       expression();
       emit(Op::store_field, v.slot, 2 * field + v.global);
       return;
     }
     expression();
     expect("]");
-    expect("=");
+    expect_assignment();
     expression();
     emit(Op::store_item, v.slot, v.global);
     return;
   }
-  expect("=");
+  expect_assignment();
   expression();
   const bool new_one = !known || (local && known->global != 0 && function_ != 0);
   const Variable v = new_one ? declare(name.text, global || function_ == 0) : *find(name.text);

@@ -1,8 +1,8 @@
 // Functions of strings, and what a program tells people.
 #include <algorithm>
-#include <cstdlib>
 
 #include "examples/simulated_ur5/urscript/builtin.hpp"
+#include "examples/support/text.hpp"
 
 namespace simulated_ur5::urscript {
 namespace {
@@ -37,9 +37,9 @@ Outcome find(Call& c) {
 }
 Outcome to_number(Call& c) {
   const std::string s = c[0].text();
-  char* end = nullptr;
-  const double x = std::strtod(s.c_str(), &end);
-  if (end == s.c_str()) return c.fail("runtime_error_type:number");
+  std::string_view rest = s;
+  double x = 0;
+  if (!examples::take_number(rest, x)) return c.fail("runtime_error_type:number");
   const bool whole = s.find_first_of(".eE") == std::string::npos && std::abs(x) < 9e15;
   return c.give(whole ? Value(static_cast<std::int64_t>(x)) : Value(x));
 }

@@ -13,8 +13,6 @@ constexpr Builtin named(std::string_view name) {
   return {name, "", refuse, true, true};
 }
 constexpr Builtin unsimulated_table[] = {
-    named("movec"),
-    named("servoc"),
     named("conveyor_pulse_decode"),
     named("set_conveyor_tick_count"),
     named("get_conveyor_tick_count"),
@@ -30,7 +28,6 @@ constexpr Builtin unsimulated_table[] = {
     named("get_coriolis_and_centrifugal_torques"),
     named("get_jacobian"),
     named("get_jacobian_time_derivative"),
-    named("get_target_waypoint"),
     named("get_freedrive_status"),
     named("interpolate_pose"),
     named("socket_get_var"),

@@ -1,4 +1,5 @@
-#include "examples/compliant_ur5/run.hpp"
+// One run of the main job by one interface and one sense; a file for each sense says which it has.
+#pragma once
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +15,10 @@
 #include "examples/compliant_ur5/following_judge.hpp"
 #include "examples/compliant_ur5/live.hpp"
 #include "examples/compliant_ur5/recorder.hpp"
+#include "examples/compliant_ur5/run.hpp"
 #include "examples/compliant_ur5/scene.hpp"
+#include "examples/compliant_ur5/sense_reader.hpp"
 #include "examples/compliant_ur5/simulation.hpp"
-#include "examples/compliant_ur5/skin_session.hpp"
 #include "examples/compliant_ur5/summary.hpp"
 #include "examples/compliant_ur5/touch_observer.hpp"
 #include "examples/support/text.hpp"
@@ -26,27 +28,56 @@
 #include "skinctl/testing/allocation_guard.hpp"
 
 namespace compliant_ur5 {
-namespace {
+namespace running {
 
 using namespace skinctl;
 
 /// How many cells report, in words.
-std::string in_words(const Coverage& c) {
+inline std::string in_words(const Coverage& c) {
   return std::to_string(c.usable) + " of " + std::to_string(c.cells);
 }
-/// The same for an ending, with the place where nothing is felt.
+/// The same with what is missing, link by link: "forearm: 25 of 67 cells do not count, 5 places feel nothing
+/// (cells 165, ...)".
 template <class Skin>
-std::string in_words(const Coverage& c, const Skin& skin, double reach) {
-  const std::string report = in_words(c) + " cells report";
-  if (c.hole >= skin.table().size()) return report;
-  constexpr const char* links[] = {"shoulder", "upper arm", "forearm", "wrist 1", "wrist 2", "wrist 3"};
-  const auto& cell = skin.table()[c.hole];
-  const auto mm = [&](std::size_t k) { return 1e3 * static_cast<double>(cell.place[k]); };
-  return examples::text(
-             "%s, %.0f mm from its joint, at cell %u (%.0f, %.0f, %.0f mm in its frame): none within %.0f mm "
-             "feels; ",
-             links[cell.link], std::hypot(mm(0), mm(1), mm(2)), cell.id, mm(0), mm(1), mm(2), 1e3 * reach) +
-         report;
+std::string in_words(const Skin& skin, const typename Skin::Memory& memory) {
+  constexpr std::size_t most_named = 5;
+  std::string out = in_words(skin.coverage(memory)) + " cells report";
+  for (std::size_t link = 0; link < 6; ++link) {
+    std::size_t cells = 0, missing = 0, blind = 0;
+    std::string named;
+    for (std::size_t i = 0; i < skin.table().size(); ++i) {
+      if (skin.table()[i].link != link) continue;
+      ++cells, missing += skin.faults(memory, i).has(CellFault::unheard) || skin.mask(memory, i) > 0.5f;
+      if (skin.noticed(memory, i) < std::numeric_limits<double>::infinity()) continue;
+      if (++blind <= most_named) named += (blind > 1 ? ", " : "") + std::to_string(skin.table()[i].id);
+    }
+    if (missing == 0) continue;
+    out += "; " + std::string(link_names[link]) + ": " + std::to_string(missing) + " of " +
+           std::to_string(cells) + " cells do not count";
+    if (blind > 0)
+      out += ", " + std::to_string(blind) + " places feel nothing (cells " + named +
+             (blind > most_named ? ", ...)" : ")");
+  }
+  return out;
+}
+
+/// How well each place feels, and how fast it may lead.
+template <class Scene>
+std::vector<FeltPlace> felt(const Scene& scene, const typename Scene::Memory& memory) {
+  const auto& limit = scene.governor().template get<FeltPlacesLimit>();
+  const auto& places = limit.settings().places;
+  std::vector<FeltPlace> out;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto& [link, patch, at, n] = places[i];
+    const double noticed = limit.settings().newtons * scene.skin().noticed(memory.skin, i);
+    out.push_back({scene.skin().table()[i].id,
+                   link,
+                   {at.x, at.y, at.z},
+                   {n.x, n.y, n.z},
+                   noticed,
+                   limit.speed(noticed)});
+  }
+  return out;
 }
 
 /// The receiver as a source of samples on the robot's clock.
@@ -70,8 +101,10 @@ struct SkinOnRobotClock {
 
 /// The driver, which sends no torque for a state that nobody knows: it would accelerate, and the robot's program brakes
 /// by itself.
+template <Sense S>
 struct JobDriver {
   adapters::ur5::Driver& driver;
+  SenseReader<S>& reader;
   bool by_torque = false;
   Heard heard = Heard::state;
 
@@ -81,19 +114,75 @@ struct JobDriver {
     if (by_torque && heard == Heard::silent) return true;
     return driver.send(command);
   }
+  auto wrenches() noexcept
+    requires(S == Sense::wrist)
+  {
+    return reader.read(driver);
+  }
+  auto motor_torque() noexcept
+    requires(S == Sense::motors)
+  {
+    return reader.read(driver);
+  }
   void stop() noexcept { driver.stop(); }
 };
+
+/// Takes what the wrist sensor reads in 0.5 s, while the arm is told to stay, for its zero. Throws
+/// `skinctl::ConfigurationError` where the readings do not rest; a robot that is lost is found by the loop.
+template <Interface I>
+void tare(JobDriver<Sense::wrist>& robot, double rate) {
+  std::vector<WrenchSample> samples;
+  State<6> state;
+  for (int k = 0; k < static_cast<int>(0.5 * rate); ++k) {
+    if (robot.wait(state) == Heard::lost) return;
+    for (const WrenchSample& s : robot.wrenches()) samples.push_back(s);
+    bool sent = false;
+    if constexpr (I == Interface::position) {
+      PositionCommand<6> stay;
+      stay.position = robot.told();
+      sent = robot.send(stay);
+    } else {
+      sent = robot.send(VelocityCommand<6>());
+    }
+    if (!sent) return;
+  }
+  robot.reader.tare(samples, state.q);
+}
 
 struct Largest {
   double step_velocity = 0, step_acceleration = 0, torque = 0;  ///< in units of their limits
 };
 
-constexpr const char* in_words(Interface i) {
+inline constexpr const char* in_words(Interface i) {
   return i == Interface::position ? "position" : (i == Interface::velocity ? "velocity" : "torque");
 }
 
+/// Nothing has moved.
+inline Outcome not_tared(const char* why, RunLog& log) {
+  const EndingRow& end = row(Ending::not_tared);
+  log.ending = end.name;
+  log.words = std::string(end.words) + ": " + why;
+  std::fprintf(stderr, "\nstopped: %s (exit code %d: %s)\n", log.words.c_str(), examples::job::code(end.exit),
+               examples::job::words(end.exit));
+  return end.exit;
+}
+
+/// What was found of a sense without cells while it ran.
+template <class Memory>
+void add_facts(const SenseReader<Sense::wrist>& reader, const Memory& m, RunLog& log) {
+  const auto size = [](const auto& x) { return std::hypot(x[0], x[1], x[2]); };
+  log.result.push_back({"bias of the force at the start", text("%.1f N", size(reader.rest()))});
+  log.result.push_back({"bias of the force found while running", text("%.1f N", size(m.watch.bias))});
+}
+template <class Memory>
+void add_facts(const SenseReader<Sense::motors>&, const Memory& m, RunLog& log) {
+  double most = 0;
+  for (const double x : m.watch.bias) most = std::max(most, std::abs(x));
+  log.result.push_back({"largest bias found while running", text("%.1f N m", most)});
+}
+
 /// What the way to the robot and back takes beyond one cycle, which the declared delay has in it [s].
-double network_delay(const Settings& s, RunLog& log) {
+inline double network_delay(const Settings& s, RunLog& log) {
   if (!s.robot || s.network_delay >= 0) return std::max(s.network_delay, 0.0);
   const auto trip = adapters::ur5::measure_round_trip(*s.robot, s.rtde_port, s.rate, 25);
   const double beyond = std::max(0.0, seconds<double>(trip.controller_median) - 1 / s.rate);
@@ -103,24 +192,24 @@ double network_delay(const Settings& s, RunLog& log) {
   return beyond;
 }
 
-template <Interface I>
+template <Interface I, Sense S>
 Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& log) {
   Settings s = given;
   constexpr bool by_torque = I == Interface::torque;
   s.network_delay = network_delay(s, log);
   s.control.delay += s.network_delay;
-  const auto scene = make_watched_scene<I>(s);
+  constexpr bool by_skin = S == Sense::skin;
+  const auto scene = make_watched_scene<I, S>(s);
   using Scene = std::remove_cvref_t<decltype(scene)>;
   const Nanoseconds period = nanoseconds(1 / s.rate);
 
   std::optional<adapters::skin::Key> key;
   if (!s.skin_key.empty()) key = adapters::skin::Key::read(s.skin_key);
-  const std::uint64_t last_session = key ? read_session(s.skin_key) : 0;
   adapters::skin::Receiver receiver({.address = s.skin_address,
                                      .port = s.skin_port,
                                      .sender = s.skin_sender,
                                      .key = key,
-                                     .after_session = last_session});
+                                     .noise = force_noise});
   std::unique_ptr<simulated_ur5::SimulatedUr5> simulation;
   adapters::ur5::DriverConfig config;
   config.rate = s.rate;
@@ -137,6 +226,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     config.torque.coulomb = s.torque.coulomb_scale;
     config.robot_patience = adapters::Timeout(static_cast<int>(std::lround(1000 * s.torque.patience)));
   }
+  SenseReader<S>::ask(config);
   config.real_time = s.robot || s.speed == 1;
   if (s.robot) {
     config.host = *s.robot;
@@ -148,7 +238,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     config.dashboard_port = ports.dashboard;
     if (s.speed == 0) config.silence = config.give_up = std::chrono::milliseconds(3000);
   }
-  if constexpr (!by_torque) log.scenario.push_back({"felt mass, at least", text("%.1f kg", felt_mass<I>(s))});
+  if constexpr (!by_torque)
+    log.scenario.push_back({"felt mass, at least", text("%.1f kg", felt_mass<I, S>(s))});
   adapters::ur5::Driver driver(config);
   driver.connect();
   if (s.hand && !driver.set_payload(s.hand->mass, s.hand->centre))
@@ -160,7 +251,11 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     if (s.speed != 0 || s.robot) std::printf("%s", request_real_time().report.c_str());
   }
 
-  TouchObserver observer(observed_cells(skin_patches(s)), s.newtons_per_reading, s.rest_reading);
+  SenseReader<S> reader(s);
+  JobDriver<S> robot{driver, reader, by_torque};
+  if constexpr (!by_skin) reader.check(driver);
+  TouchObserver observer(by_skin ? observed_cells(skin_patches(s)) : std::vector<ObservedCell>{},
+                         s.newtons_per_reading, s.rest_reading);
   const std::uint64_t planned = s.cycles != 0 ? s.cycles : static_cast<std::uint64_t>(s.duration * s.rate);
   log.entries.reserve(planned);
   const auto memory = std::make_unique<typename Scene::Memory>();
@@ -183,15 +278,17 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   Largest largest;
   JointVelocity<6> last_velocity;
   Nanoseconds last_time{};
-  Status all, last_status;
+  Status last_status;
+  std::uint32_t tares = 0;  // while running
+  double tared_at = 0;      // the last of them [s]
+  bool heard = false;       // all patches of the skin
 
   examples::job::Progress progress(s.quiet);
-  SkinOnRobotClock skin{receiver, driver};
+  SkinOnRobotClock cells{receiver, driver};
   if (s.hand && s.hand->palm_gain > 0 && s.hand->reading != nullptr) {
-    skin.palm = s.hand->reading;
-    skin.both.resize(16385);  // most of one poll, and one
+    cells.palm = s.hand->reading;
+    cells.both.resize(16385);  // most of one poll, and one
   }
-  JobDriver robot{driver, by_torque};
   std::array<double, Scene::law_type::terms> weights;
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
     if (first == 0ns) first = input.now;
@@ -200,21 +297,34 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     // The scene stops by itself where too little of the skin reports; the job ends then, and says why.
     // What others send to the skin's port is dropped, and so is what the skin itself garbles: then it is silent.
     if (ending == Ending::finished) {
-      const auto cells_in_words = [&] {
-        return in_words(scene.skin().coverage(m.skin), scene.skin(), s.control.skin_reach);
+      const auto slowed = [&]() -> std::string {
+        const double slider = driver.report().slider;
+        if (!(slider < 0.99)) return {};
+        return text("; the speed slider stands at %.0f %%: move it to 100 %%", 100 * slider);
       };
-      if (!scene.governor().template memory<SkinWatch>(m.governor).heard && t > s.control.skin_patience) {
-        ending = Ending::skin_unheard;
-        detail = cells_in_words();
-      } else if (last_status.has(Reason::skin_stopped)) {
-        ending = receiver.silent_for(input.now) > 100ms ? Ending::skin_silent : Ending::skin_deaf;
-        detail = cells_in_words();
-      } else if (const auto joint = judge.stuck_joint(); joint != 0) {
+      if constexpr (by_skin) {
+        const auto cells_in_words = [&] {
+          const std::string refused = adapters::skin::refusals(receiver.statistics()),
+                            frozen = receiver.frozen();
+          return in_words(scene.skin(), m.skin) + (frozen.empty() ? "" : "; " + frozen) +
+                 (refused.empty() ? "" : "; datagrams refused: " + refused);
+        };
+        if (!scene.governor().template memory<SkinWatch>(m.governor).heard && t > s.control.skin_patience) {
+          ending = Ending::skin_unheard;
+          detail = cells_in_words();
+        } else if (last_status.has(Reason::skin_stopped)) {
+          ending = receiver.silent_for(input.now) > 100ms ? Ending::skin_silent : Ending::skin_deaf;
+          detail = cells_in_words();
+        }
+      } else if (reader.silent_for() > 0.1) {
+        ending = Ending::sense_silent;
+      }
+      if (const auto joint = judge.stuck_joint(); ending == Ending::finished && joint != 0) {
         ending = Ending::stuck;
-        detail = "joint " + std::to_string(joint);
-      } else if (judge.late()) {
+        detail = "joint " + std::to_string(joint) + slowed();
+      } else if (ending == Ending::finished && judge.late()) {
         ending = Ending::late;
-        detail = text("by %.0f ms", 1e3 * judge.following().lag);
+        detail = text("by %.0f ms", 1e3 * judge.following().lag) + slowed();
       }
       if (ending != Ending::finished) {
         input.request = CycleRequest::stop;
@@ -241,11 +351,19 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     const auto& reach = std::get<0>(scene.law().sum().laws());
     const auto& reached = Scene::law_type::template memory<0>(memory->law);
     const auto target = reach.reference(reached).q_d;
-    observer.cycle(t, input.samples, input.measured.q, target);
+    if constexpr (by_skin) {
+      observer.cycle(t, input.samples, input.measured.q, target);
+    } else {
+      observe(observer, t, reader, memory->skin, input.measured.q, target);
+      if (memory->skin.watch.tares > tares) tares = memory->skin.watch.tares, tared_at = t;
+    }
     const double passed = last_time == 0ns ? 0 : seconds<double>(input.now - last_time);
     judge.cycle(t, passed, memory->robot, out.status, observer.force(), target);
-    all |= out.status;
     last_status = out.status;
+    if constexpr (by_skin) {
+      if (!heard && scene.governor().template memory<SkinWatch>(memory->governor).heard)
+        heard = true, log.began = t;
+    }
     LogEntry entry;
     entry.time = t;
     entry.force = observer.force();
@@ -283,16 +401,32 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
                     entry.deflection, observer.touches().size());
   };
 
+  if constexpr (S == Sense::wrist) {
+    try {
+      tare<I>(robot, s.rate);
+    } catch (const ConfigurationError& e) {
+      return not_tared(e.what(), log);
+    }
+  }
   LoopOptions options;
   options.cycles = planned;
   options.period = period;
   options.stop = &stop;
-  const auto report = run_loop(scene, *memory, robot, skin, options, before, after, recording);
+  NoSkin no_cells;
+  auto& source = [&]() -> auto& {
+    if constexpr (by_skin) {
+      return cells;
+    } else {
+      return no_cells;
+    }
+  }();
+  const auto report = run_loop(scene, *memory, robot, source, options, before, after, recording);
   progress.clear();
 
-  if (key && receiver.session() > last_session) write_session(s.skin_key, receiver.session());
   // The robot comes to rest by its own program; the simulation knows what its fingers felt.
   log.touches = observer.touches();
+  if constexpr (S == Sense::motors)  // where it was is not known
+    for (TouchSummary& t : log.touches) t.link = -1, t.place.fill(std::nan(""));
   log.peak_force = 0;
   for (const auto& t : log.touches) log.peak_force = std::max(log.peak_force, t.peak_force);
   if (simulation) {
@@ -315,8 +449,10 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     log.cycle.repeated_median = repeated_median(scene, report, log.cycle.repeated);
   }
   const bool real_time = s.robot || s.speed == 1;
+  const std::string refused = adapters::skin::refusals(receiver.statistics()), frozen = receiver.frozen();
   log.title = std::string(s.rigid ? "Rigid" : "Compliant") + " UR5, " + (s.robot ? *s.robot : "simulated") +
-              ", " + text("%.0f Hz, ", s.rate) + in_words(I) + " interface";
+              ", " + text("%.0f Hz, ", s.rate) + in_words(I) + " interface" +
+              (by_skin ? "" : ", by its " + std::string(compliant_ur5::in_words(S)));
   log.laws = {"spline joint", "skin joint", by_torque ? "of these learnt friction" : "gravity"};
   for (std::size_t i = 0; i < 6; ++i) {
     log.velocity_limit[i] = limit.velocity()[i];
@@ -336,23 +472,31 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
                                           ? text("%.1f ms", 1e3 * judge.following().lag)
                                           : "not known"},
       {"states repeated or out of order", std::to_string(driver.stood())},
-      {"cells that report", in_words(scene.skin().coverage(memory->skin))},
-      {"skin datagrams lost", std::to_string(receiver.statistics().lost)},
-      {"stray skin datagrams", std::to_string(receiver.statistics().stray())},
       {"peak contact force", text("%.1f N", log.peak_force)},
   };
-  std::string noted;
-  all.for_each([&](Reason r) { noted += (noted.empty() ? "" : "; ") + std::string(describe(r)); });
-  log.result.push_back({"noted", noted.empty() ? "nothing" : noted});
+  if constexpr (by_skin) {
+    log.felt = felt(scene, *memory);
+    log.result.push_back({"cells that report", in_words(scene.skin(), memory->skin)});
+    log.result.push_back({"skin datagrams lost", std::to_string(receiver.statistics().lost)});
+    log.result.push_back({"stray skin datagrams", std::to_string(receiver.statistics().stray())});
+    log.result.push_back({"skin datagrams refused", refused.empty() ? "none" : refused});
+    log.result.push_back({"frozen cells", frozen.empty() ? "none" : frozen});
+  } else {
+    add_facts(reader, memory->skin, log);
+    log.result.push_back({"pushes without life, taken for rest",
+                          std::to_string(tares) + (tares > 0 ? text(", the last at %.1f s", tared_at) : "")});
+  }
   recording.finish(log);
   print(s, log);
 
   if (report.ended == LoopEnd::displaced) ending = Ending::displaced;
   if (report.ended == LoopEnd::interrupted) ending = Ending::interrupted;
-  if (ending == Ending::finished && report.ended == LoopEnd::finished &&
-      !scene.governor().template memory<SkinWatch>(memory->governor).heard) {
-    ending = Ending::skin_unheard;
-    detail = "the arm did not move";
+  if constexpr (by_skin) {
+    if (ending == Ending::finished && report.ended == LoopEnd::finished &&
+        !scene.governor().template memory<SkinWatch>(memory->governor).heard) {
+      ending = Ending::skin_unheard;
+      detail = "the arm did not move";
+    }
   }
   const double slack = 1 + 1e-9;
   const bool kept = allocations == 0 && largest.torque <= slack &&
@@ -367,17 +511,18 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     log.ending = row(ending).name;
     log.words = row(ending).words + (detail.empty() ? "" : ": " + detail);
   }
+  live.end(log.words);
   if (outcome != Outcome::fine)
     std::fprintf(stderr, "\n%s: %s (exit code %d: %s)\n", ending == Ending::broken ? "failed" : "stopped",
                  log.words.c_str(), examples::job::code(outcome), examples::job::words(outcome));
   return outcome;
 }
 
-template <Interface I>
+template <Interface I, Sense S>
 Outcome replay_with(const Settings& given) {
   Settings s = given;
   s.control.delay += std::max(s.network_delay, 0.0);
-  const auto scene = make_watched_scene<I>(s);
+  const auto scene = make_watched_scene<I, S>(s);
   const auto result = skinctl::replay(s.replay, scene, run_identity(s));
   if (!result.whole) std::printf("%s was cut: its last second may be missing\n", s.replay.c_str());
   if (result.missing > 0)
@@ -388,28 +533,24 @@ Outcome replay_with(const Settings& given) {
   return result.different == 0 ? Outcome::fine : Outcome::broken;
 }
 
-}  // namespace
+}  // namespace running
 
-Outcome run(const Settings& settings, const std::atomic<bool>& stop, RunLog& log) {
-  switch (settings.interface) {
-    case Interface::position:
-      return run_with<Interface::position>(settings, stop, log);
-    case Interface::velocity:
-      return run_with<Interface::velocity>(settings, stop, log);
-    default:
-      return run_with<Interface::torque>(settings, stop, log);
-  }
+/// By a sense without cells, whose file has it: by position or velocity.
+template <Sense S>
+Outcome run_by(const Settings& settings, const std::atomic<bool>& stop, RunLog& log) {
+  using namespace running;
+  return settings.interface == Interface::position ? run_with<Interface::position, S>(settings, stop, log)
+                                                   : run_with<Interface::velocity, S>(settings, stop, log);
 }
-
-Outcome replay(const Settings& settings) {
-  switch (settings.interface) {
-    case Interface::position:
-      return replay_with<Interface::position>(settings);
-    case Interface::velocity:
-      return replay_with<Interface::velocity>(settings);
-    default:
-      return replay_with<Interface::torque>(settings);
-  }
+template <Sense S>
+Outcome replay_by(const Settings& settings) {
+  using namespace running;
+  return settings.interface == Interface::position ? replay_with<Interface::position, S>(settings)
+                                                   : replay_with<Interface::velocity, S>(settings);
 }
+extern template Outcome run_by<Sense::wrist>(const Settings&, const std::atomic<bool>&, RunLog&);
+extern template Outcome run_by<Sense::motors>(const Settings&, const std::atomic<bool>&, RunLog&);
+extern template Outcome replay_by<Sense::wrist>(const Settings&);
+extern template Outcome replay_by<Sense::motors>(const Settings&);
 
 }  // namespace compliant_ur5
