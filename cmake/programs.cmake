@@ -1,4 +1,8 @@
 # What tests, benchmarks and examples share: ccache, their own flags, and which peers a source includes.
+#
+# Promise: every program answers `--help`, refuses unknown options with 2, stops cleanly at SIGTERM
+# Tried: 22 programs. Also: `examples/programs`
+
 include_guard()
 
 find_program(SKINCTL_CCACHE ccache)

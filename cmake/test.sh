@@ -44,7 +44,7 @@ configuration() {
   ctest --preset "$preset" -j "$jobs" --no-label-summary || failed+=("tests, $name")
 }
 
-install_packages build library tests peers benchmark examples dds python ros urdf camera docs ${nightly:+proofs bare_metal}
+install_packages build library tests peers benchmark examples dds python ros urdf camera docs ${nightly:+proofs bare_metal platforms playground}
 # GCC frees memory only above 1 GB a file: an eighth less time, at most 3 GB a compiler.
 gcc_flags="-DCMAKE_CXX_FLAGS=${SKINCTL_CXX_FLAGS:-} --param=ggc-min-heapsize=1000000"
 configuration release "GCC" "$gcc_flags"

@@ -1,4 +1,4 @@
-// skinctl beside what a user would otherwise run: `peers [picture.svg]` prints the tables of bench/README.md;
+// skinctl beside what a user would otherwise run: `peers [picture.svg]` prints the tables of bench/results/peers.md;
 // `peers --check` only shows that the peers' rules are their originals'.
 #include <string>
 #include <string_view>

@@ -50,7 +50,7 @@ def short(name):
                        ("->", "-arrow"), ("<", "-lt"), (">", "-gt"), ("()", "-call")):
         name = name.replace("operator" + sign, "operator" + word)
     name = without(without(name.replace("(anonymous namespace)", ""), "<", ">"), "(", ")")
-    name = re.sub(r"\[.*?\]| const\b|skinctl::|avx2_fma::", "", name).strip()
+    name = re.sub(r"\[.*?\]| const\b|skinctl::|v\d+_\d+_\w+?::", "", name).strip()
     return name.split(" ")[-1] or "?"
 
 

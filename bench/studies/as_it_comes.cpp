@@ -1,7 +1,7 @@
 // A UR5 as it comes: robots that are not as declared, in scenes with hands, walls and goals. Nobody touches it
 // and it moves by no more than its gap; a touch is pressed no harder than by the same robot declared truly;
 // whatever else happens has its reason.
-// `as_it_comes [cases [first seed [folder]]]`, or `as_it_comes case SEED` for one of them, cycle by cycle.
+// `as_it_comes [cases [first seed [folder [dead band in rad]]]]`, or `as_it_comes case SEED` for one of them, cycle by cycle.
 //
 // A case: encoders off by up to 0.1 rad, a lag of 0 to 50 ms where 8 are declared (one or two in a row), servos
 // of 500 N m/rad to rigid with and without integral, friction of up to 20 % of the largest torques, encoder
@@ -143,6 +143,7 @@ int main(int argc, char** argv) {
   const std::uint64_t cases = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 10000;
   const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   const std::string folder = argc > 3 ? argv[3] : ".";
+  const double dead_band = argc > 4 ? std::strtod(argv[4], nullptr) : 0.02;
   Row by_scene[scenes], by_cause[std::size(causes)], all, twins;
   int by_reason[static_cast<int>(Reason::count)] = {};
   std::vector<double> ratios[scenes], forces[scenes], twin_forces[scenes];
@@ -151,7 +152,8 @@ int main(int argc, char** argv) {
   int asked = 0, asked_at_start = 0, asked_again = 0, asked_if_held = 0;
   double most_alone = 0;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {
-    const AsItComes c(seed);
+    AsItComes c(seed);
+    c.dead_band = dead_band;
     const auto r = run_as_it_comes(c, false);
     auto twin = run_as_it_comes(c, true);
     const auto again = run_as_it_comes(started_aside(c, {}, 0.001, further_twins + 1), true);

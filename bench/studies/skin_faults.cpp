@@ -1,6 +1,7 @@
-// The seven faults of a skin's cells against a trusted skin: torque, time to find, false masks, motion.
+// The faults of a skin's cells against a trusted skin: torque, time to find, false masks, motion; neighbours
+// that fail in one moment; hands.
 //
-//   skin_faults [runs of each kind, 3]
+//   skin_faults [runs of each kind, 3; 0: neighbours and hands alone]
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -10,8 +11,103 @@
 using namespace skinctl;
 using namespace skinctl::testing;
 
+namespace {
+
+/// Neighbours of which all sensors read something else from one sample to the next.
+struct Together {
+  const char* name;
+  std::size_t cells;
+  std::function<double(double)> reads;  ///< by the time since then [s]; empty: `fault`
+  double noise;                         ///< of each force sensor [steps]
+  CellFault fault = CellFault::stuck;
+};
+auto constant(double x) {
+  return [x](double) { return x; };
+}
+/// A loose contact: 0.6 for 0.9 s of every 2 s, with edges of 100 ms.
+double loose(double t) {
+  const double u = std::fmod(t, 2.0);
+  return 0.02 + 0.6 * std::clamp(10 * std::min(u, 1.1 - u), 0.0, 1.0);
+}
+void print_neighbours(std::uint64_t seeds) {
+  const std::vector<Together> rows = {
+      {"2 stuck at 0.9", 2, constant(0.9), 0},
+      {"2 stuck at 0.9, noise", 2, constant(0.9), 0.7},
+      {"1 stuck at 0.3, noise", 1, constant(0.3), 0.7},
+      {"9 stuck at 0.2, noise", 9, constant(0.2), 0.7},
+      {"9 stuck at 0.9, noise", 9, constant(0.9), 0.7},
+      {"9 drift by 0.02 a second", 9, [](double t) { return 0.02 + std::min(0.9, 0.02 * t); }, 0.7},
+      {"3 loose, edges of 100 ms", 3, loose, 0.7},
+      {"3 noisy", 3, {}, 0, CellFault::noisy},
+      {"2 saturated", 2, {}, 0, CellFault::saturated},
+      {"2 blinking", 2, {}, 0, CellFault::blinking}};
+  std::printf(
+      "\nneighbours that fail in one moment: largest distance of the wrist from that of an arm with a "
+      "healthy "
+      "skin [mm], of %d places;\nhands are springs of 400 N/m and 25 N that tremble by 2 %%\n\n"
+      "%-25s %-8s | %9s %9s %9s | %8s %6s\n",
+      int(seeds), "fault", "", "untouched", "elsewhere", "there", "found", "false");
+  for (const Together& row : rows)
+    for (const bool changes : {false, true}) {
+      std::printf("%-25s %-8s |", row.name, changes ? "changes" : "streams");
+      std::size_t found = 0, of = 0, masks = 0;
+      for (int touch = 0; touch < 3; ++touch) {
+        double motion = 0;
+        for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+          SkinFaultRun one;
+          one.fault.fault = row.fault, one.reads = row.reads, one.noise = row.noise;
+          one.together = row.cells, one.changes = changes, one.moves = true, one.seed = seed;
+          one.touched = touch > 0, one.there = touch == 2;
+          one.hand_stiffness = 400, one.hand_force = 25, one.tremor = 0.02;
+          one.begins = 1500ms, one.length = one.begins + 6s;
+          const SkinFaultResult r = run(one);
+          motion = std::max(motion, r.motion), found += r.found, of += r.faulty, masks += r.false_masks;
+        }
+        std::printf(" %9.1f", motion);
+      }
+      std::printf(" | %4zu/%3zu %6zu\n", found, of, masks);
+      std::fflush(stdout);
+    }
+}
+void print_hands(std::uint64_t seeds) {
+  std::printf(
+      "\nthree hands, healthy cells: against an arm that believes all of them\n\n%-28s %-8s | %6s %10s | "
+      "%14s %6s\n",
+      "hands", "", "peak N", "believed N", "apart, way mm", "masked");
+  for (const double stiffness : {150.0, 400.0, 2000.0, 8000.0})
+    for (const double force : {25.0, 60.0}) {
+      if (stiffness >= 2000 && force > 25)
+        continue;  // such a spring without mass shakes an arm that answers late
+      for (const double tremor : {0.02, 0.005})
+        for (const bool changes : {false, true}) {
+          SkinFaultResult all;
+          for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+            SkinFaultRun one;
+            one.fault.fault = CellFault::unheard, one.there = false;
+            one.begins = 5s, one.length = 4s, one.moves = true, one.seed = seed, one.changes = changes;
+            one.hand_stiffness = stiffness, one.hand_force = force, one.tremor = tremor;
+            one.believes_all = true;
+            const SkinFaultResult r = run(one);
+            all.peak = std::max(all.peak, r.peak),
+            all.healthy_peak = std::max(all.healthy_peak, r.healthy_peak);
+            all.motion = std::max(all.motion, r.motion), all.way = std::max(all.way, r.way);
+            all.false_masks += r.false_masks;
+          }
+          std::printf("%5.0f N/m, %2.0f N, tremor %.1f %% %-8s | %6.1f %10.1f | %6.1f %7.1f %6zu\n",
+                      stiffness, force, 100 * tremor, changes ? "changes" : "streams", all.peak,
+                      all.healthy_peak, all.motion, all.way, all.false_masks);
+          std::fflush(stdout);
+        }
+    }
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   const int runs = argc > 1 ? std::atoi(argv[1]) : 3;
+  const auto seeds = static_cast<std::uint64_t>(runs > 0 ? runs : 3);
+  print_neighbours(seeds), print_hands(seeds);
+  if (runs == 0) return 0;
   std::printf(
       "torques [N m] mean over 4 s from the fault on; 'settled' from 2 s after it; motion: largest way of "
       "the wrist\n"

@@ -1,6 +1,13 @@
 # Flags that change what arithmetic gives: the headers refuse what the compiler shows in a macro, a scene refuses the rest
 # when it is built, and under Clang, which shows less, the library's code gives the same bits:
 # `cmake -DGCC=... -DCLANG=... -DINCLUDE=... -DPROGRAM=... -DBINARY=... -P run.cmake`. CLANG may be empty.
+#
+# Promise: arithmetic that is not IEEE in the order in which it is written is refused, or changes no bit
+# Tried: `-ffast-math`, `-funsafe-math-optimizations`, `-fassociative-math`, `-freciprocal-math`,
+# `-ffinite-math-only`, `-mfpmath=387`, i686: by a macro; the same behind GCC's back: a scene throws with
+# its sine, its sum or its NaN; under Clang, which shows less, sines, tanh, compensated sums and gravity
+# torques are the same to the bit
+
 separate_arguments(INCLUDE)
 set(wrong "")
 

@@ -1,6 +1,15 @@
 // The preset `tiny` on a Cortex-M4 with a floating-point unit for float: a UR5 with 260 cells that gives way to touch, at 125 Hz.
 // Prints what a cycle costs in instructions (the emulator gives each of them a nanosecond of its clock), the memory, and what the
 // start needs for tables. After the start nothing is allocated: the program fails if it is.
+//
+// Promise: a cycle of the preset `tiny` (UR5, 260 cells, float, one sub-step) takes at most 16 000
+// instructions on a Cortex-M4, and nothing is allocated after the start
+// Tried: seven cells pressed and released, an emulator that counts: 12 560 at the mean, 15 760 in the
+// cycle of the press; 64 KB of tables at the start, 7 KB of memory
+//
+// Promise: it needs no operating system, exceptions or run-time types
+// Tried: a whole cycle with 260 cells in float on an emulated Cortex-M7. Also: `bare_metal/`
+
 #include <malloc.h>
 
 #include <cstddef>

@@ -1,4 +1,9 @@
 // What the wrong programs get right: a robot, and a law of one's own.
+//
+// Promise: wrong frames, kinds and compositions do not compile, and the error names the cause
+// Tried: at most 20 lines, the first names the cause, with every header included; target `wrong_programs`
+// prints all of them. Also: `compile_fail/`
+
 #pragma once
 
 #include "skinctl/skinctl.hpp"

@@ -1,4 +1,8 @@
 // not sanitized: it reads the tree, and runs nothing of the library
+//
+// Promise: a header includes only folders above its own
+// Tried: every `#include`
+
 #include "tests/support/include_direction.hpp"
 
 #include <doctest/doctest.h>

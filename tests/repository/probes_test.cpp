@@ -1,4 +1,10 @@
 // not sanitized: it reads the tree, and runs nothing of the library
+//
+// Promise: an optional member is asked for in the header of its protocol only, by a named concept; each
+// goes through every wrapper and sum; one with a wrong signature does not compile
+// Tried: every header; laws, touches. Also: `law/wrapped_law_test.cpp`, `tactile/touch_test.cpp`,
+// `compile_fail/`
+
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,4 +1,9 @@
 // not sanitized: it reads the tree, and runs nothing of the library
+//
+// Promise: a body stands at its declaration: no include behind a namespace, no macro for the head of a
+// template
+// Tried: every header
+
 #include <doctest/doctest.h>
 
 #include <cstdlib>

@@ -131,7 +131,6 @@ struct RandomScene {
     configuration.lag = nanoseconds(lag);
     configuration.virtual_damping = uniform(1, 8);
     configuration.viscous_friction = JointTorque<6>::constant(uniform(0.5, 5));
-    configuration.max_lead = 5;
     double reach = 0;
     for (int k = 0, n = 1 + pick(2); k < n; ++k) {
       StiffBody o;
@@ -181,8 +180,8 @@ struct Energies {
   Status status;
 };
 
-/// Two seconds of a scene with the passivity parts `passivity`; then all contacts have ended, the arm comes to
-/// rest, and half a second later a hand leads it with up to 20 N, back along the first contact.
+/// Two seconds of a scene with the passivity parts `passivity`; then all contacts have ended, the arm comes
+/// to rest, and half a second later a hand leads it with up to 20 N, back along the first contact.
 template <Interface I, class Integrator = CrankNicolson, class PassivityParts, class... Shape>
 Energies run(const RandomScene& scene, const PassivityParts& passivity, const Shape&... tool) {
   using Tool = std::tuple_element_t<0, std::tuple<Shape..., NoToolShape>>;

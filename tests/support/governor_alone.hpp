@@ -30,7 +30,7 @@ struct GovernorAlone : Governor {
   template <class Touch, class Nearest>
   auto step(Memory& m, const JointCommand<N, T>& last, const JointCommand<N, T>& wish,
             const State<N, T>& measured, const Touch& touch, const Nearest& nearest, T dt) const noexcept {
-    return Governor::step(m, {.last = last, .measured = measured, .spans = {dt}, .dt = dt}, wish, {},
+    return Governor::step(m, {.last = last, .measured = measured, .span = dt, .dt = dt}, wish, {},
                           TouchOf<Touch, Nearest>{touch, nearest});
   }
   template <class Touch, class Nearest>
@@ -40,7 +40,7 @@ struct GovernorAlone : Governor {
     return Governor::step(m,
                           {.last = last,
                            .measured = measured,
-                           .spans = {},
+                           .span = dt,
                            .dt = dt,
                            .torque_rate = rate,
                            .stale = stale,

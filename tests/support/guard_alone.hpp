@@ -13,6 +13,7 @@ struct GuardAlone : JointGuard<I, N, T, Smooth> {
   struct Memory : GuardMemory<N, T> {
     Nanoseconds time{};
     Nanoseconds odd = detail::no_time;
+    Nanoseconds carried{};
   };
 
   [[nodiscard]] Memory start(const JointCommand<N, T>& command, const State<N, T>& measured) const noexcept {
@@ -20,11 +21,14 @@ struct GuardAlone : JointGuard<I, N, T, Smooth> {
   }
   Guarded<N, T> step(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured, Nanoseconds now,
                      const JointTorque<N, T>& fallback = {}, Status found = {}) const noexcept {
-    const Interval interval = detail::interval_since(true, m.time, m.odd, now, this->longest_interval());
+    Interval interval = detail::interval_since(true, m.time, m.odd, now, this->longest_interval());
+    interval.carried = m.carried;
     const auto out = Base::step(m, wish, measured, interval, fallback, found);
     if (!m.begun) return out;
     m.odd = detail::odd_time_of(interval);
     m.time = interval.to;
+    const Nanoseconds left = interval.to - interval.from + m.carried - interval.given(this->period());
+    m.carried = left < this->period() ? left : this->period();
     return out;
   }
 };

@@ -1,4 +1,9 @@
 // by night: a world of studies
+//
+// Promise: rounding does not add up
+// Tried: three runs rounded by lot, 200 000 sub-steps of goals and touches: 1.3e-15 rad apart in double.
+// Also: study `rounding`
+
 #include "bench/studies/worlds/stochastic.hpp"
 
 #include <doctest/doctest.h>

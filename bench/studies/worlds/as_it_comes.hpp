@@ -65,6 +65,7 @@ auto as_it_comes_cycle(const AsItComes& c, bool truly, const L& law) {
   limits.acceleration = JointAcceleration<6>::constant(30);
   RobotConfiguration<6> r{.limits = JointLimits<6>(limits), .period = c.period, .delay = 8ms};
   r.lag = nanoseconds(truly ? c.truth.lookahead + c.truth.lag : c.declared_lag);
+  r.dead_band = JointPosition<6>::constant(c.dead_band);
   r.virtual_damping = 6;
   r.viscous_friction = JointTorque<6>::constant(10);
   const std::array<double, 6> newtons{60, 70, 50, 25, 15, 15};
@@ -117,6 +118,7 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     input.measured = {nanoseconds(m.time), JointPosition<6>(m.q), JointVelocity<6>(m.dq)};
     return m.fresh;
   };
+  bool heard = false;
   read();
   input.measured.time = nanoseconds(settled);
   if constexpr (requires { scene.start(*memory, input.measured, input.measured.q); }) {
@@ -192,7 +194,9 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
     }
     if (ms % static_cast<int>(c.period / 1ms) != 0) continue;
     // An output that is skipped is a measurement that does not come, or a cycle that does not.
-    if (!read() && random() % 2 == 0) continue;
+    const bool fresh = read();
+    if ((!fresh && random() % 2 == 0) || (!fresh && !heard)) continue;  // a job begins with the first state
+    heard = true;
     input.now = now;
     input.samples = samples;
     input.request = CycleRequest::none;

@@ -32,6 +32,7 @@ struct AsItComes {
   JointPosition<6> pose, goal;
   JointPosition<6> touched_at;  ///< the pose in which the touched cells were chosen: twins have the same ones
   bool reports_held = false;    ///< its controller reports the position that it holds (`target_q` of a UR)
+  double dead_band = 0.02;      ///< of the configuration [rad]
   std::uint64_t seed;
   std::size_t link;        ///< that is touched
   double hand, wall, way;  ///< stiffness [N/m] of both; amplitude of the hand [m]

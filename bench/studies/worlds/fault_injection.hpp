@@ -23,13 +23,13 @@ struct Spoilt : R {
   enum class How { not_at_all, nan, infinity, none, leap, end };
   static inline How how = How::not_at_all;
 
-  template <class L, class Touch, class Check, class Pressed>
+  template <class L, class Touch, class Check, class Pressed, class Movers>
   auto step(typename R::Memory& m, const L& law, typename L::Memory& law_memory,
             const State<R::joints, typename R::scalar>& measured, const Interval& interval,
             std::span<const Touch> touches, const Check& check, const Pressed& pressed,
-            std::span<const LawTouch<Touch>> changes) const noexcept {
+            std::span<const LawTouch<Touch>> changes, const Movers& movers) const noexcept {
     using T = typename R::scalar;
-    auto out = R::step(m, law, law_memory, measured, interval, touches, check, pressed, changes);
+    auto out = R::step(m, law, law_memory, measured, interval, touches, check, pressed, changes, movers);
     auto& c = out.command;
     switch (how) {
       case How::nan:

@@ -112,7 +112,7 @@ class SkilledDay {
         for (int k = 0; k < 2; ++k)
           for (std::size_t i = 0; i < 6; ++i)
             most = std::max(most,
-                            static_cast<double>(gains[k] * detail::magnitude(sums[k][i]) / s.integral_limit));
+                            static_cast<double>(gains[k] * detail::magnitude(sums[k][i]) / s.integral_speed));
       }
     };
     [&]<std::size_t... I>(std::index_sequence<I...>) {

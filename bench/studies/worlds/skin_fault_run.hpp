@@ -1,12 +1,15 @@
-// A UR5 with 260 cells, some of which are faulty: what its skin makes of them, against what it makes of healthy ones.
+// A UR5 with 260 cells, some of which are faulty: what its skin makes of them, against what it makes of
+// healthy ones.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "skinctl/skinctl.hpp"
+#include "skinctl/tactile/detail/inward_way.hpp"
 #include "skinctl/testing/skin_faults.hpp"
 #include "skinctl/testing/skin_signals.hpp"
 #include "tests/support/robots.hpp"
@@ -14,18 +17,30 @@
 namespace skinctl::testing {
 
 struct SkinFaultRun {
-  FaultyCell fault;          ///< of each faulty cell; `cell`, `source` and `from` are set by the run
+  FaultyCell fault;  ///< of each faulty cell; `cell`, `source` and `from` are set by the run
+  /// In place of `fault`: the mean of the force readings of each faulty cell, by the time since `begins` [s];
+  /// with `noise`.
+  std::function<double(double)> reads{};
+  double noise = 0.7;        ///< of each force sensor that `reads` something [steps]
   double share = 0;          ///< of the cells; 0: one cell and its neighbours
   std::size_t together = 1;  ///< number of neighbouring cells that fail in one moment, where `share` is 0
   bool changes = false;      ///< cells send changes and, every 100 ms, keep-alives; else all that they read
   bool touched = true;       ///< hands press the arm at three places, one of them on the first faulty cell
+  bool there = true;         ///< if not, on none of the faulty cells
   double radius = 1.6;       ///< of each touch [pitches]
-  bool moves = false;        ///< the arm gives way
+  double tremor = 0.05;      ///< of each hand, as a share of its force
+  /// Stiffness of the hands [N/m]: each presses with `hand_force` less this times the way that the arm has
+  /// given; 0: their forces are as they are, whatever the arm does.
+  double hand_stiffness = 0;
+  double hand_force = 20;     ///< [N]
+  bool believes_all = false;  ///< the healthy arm has a skin that believes its cells
+  bool moves = false;         ///< the arm gives way
   Nanoseconds length = 6s, begins = 2s;
   std::uint64_t seed = 1;
 };
 
-/// Torques are those that act on the joints, as the root of the sum of squares, averaged over time from `begins` on.
+/// Torques are those that act on the joints, as the root of the sum of squares, averaged over time from
+/// `begins` on.
 struct SkinFaultResult {
   double torque = 0;   ///< of the healthy skin [N m]
   double plain = 0;    ///< error of a skin that believes its cells
@@ -37,6 +52,8 @@ struct SkinFaultResult {
   double cell_seconds = 0;           ///< of healthy cells
   double motion = 0;  ///< largest distance of the wrist from that of an arm with a healthy skin [mm]
   double way = 0;     ///< largest way of that one [mm]
+  double peak = 0,
+         healthy_peak = 0;  ///< greatest force of a hand on each of these arms, if hands are springs [N]
 
   [[nodiscard]] double percentile(double p) const {
     return time_to_find.empty()
@@ -102,14 +119,20 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
     const auto pitch = patch_pitches(places);
     Normal normal(r.seed);
     for (std::size_t k = 0; k < 3; ++k) {
-      const bool on_it = k == 0 && like.fault != CellFault::cross_talk;
-      const std::size_t i = on_it ? faults[0].cell - 1 : 40 + normal.bits()() % 215;
+      const bool on_it = k == 0 && like.fault != CellFault::cross_talk && r.there;
+      const auto apart = [&](std::size_t i) {
+        const auto way = places[i].place - places[faults[0].cell - 1].place;
+        return places[i].link != places[faults[0].cell - 1].link || dot(way, way) > 0.2 * 0.2;
+      };
+      std::size_t i = on_it ? faults[0].cell - 1 : 40 + normal.bits()() % 215;
+      while (!r.there && !apart(i)) i = 40 + normal.bits()() % 215;
       signals.touches.push_back({.link = places[i].link,
                                  .place = places[i].place,
                                  .radius = r.radius * pitch[places[i].patch],
-                                 .reading = normal.between(0.1, 0.4),
+                                 .reading = normal.between(0.1, 0.4) * (r.hand_stiffness > 0 ? 0 : 1),
                                  .from = Nanoseconds(500ms) + Nanoseconds(std::int64_t(k) * 100'000'000),
-                                 .until = r.length + 1s});
+                                 .until = r.length + 1s,
+                                 .tremor = r.tremor});
     }
     for (std::size_t k = 0; k < faults.size(); ++k)  // what is heard elsewhere is a touch
       if (like.fault == CellFault::cross_talk) {
@@ -131,6 +154,10 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
   const JointPosition<6> rest_at{0.0, -1.2, 1.4, -1.7, -1.5, 0.0};
   const auto law = SkinJointControl{} + GravityControl{};
   const Cycle arm(friction_arm(), trusted, law);
+  TrustSettings believing = trusted.trust();
+  if (r.believes_all)
+    believing.lone_force = {std::numeric_limits<double>::infinity()}, believing.find_faults = false;
+  const Cycle healthy_arm(friction_arm(), TrustedSkin(plain, believing), law);
   auto healthy_memory = std::make_unique<typename decltype(arm)::Memory>();
   auto faulty_memory = std::make_unique<typename decltype(arm)::Memory>();
   State<6> healthy_at{0ns, rest_at, {}}, faulty_at = healthy_at;
@@ -145,25 +172,75 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
   const auto only_changes = [&](std::vector<SendOnDelta::Memory>& of, std::vector<CellSample>& all) {
     if (r.changes) std::erase_if(all, [&](const CellSample& s) { return !sender.send(of[s.cell - 1], s); });
   };
+  Normal dither(r.seed + 11);
+  SkinSignals healthy_signals = signals;
+  std::vector<CellPlace> pressed_at;
+  std::vector<double> shape;  // push of all cells for a reading of 1 at the centre [N]
+  for (std::size_t k = 0; k < signals.touches.size() && r.hand_stiffness > 0; ++k) {
+    SkinTouch& touch = signals.touches[k];
+    touch.reading = 1;
+    shape.push_back(0);
+    for (std::size_t i = 0; i < 260; ++i) {
+      SkinSignals one(places, {});
+      one.touches = {touch};
+      one.touches[0].tremor = 0;
+      shape.back() += 3 * fault_gains.force * one.force(i, touch.from + 200ms);
+      if (places[i].link == touch.link &&
+          dot(places[i].place - touch.place, places[i].place - touch.place) == 0)
+        pressed_at.push_back(places[i]);
+    }
+    touch.reading = 0;
+  }
+  const auto press = [&](SkinSignals& of, const State<6>& at) {
+    double most = 0;
+    for (std::size_t k = 0; k < shape.size(); ++k) {
+      const skinctl::detail::InwardWay<ur5::Model, all_links(6), double> way(model, rest_at, at.q);
+      const auto numbers = [](const Xyz<double>& v) {
+        return std::array{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+      };
+      const double given =
+          double(way(pressed_at[k].link, numbers(pressed_at[k].place), numbers(pressed_at[k].normal)));
+      const double force = std::max(0.0, r.hand_force - r.hand_stiffness * given);
+      of.touches[k].reading = force / shape[k];
+      most = std::max(most, force);
+    }
+    return most;
+  };
   double cycles = 0, later = 0;
   auto begin = link_poses(model, rest_at).template get<5>().origin();
   for (Nanoseconds to = 8ms; to <= r.length; to += 8ms) {
-    signals.samples(to, samples);
-    spoilt = samples;
-    spoil.apply(spoilt, to);
+    if (r.hand_stiffness > 0 && r.moves) {
+      const double healthy = press(healthy_signals, healthy_at), faulty = press(signals, faulty_at);
+      if (to > 600ms)
+        out.peak = std::max(out.peak, faulty), out.healthy_peak = std::max(out.healthy_peak, healthy);
+      signals.samples(to, spoilt);
+      healthy_signals.samples(to, samples);
+    } else {
+      signals.samples(to, samples);
+      spoilt = samples;
+    }
+    if (!r.reads) spoil.apply(spoilt, to);
+    for (CellSample& s : spoilt) {
+      if (!r.reads || s.time < r.begins || !spoil.faulty(s.cell, s.time)) continue;
+      const double mean = r.reads(seconds<double>(s.time - r.begins));
+      for (float& x : s.force) {
+        const double steps = std::round(mean * 1024 + r.noise * dither());
+        x = static_cast<float>(std::clamp(steps / 1024, 0.0, 1.0));
+      }
+    }
     only_changes(told, samples), only_changes(spoilt_told, spoilt);
     if (r.moves) {
-      const auto step = [&](auto& memory, State<6>& at, std::span<const CellSample> sent) {
+      const auto step = [&](const auto& of, auto& memory, State<6>& at, std::span<const CellSample> sent) {
         typename decltype(arm)::Input input;
         at.time = input.now = to;
         input.measured = at, input.samples = sent;
-        at.q = arm.step(memory, input).command.position;
+        at.q = of.step(memory, input).command.position;
         return link_poses(model, at.q).template get<5>().origin();
       };
       const auto length = [](const auto& way) { return 1e3 * std::sqrt(dot(way, way)); };
-      const auto here = step(*healthy_memory, healthy_at, samples);
+      const auto here = step(healthy_arm, *healthy_memory, healthy_at, samples);
       if (to == 8ms) begin = here;
-      out.motion = std::max(out.motion, length(step(*faulty_memory, faulty_at, spoilt) - here));
+      out.motion = std::max(out.motion, length(step(arm, *faulty_memory, faulty_at, spoilt) - here));
       out.way = std::max(out.way, length(here - begin));
     }
     typename decltype(plain)::Wrenches w[4];

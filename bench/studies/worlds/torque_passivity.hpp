@@ -24,7 +24,6 @@ TorqueEnergies run_torque(const RandomScene& scene, const PassivityParts& passiv
   for (TimedSkill& s : law.skills) s.damping *= 0.1;  // small enough for a wrist commanded once a millisecond
   RobotConfiguration<6> c{.limits = scene.configuration.limits, .period = period};
   c.viscous_friction = scene.configuration.viscous_friction;
-  c.max_lead = 5;
   c.dead_band = JointPosition<6>::constant(1e-3);
   const Robot robot(ur5::Model{}, c, passivity);
   State<6> state;

@@ -1,4 +1,4 @@
-// expect: RobotConfiguration<
+// expect: limits of another number of joints than the robot has|RobotConfiguration<
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

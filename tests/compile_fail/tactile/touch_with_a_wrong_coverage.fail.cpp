@@ -10,7 +10,7 @@ struct Dotted : WrappedTouch<Dotted, decltype(ur5_skin<260>())> {
 #ifdef SKINCTL_RIGHT
   Coverage coverage(const Memory& m) const noexcept { return wrapped().coverage(m); }
 #else
-  double coverage(const Memory& m) const noexcept { return wrapped().coverage(m).least; }
+  double coverage(const Memory& m) const noexcept { return wrapped().coverage(m).usable; }
 #endif
 };
 
