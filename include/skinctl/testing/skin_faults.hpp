@@ -1,4 +1,4 @@
-// Faulty cells: the seven faults of a skin, injected into any stream of samples.
+// Faulty cells: the faults of a skin, injected into any stream of samples.
 #pragma once
 
 #include <algorithm>
@@ -26,18 +26,19 @@ struct FaultyCell {
   /// | cross-talk | share of the force readings of `source` that is added to each of its own    | 0.5     |
   /// | discharge  | what is added to each force reading at `from`; it decays over `period`      | 0.02    |
   /// | unheard    | share of the samples that are lost; the others come `period` late           | 1       |
+  /// | quiet      | mean of the force readings, each with the noise of a sound sensor, 0.7 steps | 0.9     |
   double level = -2;
   std::uint32_t source = 0;  ///< id of the cell that cross-talk copies
-  /// Mean time between two jumps of a blinking cell (default 80 ms), time constant of a discharge (30 s), delay
-  /// of a late sample (400 ms). 0: that default.
+  /// Mean time between two jumps of a blinking cell (default 80 ms), time constant of a discharge (30 s),
+  /// delay of a late sample (400 ms). 0: that default.
   Nanoseconds period{0};
-  /// All that the cell sends is faulty, not its forces alone: a stuck cell repeats all eight numbers, a noisy,
-  /// blinking or saturated one does to its proximity what it does to its forces.
+  /// All that the cell sends is faulty, not its forces alone: a stuck cell repeats all eight numbers, a
+  /// noisy, blinking or saturated one does to its proximity what it does to its forces.
   bool whole = false;
 
   /// The level, or its default.
   [[nodiscard]] double size() const noexcept {
-    constexpr std::array<double, cell_faults> usual = {0.9, 0.985, 0.9, 0.05, 0.5, 0.02, 1.0};
+    constexpr std::array<double, cell_faults> usual = {0.9, 0.985, 0.9, 0.05, 0.5, 0.02, 1.0, 0.9};
     return level > -2 ? level : usual[static_cast<std::size_t>(fault)];
   }
   [[nodiscard]] Nanoseconds time() const noexcept {
@@ -59,7 +60,8 @@ class SkinFaults {
     }
   }
 
-  /// `share` of the cells `ids`, each with the fault `fault`, from `from` on. Cross-talk copies a cell at random.
+  /// `share` of the cells `ids`, each with the fault `fault`, from `from` on. Cross-talk copies a cell at
+  /// random.
   [[nodiscard]] static std::vector<FaultyCell> of_share(double share, std::vector<std::uint32_t> ids,
                                                         const FaultyCell& like, std::uint64_t seed = 1) {
     Random random = seeded(seed);
@@ -86,7 +88,8 @@ class SkinFaults {
                        [&](std::size_t k) { return faults_[k].from <= time && time < faults_[k].until; });
   }
 
-  /// What arrives until `now` in place of `samples`, which are those of one cycle, in the order of their stamps.
+  /// What arrives until `now` in place of `samples`, which are those of one cycle, in the order of their
+  /// stamps.
   void apply(std::vector<CellSample>& samples, Nanoseconds now) {
     arrived_.clear();
     for (const CellSample& sample : samples) {
@@ -181,6 +184,9 @@ class SkinFaults {
         each([&](double x) { return x + left; });
         break;
       }
+      case CellFault::quiet:
+        each([&](double) { return level + 0.7 * step_ * gauss(); });
+        break;
       case CellFault::unheard:
         if (uniform<double>(random_, 0.0, 1.0) >= level) late_.push_back({s.time + f.time(), s});
         return false;
