@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // All of skinctl but what needs a third-party parser or files, or serves above or beside the loop:
 // io/, recording/, calibration/, skin_network/, semantics/, testing/.
 // In the order of the house, so that an error names the header and not a chain of them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The accelerometer of a skin cell: its equation, and what is known of it before it is calibrated.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which joint moves which cell of a skin, and the joints' axes as a cell sees them.
 #pragma once
 

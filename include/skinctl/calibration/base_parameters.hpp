@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The inertial parameters that joint torques show: base parameters.
 #pragma once
 

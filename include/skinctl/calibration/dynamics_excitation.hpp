@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The motion that shows a robot's masses: sums of sines, sought at random for the regressor's determinant.
 #pragma once
 

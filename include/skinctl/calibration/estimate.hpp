@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The result of an identification: a value, how well it is known, and what the data do not show of it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Motions that show a robot's axes, the places of its cells and its masses: within its limits, and announced.
 #pragma once
 

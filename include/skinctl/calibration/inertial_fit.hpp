@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Masses, inertias and friction of a robot from its torques, such as bodies can have them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The lines of a robot's joints and the poses of its cells, from a motion that all of them feel.
 #pragma once
 

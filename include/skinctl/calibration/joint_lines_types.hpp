@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What `find_joint_lines` takes and gives: a recording of a motion, lines of joints, poses of cells.
 #pragma once
 

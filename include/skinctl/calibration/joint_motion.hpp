@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The motion of joints from their encoders: positions, velocities and accelerations at any time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Weights of filling in, learnt from recordings of a skin.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Nonlinear least squares on manifolds: Levenberg-Marquardt with robust losses.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A robot model from the lines of its joints: links for a `CalibratedModel`, places of cells on links, a table of Denavit and
 // Hartenberg.
 #pragma once

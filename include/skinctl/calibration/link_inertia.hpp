@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A link with the inertia that a fit found.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The normal equations of a least squares fit, summed term by term: dense, sparse, or the cost alone.
 #pragma once
 

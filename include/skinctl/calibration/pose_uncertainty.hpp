@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the uncertainty of cells' poses does to the torque of the skin, and which cells it makes useless.
 #pragma once
 

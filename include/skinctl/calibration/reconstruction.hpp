@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The shape of a patch of skin, from what its cells feel of gravity while the robot rests in several poses.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a reconstruction of a patch takes and gives.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A gentle motion that shows how a robot answers commands.
 #pragma once
 

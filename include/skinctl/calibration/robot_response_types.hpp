@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What an identification of a robot's response takes and gives.
 #pragma once
 

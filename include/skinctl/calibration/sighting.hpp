@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where patches sit on their links, from a camera that sees the cells' lights while the robot takes several poses.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a fit of sightings takes and gives: poses, a camera, lights.
 #pragma once
 

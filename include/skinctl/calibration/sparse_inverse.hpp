@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The covariance of a large sparse fit: the elements of the inverse that belong to unknowns with a common term.
 #pragma once
 

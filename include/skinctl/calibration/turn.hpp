@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rotations of a fit, as Eigen matrices: exp, log, and the matrix of a cross product.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Capsules around links and known objects, and their distances.
 #pragma once
 

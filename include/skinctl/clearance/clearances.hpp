@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The distances of a robot's links from each other and from known objects.
 #pragma once
 
@@ -229,8 +230,8 @@ class Clearances {
     Transform<Base, Link<0>, T> pose[joints];
 
     Placed(const M& model, const Position& q) noexcept : poses(model, q) {
-      [&]<std::size_t... I>(std::index_sequence<I...>) {
-        ((pose[I] = poses.template get<I>().template renamed<Base, Link<0>>()), ...);
+      [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+        ((pose[Ix] = poses.template get<Ix>().template renamed<Base, Link<0>>()), ...);
       }(std::make_index_sequence<joints>{});
     }
     [[nodiscard]] SKINCTL_INLINE Capsule<T> operator()(std::size_t link, const Capsule<T>& c) const noexcept {
@@ -242,14 +243,14 @@ class Clearances {
 
   template <class P>
   static SKINCTL_INLINE void columns_at(const P& placed, Columns (&columns)[joints]) noexcept {
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
+    [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
       const auto one = [&](auto link) {
         constexpr std::size_t i = link.value;
         jacobian<i>(placed.poses).for_each([&](auto j, const auto& c) {
           columns[i].linear[j.value] = c.linear, columns[i].angular[j.value] = c.angular;
         });
       };
-      (one(std::integral_constant<std::size_t, I>{}), ...);
+      (one(std::integral_constant<std::size_t, Ix>{}), ...);
     }(std::make_index_sequence<joints>{});
   }
 

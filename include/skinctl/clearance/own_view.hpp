@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What proximity cells see of the robot itself and of known objects.
 #pragma once
 
@@ -63,8 +64,8 @@ class OwnView {
     SKINCTL_EXPECTS(own.size() >= size(), "room for each cell");
     const Poses<M, all_links(joints), T> poses(model_, q);
     Transform<Base, Link<0>, T> pose[joints];
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      ((pose[I] = poses.template get<I>().template renamed<Base, Link<0>>()), ...);
+    [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+      ((pose[Ix] = poses.template get<Ix>().template renamed<Base, Link<0>>()), ...);
     }(std::make_index_sequence<joints>{});
     Capsule<T> placed[max_capsules];
     for (std::size_t k = 0; k < capsules_.size(); ++k) {

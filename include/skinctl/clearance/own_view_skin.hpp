@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A skin whose proximity does not count what it sees of its own robot.
 #pragma once
 

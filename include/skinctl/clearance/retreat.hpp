@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Away from what comes near: velocities of all joints, for whoever has nothing else to do meanwhile.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What proximity cells see, as obstacles at places.
 #pragma once
 
@@ -93,8 +94,8 @@ class Sightings {
              const Surroundings<Most, Base, T>& known, std::size_t count, const F& f) const noexcept {
     const Poses<M, all_links(joints), T> poses(model_, q);
     Transform<Base, Link<0>, T> pose[joints];
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      ((pose[I] = poses.template get<I>().template renamed<Base, Link<0>>()), ...);
+    [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+      ((pose[Ix] = poses.template get<Ix>().template renamed<Base, Link<0>>()), ...);
     }(std::make_index_sequence<joints>{});
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       const T r = static_cast<T>(reading(i));

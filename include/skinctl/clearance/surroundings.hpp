@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is near a robot now and may move: other robots, people, things that its skin sees.
 #pragma once
 

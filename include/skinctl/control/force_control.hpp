@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Cartesian force control: a tool presses with a given force and tracks its pose in all other directions.
 #pragma once
 
@@ -56,10 +57,10 @@ template <class Robot>
 /// reports. Position across n and orientation are tracked. On a stiff surface `dF' = -k v`, so the force
 /// converges without error; without contact the tool approaches at `max_velocity`. Integrals stop where v is
 /// saturated (anti-windup), before the contact, and while the skin pushes against the law.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double>
+template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double>
 class ForceControl : public Composable {
  public:
-  using Tracker = OperationalControl<N, I, P, T>;
+  using Tracker = OperationalControl<N, Ix, P, T>;
   using Goal = ForceGoal<T>;
   using scalar = T;
   using Settings = ForceSettings<N, T>;
@@ -78,8 +79,8 @@ class ForceControl : public Composable {
   };
 
   /// Throws `ConfigurationError` for settings that cannot work.
-  explicit ForceControl(const Transform<Link<I>, P, T>& X_LP, const Settings& settings = {})
-      : tracker_(OperationalSpace<N, I, P, T>(X_LP, settings.pose), settings.pose),
+  explicit ForceControl(const Transform<Link<Ix>, P, T>& X_LP, const Settings& settings = {})
+      : tracker_(OperationalSpace<N, Ix, P, T>(X_LP, settings.pose), settings.pose),
         X_LP_(X_LP),
         settings_(settings) {
     const auto check = [](bool allowed, const char* what, const T& x, const char* range) {
@@ -97,7 +98,7 @@ class ForceControl : public Composable {
   }
   /// For a described robot, from which the settings follow.
   template <DescribedRobot R>
-  ForceControl(const R& robot, const Transform<Link<I>, P, T>& X_LP)
+  ForceControl(const R& robot, const Transform<Link<Ix>, P, T>& X_LP)
       : ForceControl(X_LP, force_settings(robot)) {}
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
   /// Throws `ConfigurationError` where dt or virtual dynamics are not those of the robot.
@@ -130,7 +131,7 @@ class ForceControl : public Composable {
   /// The force with which the tool presses [N]: that of the skin against the direction.
   template <class K>
   [[nodiscard]] T force(const Memory& memory, const K& known) const noexcept {
-    const auto J = known.template jacobian<I>(X_LP_);
+    const auto J = known.template jacobian<Ix>(X_LP_);
     const auto inverse = damped_inverse(J, settings_.pose.singularities);
     return -dot(touch_on_tool(inverse, known).force, memory.goal.direction);
   }
@@ -203,11 +204,11 @@ class ForceControl : public Composable {
   }
 
   Tracker tracker_;
-  Transform<Link<I>, P, T> X_LP_;
+  Transform<Link<Ix>, P, T> X_LP_;
   Settings settings_;
 };
-template <DescribedRobot R, std::size_t I, Frame P>
-ForceControl(const R&, const Transform<Link<I>, P, typename R::scalar>&)
-    -> ForceControl<R::joints, I, P, typename R::scalar>;
+template <DescribedRobot R, std::size_t Ix, Frame P>
+ForceControl(const R&, const Transform<Link<Ix>, P, typename R::scalar>&)
+    -> ForceControl<R::joints, Ix, P, typename R::scalar>;
 
 SKINCTL_END_NAMESPACE

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Friction compensation: the robot moves as if its joints had less friction.
 #pragma once
 

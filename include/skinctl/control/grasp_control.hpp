@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Several fingertips hold an object between them with a given internal force.
 #pragma once
 
@@ -28,7 +29,7 @@ struct GraspSettings {
   T max_force = T(20);  ///< largest internal force [N]
 };
 
-/// Joint torques with which fingertips on the links `I...` press on an object between them, and nothing else:
+/// Joint torques with which fingertips on the links `Ix...` press on an object between them, and nothing else:
 ///
 ///     f_i = -F (p_i - c) / s,   c = mean of p_i,   s = mean of |p_i - c|,   tau = sum J_i' f_i
 ///
@@ -42,18 +43,18 @@ struct GraspSettings {
 ///
 /// With weights w_i, f_i = -F w_i (p_i - c) / s, and c and s are weighted means: a finger of weight 0 takes no part.
 ///
-/// @tparam N  joints of the robot.  @tparam I  two or more links, one a finger.
-template <std::size_t N, Real T, std::size_t... I>
+/// @tparam N  joints of the robot.  @tparam Ix  two or more links, one a finger.
+template <std::size_t N, Real T, std::size_t... Ix>
 class GraspControl : public Composable {
-  static_assert(sizeof...(I) >= 2, "a grasp needs two fingertips");
+  static_assert(sizeof...(Ix) >= 2, "a grasp needs two fingertips");
 
  public:
   using Goal = GraspGoal<T>;
   using scalar = T;
   using Settings = GraspSettings<T>;
   static constexpr std::size_t joints = N;
-  static constexpr std::size_t fingers = sizeof...(I);
-  static constexpr Needs needs = {.jacobians = (link_bit<I> | ...)};
+  static constexpr std::size_t fingers = sizeof...(Ix);
+  static constexpr Needs needs = {.jacobians = (link_bit<Ix> | ...)};
   static constexpr LawRole role = LawRole::reactive;
   static constexpr const char* name = "grasp";
   struct Memory {
@@ -61,7 +62,7 @@ class GraspControl : public Composable {
     T goal = T(0);   ///< [N]
   };
 
-  /// @param p_LP  the point of each fingertip that touches, in its link [m], in the order of `I`.
+  /// @param p_LP  the point of each fingertip that touches, in its link [m], in the order of `Ix`.
   /// @param weights  of the fingertips, 0 to 1, two of them or more > 0.
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD explicit GraspControl(const std::array<Xyz<T>, fingers>& p_LP, const Settings& s = {},
@@ -161,7 +162,7 @@ class GraspControl : public Composable {
  private:
   template <std::size_t L>
   static constexpr std::size_t place() noexcept {
-    constexpr std::size_t links[] = {I...};
+    constexpr std::size_t links[] = {Ix...};
     std::size_t k = 0;
     while (links[k] != L) ++k;
     return k;
@@ -171,10 +172,10 @@ class GraspControl : public Composable {
     const Xyz<T>& p = X_LP_[place<L>()];
     return Transform<Link<L>, Tool, T>::translation_xyz(p.x, p.y, p.z);
   }
-  [[nodiscard]] SKINCTL_INLINE auto tips() const noexcept { return std::tuple{tip<I>()...}; }
+  [[nodiscard]] SKINCTL_INLINE auto tips() const noexcept { return std::tuple{tip<Ix>()...}; }
   template <class K>
   [[nodiscard]] SKINCTL_INLINE auto jacobians(const K& known, const auto& X_LP) const noexcept {
-    return std::tuple{known.template jacobian<I>(std::get<place<I>()>(X_LP))...};
+    return std::tuple{known.template jacobian<Ix>(std::get<place<Ix>()>(X_LP))...};
   }
   template <class K, class Jacobians>
   [[nodiscard]] SKINCTL_INLINE Shape shape_of(const K& known, const Jacobians& J) const noexcept {
@@ -188,7 +189,7 @@ class GraspControl : public Composable {
       mean = mean + share_[k] * v[k];
       ++k;
     };
-    (one(known.template pose<I>() * tip<I>(), std::get<place<I>()>(J)), ...);
+    (one(known.template pose<Ix>() * tip<Ix>(), std::get<place<Ix>()>(J)), ...);
     for (k = 0; k < fingers; ++k) {
       const Xyz<T> away = s.p[k] - s.centroid;
       const T far = norm(away);

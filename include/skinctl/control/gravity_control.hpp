@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // G Control: the robot carries its own weight, section 4.2.3.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Impedance: a spring and a damper between robot and target, the plain alternative to sliding modes.
 #pragma once
 
@@ -174,8 +175,8 @@ class Impedance : public Composable {
 /// Springs at the joints.
 template <std::size_t N, Real T = double>
 using JointImpedance = Impedance<JointSpace<N, T>>;
-/// Springs at a tool `P` on link `I`.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose>
-using CartesianImpedance = Impedance<OperationalSpace<N, I, P, T, What>>;
+/// Springs at a tool `P` on link `Ix`.
+template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose>
+using CartesianImpedance = Impedance<OperationalSpace<N, Ix, P, T, What>>;
 
 SKINCTL_END_NAMESPACE

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joint Control: tracks positions and velocities that come from outside, section 4.2.1.
 #pragma once
 

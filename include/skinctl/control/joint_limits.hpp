@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A law that keeps the joints away from the ends of their range.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A tracking law that drives some joints of a robot and leaves the others alone: an arm's law on an arm with a hand.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Operational Control: tracks poses and velocities of a tool that come from outside, section 4.2.2.
 #pragma once
 
@@ -7,25 +8,25 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Eqs. (8), (15)-(21) of a tool `P` on link `I` of a robot with `N` joints. A goal is a `PoseReference`:
+/// Eqs. (8), (15)-(21) of a tool `P` on link `Ix` of a robot with `N` joints. A goal is a `PoseReference`:
 /// `receive` starts the time base for it, `follow` takes the next sample of a moving target.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
+template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>>
 class OperationalControl
-    : public Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                      TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping> {
+    : public Tracking<OperationalSpace<N, Ix, P, T, What, Orientation, Null>,
+                      TargetPlan<OperationalSpace<N, Ix, P, T, What, Orientation, Null>>, Damping> {
  public:
-  using Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                 TargetPlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping>::Tracking;
+  using Tracking<OperationalSpace<N, Ix, P, T, What, Orientation, Null>,
+                 TargetPlan<OperationalSpace<N, Ix, P, T, What, Orientation, Null>>, Damping>::Tracking;
 };
 /// `OperationalControl(arm, X_LT)`: of the tool at `X_LT` on its link, for a described robot.
-template <DescribedRobot R, std::size_t I, Frame P>
-OperationalControl(const R&, const Transform<Link<I>, P, typename R::scalar>&)
-    -> OperationalControl<R::joints, I, P, typename R::scalar>;
+template <DescribedRobot R, std::size_t Ix, Frame P>
+OperationalControl(const R&, const Transform<Link<Ix>, P, typename R::scalar>&)
+    -> OperationalControl<R::joints, Ix, P, typename R::scalar>;
 /// With settings of one's own: `auto s = operational_settings(arm)`, then the changes.
-template <std::size_t I, Frame P, std::size_t N, Real T>
-OperationalControl(const Transform<Link<I>, P, T>&, const OperationalSettings<N, T>&)
-    -> OperationalControl<N, I, P, T>;
+template <std::size_t Ix, Frame P, std::size_t N, Real T>
+OperationalControl(const Transform<Link<Ix>, P, T>&, const OperationalSettings<N, T>&)
+    -> OperationalControl<N, Ix, P, T>;
 
 SKINCTL_END_NAMESPACE

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A posture for the null space of the tool, as a law of its own.
 #pragma once
 
@@ -12,17 +13,18 @@ SKINCTL_BEGIN_NAMESPACE
 /// space of the tool: it accelerates the tool nowhere (`J M^-1 tau = 0` where J^+ is not damped). For robots
 /// with more joints than the tool's task has coordinates, in a sum with laws that leave the null space free.
 /// Each joint's pull `w^2 (q - q_p)` is cut off at `limit`.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::position>
-class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, I, P, T, What>> {
+template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double,
+          TaskSpace What = TaskSpace::position>
+class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, Ix, P, T, What>> {
  public:
   static constexpr std::size_t joints = N;
   using scalar = T;
-  static constexpr Needs needs = {.jacobians = link_bit<I>, .mass = true};
+  static constexpr Needs needs = {.jacobians = link_bit<Ix>, .mass = true};
   static constexpr const char* name = "posture";
 
   /// @param w      [1/s], > 0; `w dt <= 0.25`.
   /// @param limit  [rad/s^2], > 0. Throws `ConfigurationError`.
-  NullSpacePosture(const Transform<Link<I>, P, T>& X_LP, const JointPosition<N, T>& posture,
+  NullSpacePosture(const Transform<Link<Ix>, P, T>& X_LP, const JointPosition<N, T>& posture,
                    const T& w = T(3), const T& limit = T(5),
                    const SingularityDamping<T>& singularities = SingularityDamping<T>())
       : X_LP_(X_LP), posture_(posture), w_(w), limit_(limit), singularities_(singularities) {
@@ -31,7 +33,7 @@ class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, I, P, T, What>>
   }
   template <class K>
   [[nodiscard]] JointTorque<N, T> torque(const K& known) const noexcept {
-    const auto J = known.template jacobian<I>(X_LP_);
+    const auto J = known.template jacobian<Ix>(X_LP_);
     const auto inverse = damped_inverse<What>(J, singularities_);
     using R = detail::Row<N, T>;
     const R pull = T(w_ * w_) * (R(known.q()) - posture_), limit = limit_;
@@ -41,7 +43,7 @@ class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, I, P, T, What>>
   }
 
  private:
-  Transform<Link<I>, P, T> X_LP_;
+  Transform<Link<Ix>, P, T> X_LP_;
   JointPosition<N, T> posture_;
   T w_, limit_;
   SingularityDamping<T> singularities_;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joint and Operational Control with a target from a sensor, which may jump.
 #pragma once
 
@@ -16,19 +17,19 @@ class ReactiveJoint : public Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<
 template <DescribedRobot R>
 ReactiveJoint(const R&) -> ReactiveJoint<R::joints, typename R::scalar>;
 
-/// Eqs. (15)-(21) for a `PoseReference` of the tool `P` on link `I` from a sensor.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
+/// Eqs. (15)-(21) for a `PoseReference` of the tool `P` on link `Ix` from a sensor.
+template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>>
 class ReactiveOperational
-    : public Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                      ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping> {
+    : public Tracking<OperationalSpace<N, Ix, P, T, What, Orientation, Null>,
+                      ReactivePlan<OperationalSpace<N, Ix, P, T, What, Orientation, Null>>, Damping> {
  public:
-  using Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                 ReactivePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping>::Tracking;
+  using Tracking<OperationalSpace<N, Ix, P, T, What, Orientation, Null>,
+                 ReactivePlan<OperationalSpace<N, Ix, P, T, What, Orientation, Null>>, Damping>::Tracking;
 };
-template <DescribedRobot R, std::size_t I, Frame P>
-ReactiveOperational(const R&, const Transform<Link<I>, P, typename R::scalar>&)
-    -> ReactiveOperational<R::joints, I, P, typename R::scalar>;
+template <DescribedRobot R, std::size_t Ix, Frame P>
+ReactiveOperational(const R&, const Transform<Link<Ix>, P, typename R::scalar>&)
+    -> ReactiveOperational<R::joints, Ix, P, typename R::scalar>;
 
 SKINCTL_END_NAMESPACE

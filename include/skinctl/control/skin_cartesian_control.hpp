@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Skin Cartesian Control: the tool gives way to touch in chosen directions, section 4.1.
 #pragma once
 
@@ -26,32 +27,32 @@ template <class Inverse, class K>
   return inverse.solve_transposed(SkinJointControl{}.torque(known));
 }
 
-/// `tau = J'S J^+' tau_skin - rate M (1 - J^+ S J) dq`: the skin's load on the frame `P` of link `I`, S of
+/// `tau = J'S J^+' tau_skin - rate M (1 - J^+ S J) dq`: the skin's load on the frame `P` of link `Ix`, S of
 /// its six components, as joint torques. All other motion of the joints, that of the tool in other directions
 /// included, is free, or with `DampedNullSpace` comes to rest at `rate`. Without skin only that damping
 /// remains. On a robot of six joints with both translation and rotation it is `SkinJointControl`, away from
 /// singularities; next to them motion that the tool cannot make is left out.
-template <std::size_t I, Frame P = Tool, Real T = double, Yields What = Yields::both,
+template <std::size_t Ix, Frame P = Tool, Real T = double, Yields What = Yields::both,
           class Null = FreeNullSpace>
-class SkinCartesianControl : public StatelessLaw<SkinCartesianControl<I, P, T, What, Null>> {
+class SkinCartesianControl : public StatelessLaw<SkinCartesianControl<Ix, P, T, What, Null>> {
   static constexpr bool damped = std::same_as<Null, DampedNullSpace>;
   static_assert(damped || std::same_as<Null, FreeNullSpace>, "the null space is free or damped");
 
  public:
   using scalar = T;
-  static constexpr Needs needs = {.jacobians = link_bit<I>, .angles = true, .mass = damped, .touch = true};
+  static constexpr Needs needs = {.jacobians = link_bit<Ix>, .angles = true, .mass = damped, .touch = true};
   static constexpr const char* name = "skin_cartesian";
 
   /// @param X_LP  the tool's frame in its link.
   /// @param rate  of a damped null space [1/s], > 0; `rate dt <= 0.5`. Throws `ConfigurationError`.
-  explicit SkinCartesianControl(const Transform<Link<I>, P, T>& X_LP, const T& rate = T(10),
+  explicit SkinCartesianControl(const Transform<Link<Ix>, P, T>& X_LP, const T& rate = T(10),
                                 const SingularityDamping<T>& singularities = SingularityDamping<T>())
       : X_LP_(X_LP), rate_(rate), singularities_(singularities) {
     require(rate > T(0) && rate <= T(1e4), "rate of the null space", static_cast<double>(rate), "> 0 1/s");
   }
   template <class K>
   [[nodiscard]] JointTorque<K::joints, T> torque(const K& known) const noexcept {
-    const auto J = known.template jacobian<I>(X_LP_);
+    const auto J = known.template jacobian<Ix>(X_LP_);
     const auto inverse = damped_inverse(J, singularities_);
     JointTorque<K::joints, T> tau = transpose(J) * chosen<What>(touch_on_tool(inverse, known));
     if constexpr (damped) {
@@ -64,7 +65,7 @@ class SkinCartesianControl : public StatelessLaw<SkinCartesianControl<I, P, T, W
   }
 
  private:
-  Transform<Link<I>, P, T> X_LP_;
+  Transform<Link<Ix>, P, T> X_LP_;
   T rate_;
   SingularityDamping<T> singularities_;
 };

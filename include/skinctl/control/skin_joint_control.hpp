@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Skin Joint Control: the robot gives way to touch, section 4.1.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Spline Joint Control: goes to a static goal along a spline, section 4.2.4.
 #pragma once
 

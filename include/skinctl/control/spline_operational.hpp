@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Spline Operational Control: brings a tool to a static goal along a spline, section 4.2.5.
 #pragma once
 
@@ -8,24 +9,24 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Eqs. (8), (15)-(21) along the spline (22), in a straight line and by the shortest turn. A goal is a
-/// `PoseGoal`: a pose of the tool `P` on link `I`, with or without a duration.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
+/// `PoseGoal`: a pose of the tool `P` on link `Ix`, with or without a duration.
+template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>>
 class SplineOperational
-    : public Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                      SplinePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping> {
+    : public Tracking<OperationalSpace<N, Ix, P, T, What, Orientation, Null>,
+                      SplinePlan<OperationalSpace<N, Ix, P, T, What, Orientation, Null>>, Damping> {
  public:
-  using Tracking<OperationalSpace<N, I, P, T, What, Orientation, Null>,
-                 SplinePlan<OperationalSpace<N, I, P, T, What, Orientation, Null>>, Damping>::Tracking;
+  using Tracking<OperationalSpace<N, Ix, P, T, What, Orientation, Null>,
+                 SplinePlan<OperationalSpace<N, Ix, P, T, What, Orientation, Null>>, Damping>::Tracking;
 };
 /// `SplineOperational(arm, X_LT)`: of the tool at `X_LT` on its link, for a described robot.
-template <DescribedRobot R, std::size_t I, Frame P>
-SplineOperational(const R&, const Transform<Link<I>, P, typename R::scalar>&)
-    -> SplineOperational<R::joints, I, P, typename R::scalar>;
+template <DescribedRobot R, std::size_t Ix, Frame P>
+SplineOperational(const R&, const Transform<Link<Ix>, P, typename R::scalar>&)
+    -> SplineOperational<R::joints, Ix, P, typename R::scalar>;
 /// With settings of one's own: `auto s = operational_settings(arm)`, then the changes.
-template <std::size_t I, Frame P, std::size_t N, Real T>
-SplineOperational(const Transform<Link<I>, P, T>&, const OperationalSettings<N, T>&)
-    -> SplineOperational<N, I, P, T>;
+template <std::size_t Ix, Frame P, std::size_t N, Real T>
+SplineOperational(const Transform<Link<Ix>, P, T>&, const OperationalSettings<N, T>&)
+    -> SplineOperational<N, Ix, P, T>;
 
 SKINCTL_END_NAMESPACE

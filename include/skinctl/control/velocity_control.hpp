@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Velocity Control: joints move as they are told, by whoever plans anew each cycle.
 #pragma once
 

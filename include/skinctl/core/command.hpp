@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Commands: what leaves for a robot, and the motion and torque behind it.
 #pragma once
 
@@ -101,13 +102,13 @@ struct IfTaken<false, Numbers> {
 ///
 /// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet, or
 /// it shows the robot elsewhere than where it was started.
-template <std::size_t N, Real T, Interface... I>
-struct RobotCommand : detail::IfTaken<(takes_position(I) || ...), detail::CommandedPosition<N, T>>,
-                      detail::IfTaken<(takes_velocity(I) || ...), detail::CommandedVelocity<N, T>>,
-                      detail::IfTaken<(takes_torque(I) || ...), detail::CommandedTorque<N, T>> {
-  static constexpr bool holds_position = (takes_position(I) || ...);
-  static constexpr bool holds_velocity = (takes_velocity(I) || ...);
-  static constexpr bool holds_torque = (takes_torque(I) || ...);
+template <std::size_t N, Real T, Interface... Ix>
+struct RobotCommand : detail::IfTaken<(takes_position(Ix) || ...), detail::CommandedPosition<N, T>>,
+                      detail::IfTaken<(takes_velocity(Ix) || ...), detail::CommandedVelocity<N, T>>,
+                      detail::IfTaken<(takes_torque(Ix) || ...), detail::CommandedTorque<N, T>> {
+  static constexpr bool holds_position = (takes_position(Ix) || ...);
+  static constexpr bool holds_velocity = (takes_velocity(Ix) || ...);
+  static constexpr bool holds_torque = (takes_torque(Ix) || ...);
   Nanoseconds time{};
   bool valid = false;
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Macros that every header needs: the namespace, inlining, and the unsupported compiler settings.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Errors of configuration, which throw, and contracts between the library's own functions, which stop debug
 // builds.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Conversion between skinctl's types and Eigen's. Eigen is not included here: a file that converts includes
 // <Eigen/Core> (for poses <Eigen/Geometry>); any other file saves the largest part of its compile time.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Forward declarations of Eigen's types, and concepts that recognise Eigen by its interface, without
 // including it.
 #pragma once

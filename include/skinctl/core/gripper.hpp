@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a gripper is asked for, and what it reports.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joint vectors: one number per joint, of one kind. Positions, velocities, accelerations and torques do not
 // mix.
 #pragma once
@@ -78,6 +79,9 @@ struct JointVector {
   JointVector(const V&) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
   template <EigenExpression V>
   void operator=(const V&) = delete;  // an Eigen vector has no kind: q = JointPosition<N>(v), or as_eigen(q) = v
+  template <class V>
+    requires(!EigenExpression<V> && requires(const V& v) { v.data() + v.size(); })
+  void operator=(const V&) = delete;  // bare numbers have no kind: q = JointPosition<N>(array)
   template <EigenExpression V>
   operator V() const = delete;  // an Eigen vector has no kind: v = as_eigen(tau) drops it
   // clang-format on

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A subset of a robot's joints, chosen at compile time.
 #pragma once
 

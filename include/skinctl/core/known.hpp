@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Numbers of a model that are known when the program is compiled.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Lane: several reals in one register, computed on at once.
 #pragma once
 

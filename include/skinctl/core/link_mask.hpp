@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A set of links, known at compile time.
 #pragma once
 
@@ -11,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// A set of links, bit `i` for link `i`.
 using LinkMask = std::uint64_t;
 
-/// The mask that holds link `I` only.
-template <std::size_t I>
-inline constexpr LinkMask link_bit = LinkMask(1) << I;
+/// The mask that holds link `Ix` only.
+template <std::size_t Ix>
+inline constexpr LinkMask link_bit = LinkMask(1) << Ix;
 
 SKINCTL_END_NAMESPACE

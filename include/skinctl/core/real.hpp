@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The scalars: real numbers, and lanes of them.
 #pragma once
 

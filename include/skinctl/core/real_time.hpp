@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The real-time mark: scopes that belong to the control loop, so that tests can forbid system calls inside
 // them.
 #pragma once

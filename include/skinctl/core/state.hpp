@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The state of a measured or virtual robot: joint positions and velocities at a time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The reasons for limits, holds and refusals of a cycle.
 #pragma once
 
@@ -5,6 +6,11 @@
 #include <cstdint>
 
 #include "skinctl/core/config.hpp"
+
+#ifdef Status  // a macro of Xlib.h; its headers take a type as well
+#undef Status
+using Status = int;
+#endif
 
 SKINCTL_BEGIN_NAMESPACE
 

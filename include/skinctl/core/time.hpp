@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Time in whole nanoseconds, so that sums over a day of cycles are exact.
 #pragma once
 

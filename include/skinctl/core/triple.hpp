@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Three numbers along x, y and z, each a scalar or a compile-time constant: the vectors of the loop.
 #pragma once
 

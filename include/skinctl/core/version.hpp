@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The version of skinctl, for the preprocessor and as text. A test compares it with the build's.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Text inside XML, SVG and HTML.
 #pragma once
 

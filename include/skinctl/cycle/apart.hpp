@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A scene that is compiled once, in a file of its own.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What `template class Apart<Scene>;` compiles: for the one file that holds the scene's code.
 #pragma once
 

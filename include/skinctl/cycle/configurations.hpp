@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Gains, payload and tool that change while a scene runs, with bumpless transfer.
 #pragma once
 

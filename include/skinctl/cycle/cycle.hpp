@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A whole cycle as one pure function: from measurements and samples to a command.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // In place of a skin in a scene without one.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Guard and governor of a scene, built from its list of parts.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The stages of a cycle, and a stopwatch without effect.
 #pragma once
 

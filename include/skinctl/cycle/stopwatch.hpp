@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A stopwatch for the stages of a cycle.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Energy and momentum of a moving robot.
 #pragma once
 
@@ -15,19 +16,19 @@ using JointMomentum = JointVector<kind::Momentum, N, T>;
 
 namespace detail {
 
-/// Kinetic energy of the subtree of link `I`, whose parent moves at `v`, `w` (parent's axes and origin).
-template <std::size_t I, Scalar T, RobotModel M, class Angles>
+/// Kinetic energy of the subtree of link `Ix`, whose parent moves at `v`, `w` (parent's axes and origin).
+template <std::size_t Ix, Scalar T, RobotModel M, class Angles>
 SKINCTL_INLINE T subtree_kinetic_energy(const M& model, const Angles& angles, const T* dq,
                                         const Xyz<T>& v_parent, const Xyz<T>& w_parent) noexcept {
   using P = LinkParameter;
   const auto number = [&]<LinkParameter K>(std::integral_constant<LinkParameter, K>)
-                          SKINCTL_INLINE_LAMBDA { return model.template number<I, K, T>(); };
-  const auto frame = joint_frame<I>(model, angles);
+                          SKINCTL_INLINE_LAMBDA { return model.template number<Ix, K, T>(); };
+  const auto frame = joint_frame<Ix>(model, angles);
   Xyz<T> v = dense<T>(frame.to_link(v_parent + cross(w_parent, frame.p)));
   Xyz<T> w = dense<T>(frame.to_link(w_parent));
-  T& moved = M::kinds[I] == JointKind::revolute ? w.z : v.z;
-  moved = moved + dq[I];
-  const Xyz<T> v_c = dense<T>(v + cross(w, centre_of_mass<I, T>(model)));
+  T& moved = M::kinds[Ix] == JointKind::revolute ? w.z : v.z;
+  moved = moved + dq[Ix];
+  const Xyz<T> v_c = dense<T>(v + cross(w, centre_of_mass<Ix, T>(model)));
   // I = tr(S) 1 - S: w' I w is the sum of S_ii times the squares of the other two components of w, minus the
   // products.
   const auto s_xx = number(std::integral_constant<LinkParameter, P::s_xx>{});
@@ -41,7 +42,7 @@ SKINCTL_INLINE T subtree_kinetic_energy(const M& model, const Angles& angles, co
                   (s_xy * T(T(2) * w.x * w.y) + s_xz * T(T(2) * w.x * w.z) + s_yz * T(T(2) * w.y * w.z)));
   const T moving(number(std::integral_constant<LinkParameter, P::mass>{}) * dot(v_c, v_c));
   T energy = T(0.5) * (moving + turning);
-  for_each_link<children<M, int(I)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
+  for_each_link<children<M, int(Ix)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
     energy = energy + subtree_kinetic_energy<child.value, T>(model, angles, dq, v, w);
   });
   return energy;

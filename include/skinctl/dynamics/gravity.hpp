@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Gravity torques, and the potential energy from which they derive.
 #pragma once
 
@@ -19,29 +20,29 @@ struct Weight {
 template <class Mass, class H, class At, class N>
 Weight(Mass, H, At, N) -> Weight<Mass, H, At, N>;
 
-/// Whether the z axis of link `I` is known to be parallel to that of its parent.
-template <std::size_t I, RobotModel M, Scalar T>
+/// Whether the z axis of link `Ix` is known to be parallel to that of its parent.
+template <std::size_t Ix, RobotModel M, Scalar T>
 constexpr bool parallel_to_parent() noexcept {
-  using Sin = decltype(std::declval<const M&>().template number<I, LinkParameter::sin_alpha, T>());
-  using Cos = decltype(std::declval<const M&>().template number<I, LinkParameter::cos_alpha, T>());
+  using Sin = decltype(std::declval<const M&>().template number<Ix, LinkParameter::sin_alpha, T>());
+  using Cos = decltype(std::declval<const M&>().template number<Ix, LinkParameter::cos_alpha, T>());
   return is_zero<Sin> && std::is_same_v<Cos, TypedConstant<1>>;
 }
 
-/// Writes `tau[I]` for the subtree of link `I` under the gravitational acceleration `g_parent` (parent's
+/// Writes `tau[Ix]` for the subtree of link `Ix` under the gravitational acceleration `g_parent` (parent's
 /// axes) and returns the subtree's weight in the parent's axes. About parallel axes the moment of a weight
 /// differs only by the offset between them, so a link adds that difference to its child's moment; if the
 /// first moment is then unused, the compiler drops it.
-template <std::size_t I, Scalar T, RobotModel M, class Angles, class G>
+template <std::size_t Ix, Scalar T, RobotModel M, class Angles, class G>
 SKINCTL_INLINE constexpr auto subtree_gravity(const M& model, const Angles& angles, const G& g_parent,
                                               T* tau) noexcept {
-  constexpr auto carried = children<M, int(I)>;
-  const auto frame = joint_frame<I>(model, angles);
+  constexpr auto carried = children<M, int(Ix)>;
+  const auto frame = joint_frame<Ix>(model, angles);
   const auto g = frame.to_link(g_parent);
   const auto moment_z = [&](const auto& h) SKINCTL_INLINE_LAMBDA { return h.x * g.y - h.y * g.x; };
-  const auto own_mass = model.template number<I, LinkParameter::mass, T>();
-  const auto own_h = own_mass * centre_of_mass<I, T>(model);
+  const auto own_mass = model.template number<Ix, LinkParameter::mass, T>();
+  const auto own_h = own_mass * centre_of_mass<Ix, T>(model);
   const auto in_parent = [&](const auto& mass, const auto& h, const auto& n) SKINCTL_INLINE_LAMBDA {
-    tau[I] = M::kinds[I] == JointKind::revolute ? T(-n) : T(-(mass * g.z));
+    tau[Ix] = M::kinds[Ix] == JointKind::revolute ? T(-n) : T(-(mass * g.z));
     return Weight{mass, frame.to_parent(h), mass * frame.p, n};
   };
   if constexpr (carried.size() == 0) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joint torques from motion: inverse dynamics, the bias C dq + G, and the regressor product Y_r Theta.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Poses, Jacobians and inverse dynamics by a loop at run time, for chains whose straight-line code compiles
 // slowly.
 #pragma once

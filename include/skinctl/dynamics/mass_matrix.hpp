@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The mass matrix of a robot.
 #pragma once
 
@@ -73,14 +74,14 @@ struct MassMatrix {
 namespace detail {
 
 /// Transforms the wrench of a unit acceleration of `joint`, given in the axes and about the origin of link
-/// `I`, down to the base, and writes its torque about each joint on the path.
-template <std::size_t I, Scalar T, RobotModel M, class Angles, class F, class N>
+/// `Ix`, down to the base, and writes its torque about each joint on the path.
+template <std::size_t Ix, Scalar T, RobotModel M, class Angles, class F, class N>
 SKINCTL_INLINE constexpr void carry_wrench(const M& model, const Angles& angles, const F& f, const N& n,
                                            std::size_t joint, MassMatrix<M::joints, T>& m) noexcept {
-  constexpr int parent = M::parents[I];
+  constexpr int parent = M::parents[Ix];
   if constexpr (parent >= 0) {
     constexpr auto P = static_cast<std::size_t>(parent);
-    const auto frame = joint_frame<I>(model, angles);
+    const auto frame = joint_frame<Ix>(model, angles);
     const auto f_parent = frame.to_parent(f);
     const auto n_parent = frame.to_parent(n) + cross(frame.p, f_parent);
     constexpr bool revolute = M::kinds[P] == JointKind::revolute;
@@ -89,37 +90,37 @@ SKINCTL_INLINE constexpr void carry_wrench(const M& model, const Angles& angles,
   }
 }
 
-/// Writes the rows and columns of `M` that the wrench of a unit acceleration of joint `I` alone fills; `body` is the
-/// subtree of link `I` as one body in the frame of the link.
-template <std::size_t I, Scalar T, RobotModel M, class Angles, class Body>
+/// Writes the rows and columns of `M` that the wrench of a unit acceleration of joint `Ix` alone fills; `body` is the
+/// subtree of link `Ix` as one body in the frame of the link.
+template <std::size_t Ix, Scalar T, RobotModel M, class Angles, class Body>
 SKINCTL_INLINE constexpr void write_mass(const M& model, const Angles& angles, const Body& body,
                                          MassMatrix<M::joints, T>& m) noexcept {
-  if constexpr (M::kinds[I] == JointKind::revolute) {
+  if constexpr (M::kinds[Ix] == JointKind::revolute) {
     const auto inertia = body.xx + body.yy;
-    m(I, I) = T(inertia);
-    carry_wrench<I>(model, angles, Triple{-body.h.y, body.h.x, TypedConstant<0>{}},
-                    Triple{-body.xz, -body.yz, inertia}, I, m);
+    m(Ix, Ix) = T(inertia);
+    carry_wrench<Ix>(model, angles, Triple{-body.h.y, body.h.x, TypedConstant<0>{}},
+                     Triple{-body.xz, -body.yz, inertia}, Ix, m);
   } else {
-    m(I, I) = T(body.mass);
-    carry_wrench<I>(model, angles, Triple{TypedConstant<0>{}, TypedConstant<0>{}, body.mass},
-                    Triple{body.h.y, -body.h.x, TypedConstant<0>{}}, I, m);
+    m(Ix, Ix) = T(body.mass);
+    carry_wrench<Ix>(model, angles, Triple{TypedConstant<0>{}, TypedConstant<0>{}, body.mass},
+                     Triple{body.h.y, -body.h.x, TypedConstant<0>{}}, Ix, m);
   }
 }
 
-/// Computes the rows and columns of `M` for the subtree of link `I`, and returns the subtree as one body in
+/// Computes the rows and columns of `M` for the subtree of link `Ix`, and returns the subtree as one body in
 /// the frame of the link.
-template <std::size_t I, Scalar T, RobotModel M, class Angles>
+template <std::size_t Ix, Scalar T, RobotModel M, class Angles>
 SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
                                            MassMatrix<M::joints, T>& m) noexcept {
-  constexpr auto carried = children<M, int(I)>;
-  const auto own = link_composite<I, T>(model);
+  constexpr auto carried = children<M, int(Ix)>;
+  const auto own = link_composite<Ix, T>(model);
   if constexpr (carried.size() == 0) {
-    write_mass<I>(model, angles, own, m);
+    write_mass<Ix>(model, angles, own, m);
     return own;
   } else if constexpr (carried.size() == 1) {
     const auto body =
         carrying(own, joint_frame<carried[0]>(model, angles), subtree_mass<carried[0], T>(model, angles, m));
-    write_mass<I>(model, angles, body, m);
+    write_mass<Ix>(model, angles, body, m);
     return body;
   } else {
     auto body = dense_composite<T>(own);
@@ -127,7 +128,7 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
       body = dense_composite<T>(carrying(body, joint_frame<child.value>(model, angles),
                                          subtree_mass<child.value, T>(model, angles, m)));
     });
-    write_mass<I>(model, angles, body, m);
+    write_mass<Ix>(model, angles, body, m);
     return body;
   }
 }

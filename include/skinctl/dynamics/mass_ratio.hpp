@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How much lighter a robot may be than its model says, and how firmly its joints must hold a payload that is
 // lost.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Generalised momentum and its rate without torques, in one pass: what collision observers compare.
 #pragma once
 
@@ -15,22 +16,22 @@ struct MomentumRate {
 
 namespace detail {
 
-/// Momentum of the subtree of link `I`, about the origin and along the axes of its parent. `p` and `c` get
+/// Momentum of the subtree of link `Ix`, about the origin and along the axes of its parent. `p` and `c` get
 /// the subtree's momenta and `C' dq`.
-template <std::size_t I, Scalar T, RobotModel M, class Angles>
+template <std::size_t Ix, Scalar T, RobotModel M, class Angles>
 SKINCTL_INLINE void subtree_momentum(const M& model, const Angles& angles, const T* dq,
                                      const Xyz<T>& v_parent, const Xyz<T>& w_parent, Xyz<T>& linear_sum,
                                      Xyz<T>& angular_sum, T* p, T* c) noexcept {
   using P = LinkParameter;
   const auto number = [&]<LinkParameter K>(std::integral_constant<LinkParameter, K>)
-                          SKINCTL_INLINE_LAMBDA { return T(model.template number<I, K, T>()); };
-  const auto frame = joint_frame<I>(model, angles);
+                          SKINCTL_INLINE_LAMBDA { return T(model.template number<Ix, K, T>()); };
+  const auto frame = joint_frame<Ix>(model, angles);
   Xyz<T> v = dense<T>(frame.to_link(v_parent + cross(w_parent, frame.p)));
   Xyz<T> w = dense<T>(frame.to_link(w_parent));
-  T& moved = M::kinds[I] == JointKind::revolute ? w.z : v.z;
-  moved = moved + dq[I];
+  T& moved = M::kinds[Ix] == JointKind::revolute ? w.z : v.z;
+  moved = moved + dq[Ix];
 
-  const Xyz<T> centre = dense<T>(centre_of_mass<I, T>(model));
+  const Xyz<T> centre = dense<T>(centre_of_mass<Ix, T>(model));
   Xyz<T> linear = number(std::integral_constant<LinkParameter, P::mass>{}) * (v + cross(w, centre));
   // I = tr(S) 1 - S, about the centre of mass.
   const T s_xx = number(std::integral_constant<LinkParameter, P::s_xx>{});
@@ -43,18 +44,18 @@ SKINCTL_INLINE void subtree_momentum(const M& model, const Angles& angles, const
                  T((s_xx + s_zz) * w.y - s_xy * w.x - s_yz * w.z),
                  T((s_xx + s_yy) * w.z - s_xz * w.x - s_yz * w.y)};
   angular = angular + cross(centre, linear);
-  for_each_link<children<M, int(I)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
+  for_each_link<children<M, int(Ix)>>([&](auto child) SKINCTL_INLINE_LAMBDA {
     subtree_momentum<child.value, T>(model, angles, dq, v, w, linear, angular, p, c);
   });
 
   // d(1/2 dq' M dq)/dq_I = C' dq: the momentum of the subtree paired with the link's velocity crossed with the
   // joint's axis.
-  if constexpr (M::kinds[I] == JointKind::revolute) {
-    p[I] = angular.z;
-    c[I] = w.y * angular.x - w.x * angular.y + v.y * linear.x - v.x * linear.y;
+  if constexpr (M::kinds[Ix] == JointKind::revolute) {
+    p[Ix] = angular.z;
+    c[Ix] = w.y * angular.x - w.x * angular.y + v.y * linear.x - v.x * linear.y;
   } else {
-    p[I] = linear.z;
-    c[I] = w.y * linear.x - w.x * linear.y;
+    p[Ix] = linear.z;
+    c[Ix] = w.y * linear.x - w.x * linear.y;
   }
   const Xyz<T> outside = dense<T>(frame.to_parent(linear));
   linear_sum = linear_sum + outside;

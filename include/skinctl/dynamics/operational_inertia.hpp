@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The inertia of a robot at a frame: operational-space inertia, and the effective mass at a contact.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The known state of a cycle, as laws read it: the state and the quantities that follow from it, each
 // computed once and only if needed.
 #pragma once
@@ -161,23 +162,23 @@ class Quantities {
     static_assert(needs.poses != 0, "not asked for: set needs.poses");
     return poses_.value;
   }
-  /// `X_BaseLink` of link `I`.
-  template <std::size_t I>
-  [[nodiscard]] SKINCTL_INLINE Transform<Base, Link<I>, T> pose() const noexcept {
-    return poses().template get<I>();
+  /// `X_BaseLink` of link `Ix`.
+  template <std::size_t Ix>
+  [[nodiscard]] SKINCTL_INLINE Transform<Base, Link<Ix>, T> pose() const noexcept {
+    return poses().template get<Ix>();
   }
-  /// Jacobian of the frame fixed to link `I` at `X_LP`, or of the link itself.
-  template <std::size_t I, class... X>
+  /// Jacobian of the frame fixed to link `Ix` at `X_LP`, or of the link itself.
+  template <std::size_t Ix, class... X>
   [[nodiscard]] SKINCTL_INLINE auto jacobian(const X&... X_LP) const noexcept {
-    static_assert((needs.jacobians >> I) & 1u, "not asked for: set the link's bit in needs.jacobians");
-    return skinctl::jacobian<I>(poses_.value, X_LP...);
+    static_assert((needs.jacobians >> Ix) & 1u, "not asked for: set the link's bit in needs.jacobians");
+    return skinctl::jacobian<Ix>(poses_.value, X_LP...);
   }
-  /// `dJ/dt` of `jacobian<I>(X_LP)` at this state's dq.
-  template <std::size_t I, class... X>
+  /// `dJ/dt` of `jacobian<Ix>(X_LP)` at this state's dq.
+  template <std::size_t Ix, class... X>
   [[nodiscard]] SKINCTL_INLINE auto jacobian_rate(const X&... X_LP) const noexcept {
-    static_assert((needs.jacobian_rates >> I) & 1u,
+    static_assert((needs.jacobian_rates >> Ix) & 1u,
                   "not asked for: set the link's bit in needs.jacobian_rates");
-    return skinctl::jacobian_rate(jacobian<I>(X_LP...), state_.dq);
+    return skinctl::jacobian_rate(jacobian<Ix>(X_LP...), state_.dq);
   }
   /// G(q) [N m].
   [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& gravity() const noexcept {
@@ -194,10 +195,10 @@ class Quantities {
     static_assert(needs.mass_factors, "not asked for: set needs.mass_factors");
     return factors_.value;
   }
-  /// Mobility of the frame at `X_LP` on link `I`, `J M^-1 J'`; see `OperationalMobility`.
-  template <std::size_t I, class... X>
+  /// Mobility of the frame at `X_LP` on link `Ix`, `J M^-1 J'`; see `OperationalMobility`.
+  template <std::size_t Ix, class... X>
   [[nodiscard]] SKINCTL_INLINE auto mobility(const X&... X_LP) const noexcept {
-    return operational_mobility(jacobian<I>(X_LP...), mass_factors());
+    return operational_mobility(jacobian<Ix>(X_LP...), mass_factors());
   }
   /// C(q, dq) dq [N m].
   [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& coriolis() const noexcept {

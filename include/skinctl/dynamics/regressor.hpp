@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The regressor: joint torques as a linear function of the inertial parameters.
 #pragma once
 
@@ -66,9 +67,9 @@ SKINCTL_INLINE void parameter_powers(const LinkMotion<T>& m, const Xyz<T>& v, co
 template <Scalar Number>
 struct ParameterBodies {
   const Number* theta;
-  template <std::size_t I, Scalar T, class E, class A>
+  template <std::size_t Ix, Scalar T, class E, class A>
   SKINCTL_INLINE constexpr auto wrench(const E& spin, const A& a) const noexcept {
-    const T* o = theta + 10 * I;
+    const T* o = theta + 10 * Ix;
     const Xyz<T> h{o[1], o[2], o[3]};
     const T half(0.5);
     const Xyz<T> s_x{half * (o[5] + o[6] - o[4]), -o[7], -o[8]};
@@ -90,17 +91,17 @@ SKINCTL_INLINE LinkVelocity<T> velocity_in_link(const Frame& frame, const LinkVe
   return {dense<T>(frame.to_link(parent.v + cross(parent.w, frame.p))), dense<T>(frame.to_link(parent.w))};
 }
 
-template <std::size_t I, class Input, Scalar T>
+template <std::size_t Ix, class Input, Scalar T>
 SKINCTL_INLINE void transposed_product(const Input& in, const LinkMotion<T>& parent,
                                        const LinkVelocity<T>& V_parent, const T* tau, T* out) noexcept {
   using M = std::remove_cvref_t<decltype(in.model)>;
-  const auto frame = joint_frame<I>(in.model, in.angles);
-  const LinkMotion<T> m = motion_of<I>(in, frame, parent);
+  const auto frame = joint_frame<Ix>(in.model, in.angles);
+  const LinkMotion<T> m = motion_of<Ix>(in, frame, parent);
   LinkVelocity<T> V = velocity_in_link(frame, V_parent);
-  T& moved = M::kinds[I] == JointKind::revolute ? V.w.z : V.v.z;
-  moved = moved + tau[I];
-  parameter_powers(m, V.v, V.w, out + 10 * I);
-  for_each_link<children<M, int(I)>>(
+  T& moved = M::kinds[Ix] == JointKind::revolute ? V.w.z : V.v.z;
+  moved = moved + tau[Ix];
+  parameter_powers(m, V.v, V.w, out + 10 * Ix);
+  for_each_link<children<M, int(Ix)>>(
       [&](auto child) SKINCTL_INLINE_LAMBDA { transposed_product<child.value>(in, m, V, tau, out); });
 }
 
@@ -160,27 +161,27 @@ class Regressor {
            static_cast<std::size_t>(std::popcount(ancestors<M>(link) & ((LinkMask(1) << joint) - 1)));
   }
 
-  /// Collects the joints that carry link `I`, each as its unit velocity of the link; then writes the link's
+  /// Collects the joints that carry link `Ix`, each as its unit velocity of the link; then writes the link's
   /// rows.
-  template <std::size_t I, class Input>
+  template <std::size_t Ix, class Input>
   SKINCTL_INLINE void fill(const Input& in, const detail::LinkMotion<T>& parent,
                            const detail::LinkVelocity<T>* carriers) noexcept {
-    constexpr auto count = static_cast<std::size_t>(std::popcount(ancestors<M>(I)));
-    const auto frame = joint_frame<I>(in.model, in.angles);
-    const detail::LinkMotion<T> m = detail::motion_of<I>(in, frame, parent);
+    constexpr auto count = static_cast<std::size_t>(std::popcount(ancestors<M>(Ix)));
+    const auto frame = joint_frame<Ix>(in.model, in.angles);
+    const detail::LinkMotion<T> m = detail::motion_of<Ix>(in, frame, parent);
     const Xyz<T> zero{T(0), T(0), T(0)};
     const Xyz<T> z{T(0), T(0), T(1)};
     detail::LinkVelocity<T> V[count];
     for (std::size_t k = 0; k + 1 < count; ++k) V[k] = detail::velocity_in_link(frame, carriers[k]);
-    if constexpr (M::kinds[I] == JointKind::revolute) {
+    if constexpr (M::kinds[Ix] == JointKind::revolute) {
       V[count - 1] = {zero, z};
     } else {
       V[count - 1] = {z, zero};
     }
-    constexpr std::size_t first = detail::blocks_before<M>(I);
+    constexpr std::size_t first = detail::blocks_before<M>(Ix);
     for (std::size_t k = 0; k < count; ++k) detail::parameter_powers(m, V[k].v, V[k].w, blocks_[first + k]);
-    detail::for_each_link<children<M, int(I)>>([&](auto child)
-                                                   SKINCTL_INLINE_LAMBDA { fill<child.value>(in, m, V); });
+    detail::for_each_link<children<M, int(Ix)>>([&](auto child)
+                                                    SKINCTL_INLINE_LAMBDA { fill<child.value>(in, m, V); });
   }
 
   T blocks_[detail::blocks_before<M>(M::joints)][10];

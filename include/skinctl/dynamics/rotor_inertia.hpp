@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The inertia of the motors' rotors, reflected to the joints.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Acceleration of a rigid body. The type names the body, the reference frame, the point and the axes.
 #pragma once
 

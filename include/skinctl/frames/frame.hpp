@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Names of coordinate frames, as types.
 #pragma once
 
@@ -23,12 +24,12 @@ struct Tool : FrameTag {};    ///< the working point of the tool on the flange
 struct Root : FrameTag {};    ///< the root cell of a skin patch, the reference of its cells' poses
 struct Cell : FrameTag {};    ///< a skin cell: z is its outward normal
 
-/// Link `I` of the robot: the body that joint `I` moves, counted from 0 (the paper's Link_{I+1}); its z axis
+/// Link `Ix` of the robot: the body that joint `Ix` moves, counted from 0 (the paper's Link_{Ix+1}); its z axis
 /// is the joint's axis. The body before joint 0 is `Base`. A link of a URDF has other axes: it is a
-/// `NamedFrame` (frames/named_frame.hpp), fixed to a `Link<I>`.
-template <std::size_t I>
+/// `NamedFrame` (frames/named_frame.hpp), fixed to a `Link<Ix>`.
+template <std::size_t Ix>
 struct Link : FrameTag {
-  static constexpr std::size_t index = I;
+  static constexpr std::size_t index = Ix;
 };
 
 SKINCTL_END_NAMESPACE

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Frames named in a file: the links of a URDF.
 #pragma once
 
@@ -23,7 +24,7 @@ struct FrameName {
 
 /// The frame that a file calls `Name`, with the file's origin and axes: `NamedFrame<"wrist_3_link">`.
 ///
-/// The frame `Link<I>` of a model has its z axis on the joint, and x and y axes chosen by the algorithms; a
+/// The frame `Link<Ix>` of a model has its z axis on the joint, and x and y axes chosen by the algorithms; a
 /// link of a URDF has axes chosen by its author. Both are fixed to the same body, but poses in one are wrong
 /// in the other. The type distinguishes them, and `named_link_pose` converts.
 template <FrameName Name>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Points and vectors whose coordinate frame is part of the type.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A rotation matrix as three axes of plain numbers, and the rotation vector: exp, log and their derivatives.
 #pragma once
 

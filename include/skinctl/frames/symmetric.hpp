@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A symmetric 3x3 matrix as six numbers: moments of inertia.
 #pragma once
 

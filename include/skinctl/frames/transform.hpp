@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Pose of one frame in another; the type names both frames.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Force and moment on a rigid body. The type names the body, the point and the axes.
 #pragma once
 

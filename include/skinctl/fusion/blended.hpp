@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A sum of laws whose weights change while it runs: by request, and by gates that contact opens and shuts.
 #pragma once
 
@@ -28,8 +29,8 @@ template <Sum P, class... L>
 class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
                                 public detail::SeeingLaws<Blended<Fused<P, L...>>, L...> {
   using Loop = detail::BlendLoop<P, L...>;
-  template <std::size_t I>
-  using law_at = typename Loop::template law_at<I>;
+  template <std::size_t Ix>
+  using law_at = typename Loop::template law_at<Ix>;
   using Loop::begun;
   using Loop::contact_;
   using Loop::first_;
@@ -120,14 +121,14 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
     const auto answer = receive(out.memory, known, *goal.goal);
     return {answer.memory, out.status | answer.status};
   }
-  /// The same for the `I`-th law.
-  template <std::size_t I, class K, class G>
+  /// The same for the `Ix`-th law.
+  template <std::size_t Ix, class K, class G>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const G& goal) const noexcept {
-    if (!loaded(memory, I) || comes(memory, I)) return {memory, Reason::goal_refused};
+    if (!loaded(memory, Ix) || comes(memory, Ix)) return {memory, Reason::goal_refused};
     Received<Memory> out{memory, {}};
-    auto& part = detail::memory_of<I>(out.memory.laws);
-    const auto answer = follow_or_receive(this->template law<I>(), part, known, goal);
+    auto& part = detail::memory_of<Ix>(out.memory.laws);
+    const auto answer = follow_or_receive(this->template law<Ix>(), part, known, goal);
     part = answer.memory;
     out.status = answer.status;
     return out;
@@ -148,9 +149,9 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known,
                              const typename K::scalar& still) const noexcept {
-    return !moves(memory) && [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return ((!loaded(memory, I) ||
-               skinctl::settled(this->template law<I>(), detail::memory_of<I>(memory.laws), known, still)) &&
+    return !moves(memory) && [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+      return ((!loaded(memory, Ix) || skinctl::settled(this->template law<Ix>(),
+                                                       detail::memory_of<Ix>(memory.laws), known, still)) &&
               ...);
     }(std::index_sequence_for<L...>{});
   }

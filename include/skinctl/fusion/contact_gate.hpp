@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Gates by contact: laws that act only while something touches the robot, or only while nothing does.
 #pragma once
 

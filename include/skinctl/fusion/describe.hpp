@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An expression of laws in words: `0.6 skin_joint + 0.4 spline_joint + gravity`.
 #pragma once
 

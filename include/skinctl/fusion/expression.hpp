@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws as an expression: `0.6 * skin + 0.4 * reach + gravity`.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Control fusion: a weighted sum of laws that is itself a law, eq. (23).
 #pragma once
 
@@ -99,10 +100,10 @@ class Fused : public Composable,
   }
   [[nodiscard]] const std::array<double, terms>& weights() const noexcept { return weights_; }
   [[nodiscard]] const OppositionDetector& detector() const noexcept { return detector_; }
-  /// The `I`-th law's part of a memory.
-  template <std::size_t I>
+  /// The `Ix`-th law's part of a memory.
+  template <std::size_t Ix>
   [[nodiscard]] static SKINCTL_INLINE constexpr const auto& memory(const Memory& m) noexcept {
-    return detail::memory_of<I>(m.laws);
+    return detail::memory_of<Ix>(m.laws);
   }
 
   /// Calls `f(law, its memory)` for each law.
@@ -139,13 +140,13 @@ class Fused : public Composable,
     static_assert(i < terms, "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
     return receive<i>(memory, known, goal);
   }
-  /// The same for the `I`-th law.
-  template <std::size_t I, class K, class Goal>
+  /// The same for the `Ix`-th law.
+  template <std::size_t Ix, class K, class Goal>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {
     Received<Memory> out{memory, {}};
-    auto& part = detail::memory_of<I>(out.memory.laws);
-    const auto answer = follow_or_receive(std::get<I>(laws_), part, known, goal);
+    auto& part = detail::memory_of<Ix>(out.memory.laws);
+    const auto answer = follow_or_receive(std::get<Ix>(laws_), part, known, goal);
     part = answer.memory;
     out.status = answer.status;
     return out;
@@ -167,8 +168,8 @@ class Fused : public Composable,
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known,
                              const typename K::scalar& still) const noexcept {
-    return [&]<std::size_t... I>(std::index_sequence<I...>) {
-      return (skinctl::settled(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known, still) && ...);
+    return [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+      return (skinctl::settled(std::get<Ix>(laws_), detail::memory_of<Ix>(memory.laws), known, still) && ...);
     }(std::index_sequence_for<L...>{});
   }
   /// @param opposition  `none`: this sum detects it.
@@ -185,8 +186,8 @@ class Fused : public Composable,
   }
 
  private:
-  template <std::size_t I>
-  using law_at = std::tuple_element_t<I, std::tuple<L...>>;
+  template <std::size_t Ix>
+  using law_at = std::tuple_element_t<Ix, std::tuple<L...>>;
 
   /// Calls `f(index, law)` for each law.
   template <class F>
@@ -198,16 +199,16 @@ class Fused : public Composable,
     First first;
     Rest rest;
   };
-  /// The quantities that torque and memory of the laws from the `I`-th on share, each built in place.
-  template <std::size_t I, class K>
+  /// The quantities that torque and memory of the laws from the `Ix`-th on share, each built in place.
+  template <std::size_t Ix, class K>
   [[nodiscard]] SKINCTL_INLINE auto now_from(const Memory& memory, const K& known) const noexcept {
-    if constexpr (I == terms) {
+    if constexpr (Ix == terms) {
       return detail::Memories<>{};
     } else {
-      using Here = decltype(detail::now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known));
-      return Chain<Here, decltype(now_from<I + 1>(memory, known))>{
-          detail::now_of(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known),
-          now_from<I + 1>(memory, known)};
+      using Here = decltype(detail::now_of(std::get<Ix>(laws_), detail::memory_of<Ix>(memory.laws), known));
+      return Chain<Here, decltype(now_from<Ix + 1>(memory, known))>{
+          detail::now_of(std::get<Ix>(laws_), detail::memory_of<Ix>(memory.laws), known),
+          now_from<Ix + 1>(memory, known)};
     }
   }
 
@@ -218,23 +219,23 @@ class Fused : public Composable,
     using T = typename K::scalar;
     using Torque = JointTorque<K::joints, T>;
     const auto now = now_from<0>(memory, known);
-    const auto shares = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      return std::array<Torque, terms>{share<I>(memory, known, now)...};
+    const auto shares = [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
+      return std::array<Torque, terms>{share<Ix>(memory, known, now)...};
     }(std::index_sequence_for<L...>{});
 
     Torque total, skin, track;
     Status status;
     each([&](auto i, const auto& law) SKINCTL_INLINE_LAMBDA {
-      constexpr std::size_t I = i.value;
-      if constexpr (law_at<I>::role == LawRole::tracking && !LawTable<law_at<I>>::presses) {
-        track += shares[I];
+      constexpr std::size_t Ix = i.value;
+      if constexpr (law_at<Ix>::role == LawRole::tracking && !LawTable<law_at<Ix>>::presses) {
+        track += shares[Ix];
         if constexpr (watches && gravity_laws == 0)
-          track -= static_cast<T>(shares_[I].feed_forward) * known.gravity();
-      } else if constexpr (LawTable<law_at<I>>::answers_touch) {
-        skin += shares[I];
+          track -= static_cast<T>(shares_[Ix].feed_forward) * known.gravity();
+      } else if constexpr (LawTable<law_at<Ix>>::answers_touch) {
+        skin += shares[Ix];
       }
-      total += shares[I];
-      const auto& part = detail::memory_of<I>(memory.laws);
+      total += shares[Ix];
+      const auto& part = detail::memory_of<Ix>(memory.laws);
       status |= status_of(law, part);
     });
 
@@ -246,7 +247,7 @@ class Fused : public Composable,
       if (given == Opposition::none) opposition = found.opposition;
       if (opposition == Opposition::lasting) status |= Reason::opposed;
     }
-    return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+    return [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
       using Row = detail::Row<K::joints, T>;
       const auto row = [](const Torque& torque) SKINCTL_INLINE_LAMBDA {
         return Torque(Row::of([&](auto i) SKINCTL_INLINE_LAMBDA { return torque[i.value]; }));
@@ -254,47 +255,46 @@ class Fused : public Composable,
       return Evaluation<K::joints, T, Memory, terms>{
           row(total),
           {advanced<0>(memory, known, dt, opposition, now), watched},
-          {row(shares[I])...},
+          {row(shares[Ix])...},
           status};
     }(std::index_sequence_for<L...>{});
   }
 
-  /// The torque of the `I`-th law.
-  template <std::size_t I, class K, class Now>
+  /// The torque of the `Ix`-th law.
+  template <std::size_t Ix, class K, class Now>
   [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> share(
       const Memory& memory, const K& known, const Now& now) const noexcept {
     using T = typename K::scalar;
-    const auto& law = std::get<I>(laws_);
-    const auto& part = detail::memory_of<I>(memory.laws);
-    if constexpr (law_at<I>::role == LawRole::tracking) {
-      const LawShare<T> weight{static_cast<T>(shares_[I].feedback), static_cast<T>(shares_[I].feed_forward)};
-      return detail::torque_with<gravity_term>(law, part, known, weight, detail::memory_of<I>(now));
-    } else if constexpr (law_at<I>::role == LawRole::reactive) {
-      return static_cast<T>(weights_[I]) * torque_of(law, part, known);
+    const auto& law = std::get<Ix>(laws_);
+    const auto& part = detail::memory_of<Ix>(memory.laws);
+    if constexpr (law_at<Ix>::role == LawRole::tracking) {
+      const LawShare<T> weight{static_cast<T>(shares_[Ix].feedback),
+                               static_cast<T>(shares_[Ix].feed_forward)};
+      return detail::torque_with<gravity_term>(law, part, known, weight, detail::memory_of<Ix>(now));
+    } else if constexpr (law_at<Ix>::role == LawRole::reactive) {
+      return static_cast<T>(weights_[Ix]) * torque_of(law, part, known);
     } else {
       return torque_of(law, part, known);
     }
   }
 
-  /// The memories from the `I`-th law on.
-  template <std::size_t I, class K, class Now>
+  /// The memories from the `Ix`-th law on.
+  template <std::size_t Ix, class K, class Now>
   [[nodiscard]] SKINCTL_INLINE auto advanced(const Memory& memory, const K& known,
                                              const typename K::scalar& dt, Opposition opposition,
                                              const Now& now) const noexcept {
-    if constexpr (I == terms) {
+    if constexpr (Ix == terms) {
       return detail::Memories<>{};
     } else {
-      return detail::MemoriesFrom<I, typename L::Memory...>{
-          detail::advance_with(std::get<I>(laws_), detail::memory_of<I>(memory.laws), known, dt, opposition,
-                               detail::memory_of<I>(now)),
-          advanced<I + 1>(memory, known, dt, opposition, now)};
+      return detail::MemoriesFrom<Ix, typename L::Memory...>{
+          detail::advance_with(std::get<Ix>(laws_), detail::memory_of<Ix>(memory.laws), known, dt, opposition,
+                               detail::memory_of<Ix>(now)),
+          advanced<Ix + 1>(memory, known, dt, opposition, now)};
     }
   }
-
   std::tuple<L...> laws_;
   std::array<double, terms> weights_;
   std::array<LawShare<double>, terms> shares_{};
   OppositionDetector detector_;
 };
-
 SKINCTL_END_NAMESPACE

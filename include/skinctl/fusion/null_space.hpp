@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Task priority: a second law moves the robot only in the null space of the first law's link.
 #pragma once
 

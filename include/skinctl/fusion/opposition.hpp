@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Opposition: detects that the skin pushes against the tracking laws, end of section 4.2.1.
 #pragma once
 

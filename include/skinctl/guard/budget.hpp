@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A budget of time for a cycle, and the reaction to overruns.
 #pragma once
 

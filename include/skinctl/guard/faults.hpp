@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The table of faults: each reason that a cycle can report, with finder, reaction, way back and text.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The guard: the last stage before a command leaves.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Settings, memory and result of a guard.
 #pragma once
 

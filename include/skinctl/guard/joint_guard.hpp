@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The guard of joints that have one interface.
 #pragma once
 
@@ -33,21 +34,21 @@ SKINCTL_BEGIN_NAMESPACE
 ///   a position limit;
 /// - has another speed than that of the start, by more than its acceleration changes in T and what counts as
 ///   rest (`RobotConfiguration::resting_speed`).
-template <Interface I, std::size_t N, Real T = double, class Smooth = Abrupt>
-class JointGuard : public detail::GuardReach<I, N, T> {
-  using Reach = detail::GuardReach<I, N, T>;
+template <Interface Ix, std::size_t N, Real T = double, class Smooth = Abrupt>
+class JointGuard : public detail::GuardReach<Ix, N, T> {
+  using Reach = detail::GuardReach<Ix, N, T>;
 
  public:
   static constexpr bool smooth = !std::is_same_v<Smooth, Abrupt>;
-  static_assert(!smooth || I != Interface::torque,
+  static_assert(!smooth || Ix != Interface::torque,
                 "a torque interface has no motion whose jerk could be limited: leave JerkLimits out");
-  static constexpr Interface interface = I;
+  static constexpr Interface interface = Ix;
   static constexpr std::size_t joints = N;
   using scalar = T;
   using Settings = GuardSettings<N, T>;
   using Memory = GuardMemory<N, T>;
   /// Whether a torque leaves beside the motion.
-  static constexpr bool beside_motion = takes_position(I) && takes_torque(I);
+  static constexpr bool beside_motion = takes_position(Ix) && takes_torque(Ix);
 
   /// Throws `ConfigurationError` for a number out of its range.
   ///
@@ -129,7 +130,7 @@ class JointGuard : public detail::GuardReach<I, N, T> {
     const bool finite = wish.valid && detail::is_plausible(wish);
     if (!finite) status |= Reason::command_not_finite;
     const T dt = seconds<T>(elapsed);
-    if constexpr (I == Interface::torque) {
+    if constexpr (Ix == Interface::torque) {
       return let_out(m, interval.to, turn_torque(m, wish, measured, good && finite, fallback, dt, status));
     } else {
       const T given = seconds<T>(status.has(Reason::time_backwards) ? period_ : interval.given(period_));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Watches for lost packets of a robot that numbers them.
 #pragma once
 

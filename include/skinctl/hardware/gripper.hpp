@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Concept of a gripper's driver.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Histogram of durations, with percentiles and the maximum.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The loop that runs a cycle with a robot and a skin, and measures its times.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Concepts of drivers: a robot, a skin.
 #pragma once
 

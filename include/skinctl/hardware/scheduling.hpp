@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Requests from Linux a real-time priority and memory that is never paged out.
 #pragma once
 

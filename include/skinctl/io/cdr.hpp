@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // CDR: the bytes of a ROS 2 or DDS message.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Numbers in texts that machines read: the same characters in every locale.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The type of a ROS 2 message: name, definition, and the hash by which nodes compare them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reads a URDF: what a program calls, without the parser, which is in `io/urdf.hpp` or compiled once by CMake's `skinctl::io`.
 #pragma once
 

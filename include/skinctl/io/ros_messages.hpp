@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // ROS 2 messages, encoded from values that lie elsewhere. Needs no ROS.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Numbers of a scene from a text file: gains, limits, cells that change without a compiler.
 #pragma once
 

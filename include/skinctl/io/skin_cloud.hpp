@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The cells of a skin as a point cloud: prepared once, each cycle writes what changed.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Samples of a skin from point clouds that another computer sent.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The contents of a skin file. Needs no parser: those are in `io/skin_file.hpp` and `io/skin_xml.hpp`.
 #pragma once
 

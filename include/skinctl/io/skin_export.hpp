@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Skins of a program as skin files. Needs no parser.
 #pragma once
 
@@ -70,16 +71,16 @@ inline SkinPose rounded(SkinPose X) {
 /// does not have or that is another link than the patch's.
 ///
 /// @param radius, length  of the tube that stands for the link in pictures [m].
-template <NamesLinks D, std::size_t I, std::size_t N>
+template <NamesLinks D, std::size_t Ix, std::size_t N>
 SKINCTL_COLD void add_patch(SkinFile& file, const std::string& name, const std::string& link,
-                            const Patch<I, N>& patch, const HexagonalCell& size = {}, double radius = 0,
+                            const Patch<Ix, N>& patch, const HexagonalCell& size = {}, double radius = 0,
                             double length = 0) {
   const NamedLink* frame = nullptr;
   for (const NamedLink& f : D::named_links)
     if (f.name == link) frame = &f;
-  if (frame == nullptr || frame->link != static_cast<int>(I))
+  if (frame == nullptr || frame->link != static_cast<int>(Ix))
     refuse("skinctl: patch " + detail::skin_quoted(name) + ": " + detail::skin_quoted(link) +
-           " is not the name of link " + std::to_string(I));
+           " is not the name of link " + std::to_string(Ix));
   const Rotation<double> R_UL = frame->R.transpose();
   bool known = false;
   for (const SkinFile::Link& l : file.links) known = known || l.name == link;
@@ -114,10 +115,10 @@ template <std::size_t Cells>
   static constexpr const char* names[] = {"shoulder", "upper arm", "forearm",
                                           "wrist 1",  "wrist 2",   "wrist 3"};
   const auto patches = ur5::skin_patches<Cells>(gains);
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (add_patch<ur5::Ros2Links>(file, names[I], ur5::Ros2Links::named_links[I].name, std::get<I>(patches),
-                               largest_cell(ur5::surface<I>(), ur5::skin_cells<Cells>[I]),
-                               ur5::tubes[I].radius, ur5::detail::length(ur5::tubes[I])),
+  [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+    (add_patch<ur5::Ros2Links>(file, names[Ix], ur5::Ros2Links::named_links[Ix].name, std::get<Ix>(patches),
+                               largest_cell(ur5::surface<Ix>(), ur5::skin_cells<Cells>[Ix]),
+                               ur5::tubes[Ix].radius, ur5::detail::length(ur5::tubes[Ix])),
      ...);
   }(std::make_index_sequence<6>{});
   file.check();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Skin files in JSON, `skinctl-skin-1`. Optional: needs nlohmann-json (Debian: nlohmann-json3-dev).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Skin files on robots: cells in the frames of a model's links. Needs no parser.
 #pragma once
 

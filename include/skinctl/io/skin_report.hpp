@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The health of a skin in words, as JSON, and as a picture.
 #pragma once
 

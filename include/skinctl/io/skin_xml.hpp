@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Patch files in XML, as TUM's skin has them. Optional: needs tinyxml2 (Debian: libtinyxml2-dev; link tinyxml2).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The factory calibration of a Universal Robot from its calibration.conf.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Robots from URDF files. Optional: needs tinyxml2 (Debian: libtinyxml2-dev; link tinyxml2), in each file that includes this, or in one
 // source of the program by CMake's `skinctl::io`.
 #pragma once
@@ -16,7 +17,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 /// The robot as a calibrated model of a topology known when the program is compiled. Its `Base` is the link
-/// `urdf.base`; the frame of its `Link<I>` is not that of the file's link (z is on the joint): poses in a
+/// `urdf.base`; the frame of its `Link<Ix>` is not that of the file's link (z is on the joint): poses in a
 /// link of the file are converted by `named_link_pose` or `patch_on`. Throws `ConfigurationError` naming the
 /// joint in which the file differs from `Tree`, and where `model_links` does.
 ///
@@ -50,20 +51,20 @@ template <Topology Tree, Scalar T = double>
   return model;
 }
 
-/// Pose of the link `Name` of the file in `Link<I>` of the model: `link_poses(model, q).get<I>()` times this
+/// Pose of the link `Name` of the file in `Link<Ix>` of the model: `link_poses(model, q).get<Ix>()` times this
 /// is the pose that the file gives the link at `q`. Throws `ConfigurationError` for a name that is not in the
 /// file, and for a link that another joint carries, or none.
-template <std::size_t I, FrameName Name, Scalar T = double>
-[[nodiscard]] Transform<Link<I>, NamedFrame<Name>, T> named_link_pose(const Urdf& urdf) {
+template <std::size_t Ix, FrameName Name, Scalar T = double>
+[[nodiscard]] Transform<Link<Ix>, NamedFrame<Name>, T> named_link_pose(const Urdf& urdf) {
   const UrdfFrame& frame = urdf.frame(Name.view());
   const auto joint = [&](int i) {
     return i < 0 ? std::string("no joint")
                  : "joint " + std::to_string(i) + " (\"" + urdf.joints[std::size_t(i)].name + "\")";
   };
-  if (frame.joint != static_cast<int>(I))
+  if (frame.joint != static_cast<int>(Ix))
     refuse("skinctl: " + urdf.source + ": link \"" + frame.name + "\" is carried by " + joint(frame.joint) +
-           ", the program expects it on joint " + std::to_string(I));
-  return Transform<Link<I>, NamedFrame<Name>>(frame.R, frame.p).template cast<T>();
+           ", the program expects it on joint " + std::to_string(Ix));
+  return Transform<Link<Ix>, NamedFrame<Name>>(frame.R, frame.p).template cast<T>();
 }
 /// The same for a link that no joint moves, in `Base`.
 template <FrameName Name, Scalar T = double>
@@ -79,10 +80,10 @@ template <FrameName Name, Scalar T = double>
 /// A patch on the link `Name` of the file, its cells placed in the frame that the file gives that link:
 /// `patch_on<2, "forearm_link">(urdf, {{1, X_NC}}, {.force = 20})`. Throws `ConfigurationError` where
 /// `named_link_pose` and `Patch` do.
-template <std::size_t I, FrameName Name, std::size_t N>
-[[nodiscard]] Patch<I, N> patch_on(const Urdf& urdf, const NamedCell<Name> (&cells)[N],
-                                   const CellGains& gains = {}) {
-  return detail::place_patch<I, Name, N>(named_link_pose<I, Name>(urdf), cells, gains);
+template <std::size_t Ix, FrameName Name, std::size_t N>
+[[nodiscard]] Patch<Ix, N> patch_on(const Urdf& urdf, const NamedCell<Name> (&cells)[N],
+                                    const CellGains& gains = {}) {
+  return detail::place_patch<Ix, Name, N>(named_link_pose<Ix, Name>(urdf), cells, gains);
 }
 
 /// Limits of the `N` joints from `<limit lower upper velocity effort>`, lower and upper those of

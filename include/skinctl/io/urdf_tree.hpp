@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The contents of a URDF. Needs no parser: that is in `io/urdf.hpp`.
 #pragma once
 

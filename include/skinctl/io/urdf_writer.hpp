@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Any model as a URDF, with capsules to look at. Needs no parser.
 #pragma once
 
@@ -152,7 +153,7 @@ class UrdfBuilder {
 
 }  // namespace detail
 
-/// The model as a URDF: the frames of its links are those of `Link<I>`. `parse_urdf` reads it back to within rounding;
+/// The model as a URDF: the frames of its links are those of `Link<Ix>`. `parse_urdf` reads it back to within rounding;
 /// gravity is not part of a URDF. Throws `ConfigurationError` for limits or capsules of joints or links that the model
 /// does not have.
 template <RobotModel M>
@@ -166,13 +167,13 @@ template <RobotModel M>
   using T = typename detail::ScalarOf<M>::type;
   detail::UrdfBuilder text(dress);
   text.add_link(-1, nullptr);
-  const auto one = [&]<std::size_t I>(std::integral_constant<std::size_t, I>) {
-    const LinkParameters<double> numbers = numbers_of<I, T>(model);
-    text.add_link(static_cast<int>(I), &numbers);
-    text.add_joint(I, M::parents[I], M::kinds[I], numbers);
+  const auto one = [&]<std::size_t Ix>(std::integral_constant<std::size_t, Ix>) {
+    const LinkParameters<double> numbers = numbers_of<Ix, T>(model);
+    text.add_link(static_cast<int>(Ix), &numbers);
+    text.add_joint(Ix, M::parents[Ix], M::kinds[Ix], numbers);
   };
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (one(std::integral_constant<std::size_t, I>()), ...);
+  [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+    (one(std::integral_constant<std::size_t, Ix>()), ...);
   }(std::make_index_sequence<M::joints>());
   return text.take();
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The centre of mass of a robot and its Jacobian.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The damped inverse of a Jacobian, bounded at singularities.
 #pragma once
 
@@ -296,5 +297,4 @@ template <TaskSpace What = TaskSpace::pose, Topology M, LinkMask C, Frame Body, 
                                   const SingularityDamping<T>& damping) noexcept {
   return DampedInverse<Jacobian<M, C, Body, Body, Base, T>, What>(J, damping);
 }
-
 SKINCTL_END_NAMESPACE

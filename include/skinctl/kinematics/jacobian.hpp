@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Jacobians: from joint velocities to the velocity of a body, from a wrench on it to joint torques.
 #pragma once
 
@@ -32,16 +33,16 @@ class Jacobian {
     Xyz<T> angular;  ///< [rad/s] per joint unit
   };
 
-  /// Column of joint `I`; one that is zero by topology does not compile.
-  template <std::size_t I>
+  /// Column of joint `Ix`; one that is zero by topology does not compile.
+  template <std::size_t Ix>
   [[nodiscard]] SKINCTL_INLINE const Column& column() const noexcept {
-    static_assert((Columns >> I) & 1u, "this joint does not move the body: its column is zero");
-    return columns_[slot(I)];
+    static_assert((Columns >> Ix) & 1u, "this joint does not move the body: its column is zero");
+    return columns_[slot(Ix)];
   }
-  template <std::size_t I>
+  template <std::size_t Ix>
   [[nodiscard]] SKINCTL_INLINE Column& column() noexcept {
-    static_assert((Columns >> I) & 1u, "this joint does not move the body: its column is zero");
-    return columns_[slot(I)];
+    static_assert((Columns >> Ix) & 1u, "this joint does not move the body: its column is zero");
+    return columns_[slot(Ix)];
   }
 
   /// `V = J dq`: the velocity of the body.
@@ -96,14 +97,14 @@ class Jacobian {
     return m;
   }
 
-  /// Calls `f(I, column)` for the joints that move the body, `I` an integral constant.
+  /// Calls `f(Ix, column)` for the joints that move the body, `Ix` an integral constant.
   template <class F>
   SKINCTL_INLINE void for_each(F&& f) const noexcept {
-    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+    [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
       const auto one = [&](auto i) SKINCTL_INLINE_LAMBDA {
         if constexpr ((Columns >> i.value) & 1u) f(i, columns_[slot(i.value)]);
       };
-      (one(std::integral_constant<std::size_t, I>{}), ...);
+      (one(std::integral_constant<std::size_t, Ix>{}), ...);
     }(std::make_index_sequence<joints>{});
   }
 
@@ -142,21 +143,21 @@ template <class M, LinkMask C, class B, class P, class E, class T>
   return Transposed<Jacobian<M, C, B, P, E, T>>(J);
 }
 
-/// Jacobian of the frame `P` that is fixed to link `I` at `X_LP`: of P's origin, along the axes of the base.
-/// `poses` must hold every link from the base to link `I`.
-template <std::size_t I, Frame P, class M, LinkMask Mask, class T>
-[[nodiscard]] SKINCTL_INLINE Jacobian<M, ancestors<M>(I), P, P, Base, T> jacobian(
-    const Poses<M, Mask, T>& poses, const Transform<Link<I>, P, T>& X_LP) noexcept {
-  static_assert((ancestors<M>(I) & ~Mask) == 0,
+/// Jacobian of the frame `P` that is fixed to link `Ix` at `X_LP`: of P's origin, along the axes of the base.
+/// `poses` must hold every link from the base to link `Ix`.
+template <std::size_t Ix, Frame P, class M, LinkMask Mask, class T>
+[[nodiscard]] SKINCTL_INLINE Jacobian<M, ancestors<M>(Ix), P, P, Base, T> jacobian(
+    const Poses<M, Mask, T>& poses, const Transform<Link<Ix>, P, T>& X_LP) noexcept {
+  static_assert((ancestors<M>(Ix) & ~Mask) == 0,
                 "a Jacobian needs the poses of all links on the way to its link");
-  const auto body = poses.template place<I>();
+  const auto body = poses.template place<Ix>();
   const Xyz<T>& at = X_LP.origin();
   const Xyz<T> p = dense<T>(body.p + at.x * body.x + at.y * body.y + at.z * body.z);
-  Jacobian<M, ancestors<M>(I), P, P, Base, T> J;
+  Jacobian<M, ancestors<M>(Ix), P, P, Base, T> J;
   [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
     const auto one = [&](auto k) SKINCTL_INLINE_LAMBDA {
       constexpr std::size_t joint = k.value;
-      if constexpr ((ancestors<M>(I) >> joint) & 1u) {
+      if constexpr ((ancestors<M>(Ix) >> joint) & 1u) {
         const auto link = poses.template place<joint>();
         auto& column = J.template column<joint>();
         if constexpr (M::kinds[joint] == JointKind::revolute) {
@@ -173,11 +174,11 @@ template <std::size_t I, Frame P, class M, LinkMask Mask, class T>
   return J;
 }
 
-/// Jacobian of link `I`: of its frame's origin, along the axes of the base.
-template <std::size_t I, class M, LinkMask Mask, class T>
-[[nodiscard]] SKINCTL_INLINE Jacobian<M, ancestors<M>(I), Link<I>, Link<I>, Base, T> jacobian(
+/// Jacobian of link `Ix`: of its frame's origin, along the axes of the base.
+template <std::size_t Ix, class M, LinkMask Mask, class T>
+[[nodiscard]] SKINCTL_INLINE Jacobian<M, ancestors<M>(Ix), Link<Ix>, Link<Ix>, Base, T> jacobian(
     const Poses<M, Mask, T>& poses) noexcept {
-  return jacobian<I>(poses, Transform<Link<I>, Link<I>, T>());
+  return jacobian<Ix>(poses, Transform<Link<Ix>, Link<Ix>, T>());
 }
 
 SKINCTL_END_NAMESPACE

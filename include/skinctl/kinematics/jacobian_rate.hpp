@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The time derivative of a Jacobian, and accelerations from it.
 #pragma once
 
@@ -44,12 +45,12 @@ class JacobianRate<Jacobian<M, Columns, Body, Body, Base, T>> {
     });
   }
 
-  /// Column of joint `I`; one that is zero by topology does not compile.
-  template <std::size_t I>
+  /// Column of joint `Ix`; one that is zero by topology does not compile.
+  template <std::size_t Ix>
   [[nodiscard]] SKINCTL_INLINE const Column& column() const noexcept {
-    return dJ_.template column<I>();
+    return dJ_.template column<Ix>();
   }
-  /// Calls `f(I, column)` for the joints that move the body, `I` an integral constant.
+  /// Calls `f(Ix, column)` for the joints that move the body, `Ix` an integral constant.
   template <class F>
   SKINCTL_INLINE void for_each(F&& f) const noexcept {
     dJ_.for_each(f);

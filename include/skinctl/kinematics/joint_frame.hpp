@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The placement of a link in its parent at a given joint position: one step of every recursion over a tree.
 #pragma once
 
@@ -37,8 +38,8 @@ constexpr bool any_of_kind(JointKind kind) noexcept {
 /// Whether the first `Count` joints rotate by q itself, without offsets.
 template <RobotModel M, Scalar T, std::size_t Count>
 constexpr bool no_offsets() noexcept {
-  return []<std::size_t... I>(std::index_sequence<I...>) {
-    return (is_zero<decltype(std::declval<const M&>().template number<I, LinkParameter::offset, T>())> &&
+  return []<std::size_t... Ix>(std::index_sequence<Ix...>) {
+    return (is_zero<decltype(std::declval<const M&>().template number<Ix, LinkParameter::offset, T>())> &&
             ...);
   }(std::make_index_sequence<Count>{});
 }
@@ -134,7 +135,7 @@ struct TwoJointAngles {
 };
 }  // namespace detail
 
-/// The placement of link `I` in its parent: rotation `Rz(gamma) Rx(alpha) Rz(theta)` and origin, factor by
+/// The placement of link `Ix` in its parent: rotation `Rz(gamma) Rx(alpha) Rz(theta)` and origin, factor by
 /// factor, so that a vector is rotated by at most three plane rotations and typed zeros and ones cost
 /// nothing.
 template <class Gamma, class Alpha, class Theta, class P>
@@ -158,21 +159,23 @@ struct JointFrame {
 template <class G, class A, class Th, class P>
 JointFrame(G, A, Th, P) -> JointFrame<G, A, Th, P>;
 
-/// The frame of link `I` at the given joint angles.
-template <std::size_t I, RobotModel M, Scalar T, LinkMask Mask, LinkMask Unused>
+/// The frame of link `Ix` at the given joint angles.
+template <std::size_t Ix, RobotModel M, Scalar T, LinkMask Mask, LinkMask Unused>
 SKINCTL_INLINE constexpr auto joint_frame(const M& model,
                                           const JointAngles<M, T, Mask, Unused>& angles) noexcept {
   using P = LinkParameter;
-  const Turn gamma{model.template number<I, P::cos_gamma, T>(), model.template number<I, P::sin_gamma, T>()};
-  const Turn alpha{model.template number<I, P::cos_alpha, T>(), model.template number<I, P::sin_alpha, T>()};
-  const Triple p{model.template number<I, P::p_x, T>(), model.template number<I, P::p_y, T>(),
-                 model.template number<I, P::p_z, T>()};
-  if constexpr (M::kinds[I] == JointKind::revolute) {
-    return JointFrame{gamma, alpha, Turn{angles.cos[I], angles.sin[I]}, p};
+  const Turn gamma{model.template number<Ix, P::cos_gamma, T>(),
+                   model.template number<Ix, P::sin_gamma, T>()};
+  const Turn alpha{model.template number<Ix, P::cos_alpha, T>(),
+                   model.template number<Ix, P::sin_alpha, T>()};
+  const Triple p{model.template number<Ix, P::p_x, T>(), model.template number<Ix, P::p_y, T>(),
+                 model.template number<Ix, P::p_z, T>()};
+  if constexpr (M::kinds[Ix] == JointKind::revolute) {
+    return JointFrame{gamma, alpha, Turn{angles.cos[Ix], angles.sin[Ix]}, p};
   } else {
     const auto along =
-        turn_z(gamma, turn_x(alpha, Triple{TypedConstant<0>{}, TypedConstant<0>{}, angles.shift[I]}));
-    const Turn beta{model.template number<I, P::cos_beta, T>(), model.template number<I, P::sin_beta, T>()};
+        turn_z(gamma, turn_x(alpha, Triple{TypedConstant<0>{}, TypedConstant<0>{}, angles.shift[Ix]}));
+    const Turn beta{model.template number<Ix, P::cos_beta, T>(), model.template number<Ix, P::sin_beta, T>()};
     return JointFrame{gamma, alpha, beta, p + along};
   }
 }

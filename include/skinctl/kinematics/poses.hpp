@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Poses of the requested links.
 #pragma once
 
@@ -33,17 +34,17 @@ SKINCTL_INLINE constexpr auto placed(const Frame& frame, const Parent& in) noexc
 }
 
 /// The type of a link's pose: its typed constants follow from the type of the model.
-template <std::size_t I, RobotModel M, Scalar T>
+template <std::size_t Ix, RobotModel M, Scalar T>
 struct PlaceOf {
   static constexpr auto parent() noexcept {
-    if constexpr (M::parents[I] < 0) {
+    if constexpr (M::parents[Ix] < 0) {
       return std::type_identity<BasePlace>{};
     } else {
-      return std::type_identity<typename PlaceOf<std::size_t(M::parents[I]), M, T>::type>{};
+      return std::type_identity<typename PlaceOf<std::size_t(M::parents[Ix]), M, T>::type>{};
     }
   }
   using type =
-      decltype(placed(joint_frame<I>(std::declval<const M&>(), std::declval<const JointAngles<M, T>&>()),
+      decltype(placed(joint_frame<Ix>(std::declval<const M&>(), std::declval<const JointAngles<M, T>&>()),
                       std::declval<const typename decltype(parent())::type&>()));
 };
 
@@ -85,18 +86,18 @@ class Poses {
   SKINCTL_INLINE Poses(const M& model, const JointPosition<M::joints, T>& q) noexcept
       : Poses(model, JointAngles<M, T, Mask>(model, q)) {}
 
-  /// Pose of link `I` in the base. A link outside `Mask` does not compile.
-  template <std::size_t I>
-  [[nodiscard]] SKINCTL_INLINE Transform<Base, Link<I>, T> get() const noexcept {
-    const Stored& at = stored<I>();
-    return Transform<Base, Link<I>, T>::trusted({at.x, at.y, at.z}, at.p);
+  /// Pose of link `Ix` in the base. A link outside `Mask` does not compile.
+  template <std::size_t Ix>
+  [[nodiscard]] SKINCTL_INLINE Transform<Base, Link<Ix>, T> get() const noexcept {
+    const Stored& at = stored<Ix>();
+    return Transform<Base, Link<Ix>, T>::trusted({at.x, at.y, at.z}, at.p);
   }
 
-  /// Axes and origin of link `I` along the axes of the base; typed constants of the model's type stay typed.
-  template <std::size_t I>
+  /// Axes and origin of link `Ix` along the axes of the base; typed constants of the model's type stay typed.
+  template <std::size_t Ix>
   [[nodiscard]] SKINCTL_INLINE auto place() const noexcept {
-    using Typed = typename detail::PlaceOf<I, M, T>::type;
-    const Stored& at = stored<I>();
+    using Typed = typename detail::PlaceOf<Ix, M, T>::type;
+    const Stored& at = stored<Ix>();
     return detail::Place{detail::known_or(at.x, std::type_identity<decltype(Typed::x)>{}),
                          detail::known_or(at.y, std::type_identity<decltype(Typed::y)>{}),
                          detail::known_or(at.z, std::type_identity<decltype(Typed::z)>{}),
@@ -110,22 +111,22 @@ class Poses {
     return static_cast<std::size_t>(std::popcount(Mask & ((LinkMask(1) << i) - 1)));
   }
 
-  template <std::size_t I>
+  template <std::size_t Ix>
   SKINCTL_INLINE const Stored& stored() const noexcept {
-    static_assert((Mask >> I) & 1u, "this link's pose was not asked for: add it to the mask of links");
-    return places_[slot(I)];
+    static_assert((Mask >> Ix) & 1u, "this link's pose was not asked for: add it to the mask of links");
+    return places_[slot(Ix)];
   }
 
-  /// Computes link `I` from the pose of its parent, then its needed children.
-  template <std::size_t I, class A, class Parent>
+  /// Computes link `Ix` from the pose of its parent, then its needed children.
+  template <std::size_t Ix, class A, class Parent>
   SKINCTL_INLINE void compute(const M& model, const A& angles, const Parent& parent) noexcept {
-    if constexpr ((closure<M>(Mask) >> I) & 1u) {
-      const auto own = detail::placed(joint_frame<I>(model, angles), parent);
-      if constexpr ((Mask >> I) & 1u) {
-        Stored& at = places_[slot(I)];
+    if constexpr ((closure<M>(Mask) >> Ix) & 1u) {
+      const auto own = detail::placed(joint_frame<Ix>(model, angles), parent);
+      if constexpr ((Mask >> Ix) & 1u) {
+        Stored& at = places_[slot(Ix)];
         assign(at.x, own.x), assign(at.y, own.y), assign(at.z, own.z), assign(at.p, own.p);
       }
-      detail::for_each_link<children<M, int(I)>>(
+      detail::for_each_link<children<M, int(Ix)>>(
           [&](auto link) SKINCTL_INLINE_LAMBDA { compute<link.value>(model, angles, own); });
     }
   }

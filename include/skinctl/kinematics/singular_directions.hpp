@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The two directions in which a frame is least mobile, and the corresponding joint motions.
 #pragma once
 

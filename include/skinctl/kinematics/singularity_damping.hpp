@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How much the inverse of a Jacobian is damped near singularities.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // ZYZ angles of an orientation, their rates, and the analytic Jacobian.
 #pragma once
 
@@ -198,19 +199,19 @@ class AnalyticJacobian {
     const auto a = skinctl::acceleration(geometric_, dq, ddq);
     return {a.linear, map_.solve_rate(V.angular, a.angular, map_.solve(V.angular))};
   }
-  /// Column of joint `I` as `ZyzVelocity` per joint unit.
-  template <std::size_t I>
+  /// Column of joint `Ix` as `ZyzVelocity` per joint unit.
+  template <std::size_t Ix>
   [[nodiscard]] SKINCTL_INLINE ZyzVelocity<T> column() const noexcept {
-    const auto& c = geometric_.template column<I>();
+    const auto& c = geometric_.template column<Ix>();
     return {c.linear, map_.solve(c.angular)};
   }
-  /// Column of joint `I` of `dJ_a`, while the joints move at `dq`.
-  template <std::size_t I>
+  /// Column of joint `Ix` of `dJ_a`, while the joints move at `dq`.
+  template <std::size_t Ix>
   [[nodiscard]] SKINCTL_INLINE ZyzVelocity<T> column_rate(const JacobianRate<J>& dJ,
                                                           const JointVelocity<joints, T>& dq) const noexcept {
-    const auto& c = dJ.template column<I>();
+    const auto& c = dJ.template column<Ix>();
     const Zyz<T> rates = map_.solve((geometric_ * dq).angular);
-    return {c.linear, map_.solve_rate(geometric_.template column<I>().angular, c.angular, rates)};
+    return {c.linear, map_.solve_rate(geometric_.template column<Ix>().angular, c.angular, rates)};
   }
 
  private:

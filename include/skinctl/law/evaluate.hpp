@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Evaluation of a law: calls its members where it has them, else derives the result from the required ones.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The protocol of a law: an immutable configuration that computes joint torque from the known state; its
 // memory is kept outside.
 #pragma once
@@ -89,7 +90,7 @@ concept LawMembers = detail::HasMemory<L> && detail::HasNeeds<L> && detail::HasR
 /// | `waits_for_contacts()` | a touch that finds no contacts is refused | false | one does |
 ///
 /// `seen` has `now`, the end of the interval; `contacts()`, if `finds_contacts`: each a `Found` of the touch;
-/// `pressed()`, `nearest<I>()` and `coverage()`, as limits see them.
+/// `pressed()`, `nearest<Ix>()` and `coverage()`, as limits see them.
 ///
 /// Optional, for speed alone; the results are the same:
 /// - `evaluate(memory, known, dt)`: torque, next memory, shares and status at once (`Evaluation`). Used in

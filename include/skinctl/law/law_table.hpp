@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The members of a law, or their defaults: the only way in which the library asks for the optional ones.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The values that a law takes and gives: its role, its share in a sum, the parts of its torque, what became
 // of a request.
 #pragma once

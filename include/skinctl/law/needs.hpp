@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The model quantities that a law needs, as a compile-time value: the cycle computes their union once and
 // nothing else.
 #pragma once

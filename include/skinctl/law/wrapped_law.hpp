@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A law that is made of another one and changes its torque or its memory.
 #pragma once
 

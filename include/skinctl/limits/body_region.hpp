@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Limits of force for one region of a person's body, and the speed at which a robot may meet it.
 #pragma once
 

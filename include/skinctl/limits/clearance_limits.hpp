@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Keeps links of a robot clear of each other, of known objects and of what moves around it.
 #pragma once
 
@@ -296,5 +297,4 @@ template <class Scene, Real T>
   out.add(X_WB, filled);
   return out;
 }
-
 SKINCTL_END_NAMESPACE

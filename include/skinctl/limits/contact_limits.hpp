@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Limits of speed for contact with people: force, power, separation.
 #pragma once
 
@@ -32,9 +33,9 @@ struct ContactVerdict {
 };
 
 namespace detail {
-template <std::size_t... I>
+template <std::size_t... Ix>
 inline constexpr bool distinct_links =
-    static_cast<std::size_t>(std::popcount((link_bit<I> | ...))) == sizeof...(I);
+    static_cast<std::size_t>(std::popcount((link_bit<Ix> | ...))) == sizeof...(Ix);
 }  // namespace detail
 
 /// Limits of contact for some links of a robot: power and force, and separation, in the form of ISO/TS 15066
@@ -61,19 +62,19 @@ inline constexpr bool distinct_links =
 /// Contacts are where force readings are held (see `PressedAreas`), so opposite pushes on one link are two.
 /// Wrenches without cells give one contact for each link: there they cancel. Rotors are not in M: add their
 /// inertia to the model's links if they matter.
-template <RobotModel M, Real T, std::size_t... I>
+template <RobotModel M, Real T, std::size_t... Ix>
 class ContactLimits {
  public:
-  static_assert(sizeof...(I) > 0, "name at least one link");
-  static_assert(((I < M::joints) && ...), "contact limits for a link that the model does not have");
-  static_assert(detail::distinct_links<I...>,
+  static_assert(sizeof...(Ix) > 0, "name at least one link");
+  static_assert(((Ix < M::joints) && ...), "contact limits for a link that the model does not have");
+  static_assert(detail::distinct_links<Ix...>,
                 "two contact limits for one link: give it those of the more delicate region");
   using Kind = LinkContacts;
   static constexpr Precedence precedence = Precedence::contact;
   static constexpr bool of_the_drive = true;
   static constexpr Status holds_on = Status(Reason::contact_force) | Reason::contact_power;
-  static constexpr LinkMask links = (link_bit<I> | ...);
-  static constexpr std::size_t count = sizeof...(I);
+  static constexpr LinkMask links = (link_bit<Ix> | ...);
+  static constexpr std::size_t count = sizeof...(Ix);
   static constexpr std::size_t joints = M::joints;
   using Memory = ContactMemory<count, T>;
   using Verdict = ContactVerdict<T>;
@@ -81,7 +82,7 @@ class ContactLimits {
   using Distances = std::array<T, count>;
 
   /// Throws `ConfigurationError` for a number that is out of its range, or was not given.
-  SKINCTL_COLD explicit ContactLimits(const M& model, const LinkContact<I>&... link)
+  SKINCTL_COLD explicit ContactLimits(const M& model, const LinkContact<Ix>&... link)
       : model_(model), at_{Link(link)...} {}
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
@@ -98,7 +99,7 @@ class ContactLimits {
   [[nodiscard]] SKINCTL_INLINE SpeedShare<T> share(Memory& memory, const Going& going, const Seen& seen,
                                                    const JointVelocity<joints, T>& u) const noexcept {
     const auto verdict = judge(memory, going.measured, u, seen.pressed(),
-                               distances({seen.template nearest<I>()...}), going.passed);
+                               distances({seen.template nearest<Ix>()...}), going.passed);
     return {verdict.scale, verdict.status};
   }
 
@@ -163,7 +164,7 @@ class ContactLimits {
       lasting(at_[k], memory.above[k], most, dt, out);
       ++k;
     };
-    (one(std::integral_constant<std::size_t, I>{}), ...);
+    (one(std::integral_constant<std::size_t, Ix>{}), ...);
     if (out.scale < T(1)) out.status |= Reason::contact_slowed;
     return out;
   }
@@ -279,20 +280,20 @@ class ContactLimits {
   [[no_unique_address]] M model_;
   Link at_[count];
 };
-template <RobotModel M, std::size_t... I>
-ContactLimits(const M&, const LinkContact<I>&...) -> ContactLimits<M, double, I...>;
+template <RobotModel M, std::size_t... Ix>
+ContactLimits(const M&, const LinkContact<Ix>&...) -> ContactLimits<M, double, Ix...>;
 
 /// The same for a scalar that is named: `contact_limits<float>(model, ...)`.
-template <Real T = double, RobotModel M, std::size_t... I>
-[[nodiscard]] auto contact_limits(const M& model, const LinkContact<I>&... link) {
-  static_assert(detail::distinct_links<I...>,
+template <Real T = double, RobotModel M, std::size_t... Ix>
+[[nodiscard]] auto contact_limits(const M& model, const LinkContact<Ix>&... link) {
+  static_assert(detail::distinct_links<Ix...>,
                 "two contact limits for one link: give it those of the more delicate region");
-  if constexpr (detail::distinct_links<I...>) return ContactLimits<M, T, I...>(model, link...);
+  if constexpr (detail::distinct_links<Ix...>) return ContactLimits<M, T, Ix...>(model, link...);
 }
 
 /// The limit of a robot that contacts of links make together.
-template <RobotModel M, std::size_t N, Real T, std::size_t... I>
-[[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>&, const LinkContact<I>&... link) {
+template <RobotModel M, std::size_t N, Real T, std::size_t... Ix>
+[[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>&, const LinkContact<Ix>&... link) {
   return contact_limits<T>(model, link...);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How fast the places of a robot may go that its skin covers, by how well they feel.
 #pragma once
 
@@ -171,8 +172,8 @@ class PlaceSpeed {
     SKINCTL_INLINE Motion(const M& model, const JointPosition<joints, T>& q,
                           const JointVelocity<joints, T>& u) noexcept {
       const Poses<M, all_links(joints), T> poses(model, q);
-      [&]<std::size_t... I>(std::index_sequence<I...>)
-          SKINCTL_INLINE_LAMBDA { (put<I>(poses, u), ...); }(std::make_index_sequence<joints>{});
+      [&]<std::size_t... Ix>(std::index_sequence<Ix...>)
+          SKINCTL_INLINE_LAMBDA { (put<Ix>(poses, u), ...); }(std::make_index_sequence<joints>{});
     }
     [[nodiscard]] SKINCTL_INLINE T along(const Row& row) const noexcept {
       return product(velocity_[row.link], row);
@@ -189,14 +190,14 @@ class PlaceSpeed {
       for (std::size_t k = 1; k < 6; ++k) sum = sum + v[k] * row.normal[k];
       return sum;
     }
-    template <std::size_t I, class P>
+    template <std::size_t Ix, class P>
     SKINCTL_INLINE void put(const P& poses, const JointVelocity<joints, T>& u) noexcept {
-      const auto axes = poses.template get<I>().axes();
-      jacobian<I>(poses).for_each([&](auto j, const auto& c) SKINCTL_INLINE_LAMBDA {
+      const auto axes = poses.template get<Ix>().axes();
+      jacobian<Ix>(poses).for_each([&](auto j, const auto& c) SKINCTL_INLINE_LAMBDA {
         const Six own = {dot(axes.x, c.linear),  dot(axes.y, c.linear),  dot(axes.z, c.linear),
                          dot(axes.x, c.angular), dot(axes.y, c.angular), dot(axes.z, c.angular)};
-        column_[I][j.value] = own;
-        for (std::size_t k = 0; k < 6; ++k) velocity_[I][k] = velocity_[I][k] + u[j.value] * own[k];
+        column_[Ix][j.value] = own;
+        for (std::size_t k = 0; k < 6; ++k) velocity_[Ix][k] = velocity_[Ix][k] + u[j.value] * own[k];
       });
     }
     std::array<Six, joints> velocity_{};

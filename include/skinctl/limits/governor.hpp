@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Keeps the limits that concern the whole robot: slows commands down between resolver and guard.
 #pragma once
 
@@ -64,7 +65,7 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   /// @param hold  the torque that holds the joints by torque: gravity compensation, with friction if it has
   ///               some.
   /// @param seen  the touch of this cycle: `pressed()` (`PressedAreas`, or wrenches on the links),
-  ///              `nearest<I>()` (the strongest proximity reading of a link) and `coverage()`, as far as
+  ///              `nearest<Ix>()` (the strongest proximity reading of a link) and `coverage()`, as far as
   ///              limits ask.
   ///
   /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Limits of jerk beside those of the joints: braking begins early enough to be smooth.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a limit of a scene is: a part of its governor.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a link of the robot may touch, and how a contact there is measured.
 #pragma once
 
@@ -11,12 +12,12 @@ SKINCTL_BEGIN_NAMESPACE
 /// The contacts of all links are one limit.
 struct LinkContacts {};
 
-/// The body region that link `I` may touch, and how a contact is measured.
-template <std::size_t I>
+/// The body region that link `Ix` may touch, and how a contact is measured.
+template <std::size_t Ix>
 struct LinkContact {
   using Kind = LinkContact;
   using Family = LinkContacts;
-  static constexpr std::size_t link = I;
+  static constexpr std::size_t link = Ix;
   BodyRegion region;                 ///< the most sensitive region that can be touched
   double reach = BodyRegion::unset;  ///< largest distance of the link's surface from the link's origin [m]
   Nanoseconds reaction = BodyRegion::unset_time;  ///< from a change of force until the robot's speed changes

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Limits of position and speed for joints that take torques.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a robot does while cells of its skin do not report.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A limit on the speed of a point of the robot, such as its tool.
 #pragma once
 
@@ -13,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// What `MaxToolSpeed` limits: for `Cycle::without`.
 struct ToolSpeedLimit {};
 
-/// The largest speed [m/s] of a point fixed to link `I`.
+/// The largest speed [m/s] of a point fixed to link `Ix`.
 ///
 /// At constant joint velocities the point gets faster as the arm stretches, and a joint that brakes for its
 /// end no longer cancels the motion of the others. So a state keeps the limit only if it has a way to stop
@@ -23,12 +24,12 @@ struct ToolSpeedLimit {};
 /// - or all joints brake alike, at the rate of the weakest. With `v = |J u|`, growth `K = R (sum |u_i|)^2` and
 ///   rate `a = min A_i / |u_i|` the largest speed is v if `K <= a v`, else at most `2/3 v + K/(3 a)`, and joint
 ///   i covers `|u_i| / (2 a)`.
-template <RobotModel M, std::size_t I, Real T = double>
+template <RobotModel M, std::size_t Ix, Real T = double>
 class ToolSpeed {
  public:
-  static_assert(I < M::joints, "the speed of a link that the model does not have");
+  static_assert(Ix < M::joints, "the speed of a link that the model does not have");
   static constexpr std::size_t joints = M::joints;
-  static constexpr std::size_t link = I;
+  static constexpr std::size_t link = Ix;
   using Kind = ToolSpeedLimit;
   struct Memory {};
   static constexpr Precedence precedence = Precedence::tool_speed;
@@ -36,7 +37,7 @@ class ToolSpeed {
 
   struct Values {
     T speed;                            ///< [m/s], > 0
-    Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `I`, from its origin [m]
+    Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `Ix`, from its origin [m]
     T reach;                            ///< R: largest distance of the point from any joint axis [m]
   };
 
@@ -106,11 +107,11 @@ class ToolSpeed {
    private:
     friend ToolSpeed;
     At(const ToolSpeed& of, const JointPosition<joints, T>& q) noexcept : of_(of) {
-      const auto J = jacobian<I>(Poses<M, closure<M>(link_bit<I>), T>(of.model_, q), at(of.values_.point));
+      const auto J = jacobian<Ix>(Poses<M, closure<M>(link_bit<Ix>), T>(of.model_, q), at(of.values_.point));
       J.for_each([&](auto i, const auto& c) { column_[i.value] = c.linear; });
     }
-    static Transform<Link<I>, Cell, T> at(const Xyz<T>& p) noexcept {
-      return Transform<Link<I>, Cell, T>::trusted(
+    static Transform<Link<Ix>, Cell, T> at(const Xyz<T>& p) noexcept {
+      return Transform<Link<Ix>, Cell, T>::trusted(
           {Xyz<T>{T(1), T(0), T(0)}, Xyz<T>{T(0), T(1), T(0)}, Xyz<T>{T(0), T(0), T(1)}}, p);
     }
     const ToolSpeed& of_;
@@ -233,19 +234,19 @@ class ToolSpeed {
   Values values_;
 };
 
-/// For `Cycle::with`: the largest speed of a point of link `I`.
-template <std::size_t I, Real T = double>
+/// For `Cycle::with`: the largest speed of a point of link `Ix`.
+template <std::size_t Ix, Real T = double>
 struct MaxToolSpeed {
   using Kind = ToolSpeedLimit;
   T speed;                            ///< [m/s], > 0
-  Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `I`, from its origin [m]
+  Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `Ix`, from its origin [m]
   T reach;                            ///< largest distance of the point from any joint axis [m]
 };
 
 /// The limit of a robot that it makes.
-template <RobotModel M, std::size_t N, std::size_t I, Real T>
-[[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits, const MaxToolSpeed<I, T>& max) {
-  return ToolSpeed<M, I, T>(model, limits, {max.speed, max.point, max.reach});
+template <RobotModel M, std::size_t N, std::size_t Ix, Real T>
+[[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits, const MaxToolSpeed<Ix, T>& max) {
+  return ToolSpeed<M, Ix, T>(model, limits, {max.speed, max.point, max.reach});
 }
 
 SKINCTL_END_NAMESPACE

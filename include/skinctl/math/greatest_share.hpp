@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The greatest share of a motion that a condition allows, in a bounded number of questions.
 #pragma once
 

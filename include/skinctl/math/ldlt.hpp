@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // LDL' factors of a small symmetric positive definite matrix, and solutions with them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // LU factors of a small square matrix, symmetric or not, and solutions with them.
 #pragma once
 

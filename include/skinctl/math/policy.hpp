@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Policies of speed and accuracy, as template arguments: Fast or Libm.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sine and cosine: of one number, of lanes, of the joints of a robot at once.
 #pragma once
 
@@ -173,9 +174,9 @@ SKINCTL_INLINE void sincos(const skinctl::detail::Row<N, T>& x, T* sin_x, T* cos
       angles[k] = x.block[k];
       angles[whole + k] = y.block[k];
     });
-    angles[2 * whole] = [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+    angles[2 * whole] = [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
       return Block(__builtin_shufflevector(x.block[whole].vector(), y.block[whole].vector(),
-                                           int(I < Shape::last ? I : I + Shape::last)...));
+                                           int(Ix < Shape::last ? Ix : Ix + Shape::last)...));
     }(std::make_index_sequence<Shape::width>{});
     detail::sincos_lanes(angles, sin, cos);
     skinctl::detail::unrolled<whole>([&](auto k) SKINCTL_INLINE_LAMBDA {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Compensated sums for running totals and integrated states.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The hyperbolic tangent: the smooth sign of control laws.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Robots on robots: a hand on an arm, two arms on one base.
 #pragma once
 
@@ -65,15 +66,15 @@ class Attached : public AttachedTree<A, At, B> {
     }(std::make_index_sequence<roots>{});
   }
 
-  template <std::size_t I, LinkParameter P, Scalar U>
+  template <std::size_t Ix, LinkParameter P, Scalar U>
   SKINCTL_INLINE constexpr auto number() const noexcept {
-    if constexpr (I < Tree::trunk) {
-      return a_.template number<I, P, U>();
-    } else if constexpr (B::parents[I - Tree::trunk] < 0 && P < LinkParameter::mass) {
+    if constexpr (Ix < Tree::trunk) {
+      return a_.template number<Ix, P, U>();
+    } else if constexpr (B::parents[Ix - Tree::trunk] < 0 && P < LinkParameter::mass) {
       static_assert(std::same_as<U, T>, "an attached model computes in the scalar that it stores");
-      return T(roots_[root(I - Tree::trunk)][std::size_t(P)]);
+      return T(roots_[root(Ix - Tree::trunk)][std::size_t(P)]);
     } else {
-      return b_.template number<I - Tree::trunk, P, U>();
+      return b_.template number<Ix - Tree::trunk, P, U>();
     }
   }
   [[nodiscard]] constexpr bool masses_assumed() const noexcept {
@@ -95,10 +96,10 @@ class Attached : public AttachedTree<A, At, B> {
     while (children<B, -1>[k] != i) ++k;
     return k;
   }
-  template <std::size_t I>
+  template <std::size_t Ix>
   void place(Placement& out, const Stand& stand) const {
     const auto l =
-        placed_at(numbers_of<I, T>(b_), B::kinds[I], stand.R, {stand.p[0], stand.p[1], stand.p[2]});
+        placed_at(numbers_of<Ix, T>(b_), B::kinds[Ix], stand.R, {stand.p[0], stand.p[1], stand.p[2]});
     for (std::size_t k = 0; k < out.size(); ++k) out[k] = T(l.numbers[k]);
   }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Many robots of one model, computed side by side in lanes: rollouts, candidates of an optimisation, fingers.
 #pragma once
 
@@ -27,15 +28,15 @@ class SideBySide {
     const auto of = [&](std::size_t lane) -> const M& {
       return robots[lane < robots.size() ? lane : robots.size() - 1];
     };
-    const auto store = [&]<std::size_t I>(std::integral_constant<std::size_t, I>) {
+    const auto store = [&]<std::size_t Ix>(std::integral_constant<std::size_t, Ix>) {
       for (std::size_t p = 0; p < std::size_t(LinkParameter::count); ++p) {
         T x[W];
-        for (std::size_t k = 0; k < W; ++k) x[k] = static_cast<T>(numbers_of<I, T>(of(k)).numbers[p]);
-        links_[I].numbers[p] = scalar::load(x);
+        for (std::size_t k = 0; k < W; ++k) x[k] = static_cast<T>(numbers_of<Ix, T>(of(k)).numbers[p]);
+        links_[Ix].numbers[p] = scalar::load(x);
       }
     };
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      (store(std::integral_constant<std::size_t, I>{}), ...);
+    [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+      (store(std::integral_constant<std::size_t, Ix>{}), ...);
     }(std::make_index_sequence<joints>{});
     T x[W], y[W], z[W];
     for (std::size_t k = 0; k < W; ++k) {
@@ -45,14 +46,14 @@ class SideBySide {
     gravity_ = {scalar::load(x), scalar::load(y), scalar::load(z)};
   }
 
-  template <std::size_t I, LinkParameter P, Scalar U>
+  template <std::size_t Ix, LinkParameter P, Scalar U>
   SKINCTL_INLINE constexpr auto number() const noexcept {
     static_assert(std::same_as<U, scalar>, "robots side by side compute in lanes");
-    using One = decltype(std::declval<const M&>().template number<I, P, T>());
+    using One = decltype(std::declval<const M&>().template number<Ix, P, T>());
     if constexpr (is_known<One>) {
       return One{};
     } else {
-      return scalar(links_[I][P]);
+      return scalar(links_[Ix][P]);
     }
   }
   template <Scalar U>

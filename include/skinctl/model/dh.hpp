@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tables of Denavit and Hartenberg as links of a model.
 #pragma once
 

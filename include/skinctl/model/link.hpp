@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The parameters of one link of a model: the placement of its joint in the parent, and its inertia.
 #pragma once
 
@@ -202,9 +203,9 @@ void check_link(const LinkParameters<T>& l, double allowed_defect = rounded_dens
   const double rounding = 16 * static_cast<double>(std::numeric_limits<T>::epsilon());
   const double slack = rounding > rounded_density ? rounding : rounded_density;
   const LinkInertia in = inertia_of(l.template cast<double>());
-  const Symmetric<double> I{in.xx, in.yy, in.zz, in.xy, in.xz, in.yz};
-  const double least = eigenvalues(I).x;
-  require(least >= -slack * I.trace(), "smallest principal moment of inertia", least, ">= 0 kg m^2");
+  const Symmetric<double> Ix{in.xx, in.yy, in.zz, in.xy, in.xz, in.yz};
+  const double least = eigenvalues(Ix).x;
+  require(least >= -slack * Ix.trace(), "smallest principal moment of inertia", least, ">= 0 kg m^2");
   const double defect = density_defect(l);
   require(defect <= (slack > allowed_defect ? slack : allowed_defect),
           "negative part of the second moments of mass", defect,

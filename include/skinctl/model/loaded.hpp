@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A robot with a load: a tool, a payload.
 #pragma once
 
@@ -26,13 +27,13 @@ class Loaded : public M {
     link_ = sum.template cast<T>();
   }
 
-  template <std::size_t I, LinkParameter P, Scalar U>
+  template <std::size_t Ix, LinkParameter P, Scalar U>
   SKINCTL_INLINE constexpr auto number() const noexcept {
-    if constexpr (I == L && P >= LinkParameter::mass) {
+    if constexpr (Ix == L && P >= LinkParameter::mass) {
       static_assert(std::same_as<U, T>, "a loaded model computes in the scalar that it stores");
       return T(link_[P]);
     } else {
-      return M::template number<I, P, U>();
+      return M::template number<Ix, P, U>();
     }
   }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The concept of a robot model, and its two implementations: all numbers known at compile time, or at run
 // time.
 #pragma once
@@ -23,12 +24,12 @@ template <ModelInScalar M>
 struct ScalarOf<M> {
   using type = typename M::scalar;
 };
-/// A tree that knows a number of link `I` from its structure.
-template <class Tree, std::size_t I, LinkParameter P>
-concept KnowsNumber = requires { Tree::template known<I, P>(); };
+/// A tree that knows a number of link `Ix` from its structure.
+template <class Tree, std::size_t Ix, LinkParameter P>
+concept KnowsNumber = requires { Tree::template known<Ix, P>(); };
 }  // namespace detail
 
-/// A robot: a `Topology` whose `number<I, P, T>()` gives parameter `P` of link `I` as a typed constant
+/// A robot: a `Topology` whose `number<Ix, P, T>()` gives parameter `P` of link `Ix` as a typed constant
 /// (`TypedConstant<0>`) or as a `T`, and whose `gravity<T>()` is the gravitational acceleration in the axes
 /// of the base [m/s^2]. Algorithms are written once against this concept; typed constants vanish from the
 /// compiled code.
@@ -69,12 +70,12 @@ SKINCTL_COLD void require_masses(const M& model, const char* what) {
            "(calibration/inertial_fit.hpp)");
 }
 
-/// All numbers of link `I` of a model that computes in `T`, typed constants included.
-template <std::size_t I, Scalar T, RobotModel M>
+/// All numbers of link `Ix` of a model that computes in `T`, typed constants included.
+template <std::size_t Ix, Scalar T, RobotModel M>
 [[nodiscard]] constexpr LinkParameters<double> numbers_of(const M& model) noexcept {
   LinkParameters<double> l;
   [&]<std::size_t... K>(std::index_sequence<K...>) {
-    ((l.numbers[K] = static_cast<double>(T(model.template number<I, LinkParameter(K), T>()))), ...);
+    ((l.numbers[K] = static_cast<double>(T(model.template number<Ix, LinkParameter(K), T>()))), ...);
   }(std::make_index_sequence<std::size_t(LinkParameter::count)>{});
   return l;
 }
@@ -93,9 +94,9 @@ struct StaticModel {
     if constexpr (detail::DescribesMassesAssumed<Description>) return Description::masses_assumed;
     return false;
   }
-  template <std::size_t I, LinkParameter P, Scalar T>
+  template <std::size_t Ix, LinkParameter P, Scalar T>
   static SKINCTL_INLINE constexpr auto number() noexcept {
-    constexpr double x = Description::links[I][P];
+    constexpr double x = Description::links[Ix][P];
     if constexpr (x == 0.0) {
       return TypedConstant<0>{};
     } else if constexpr (x == 1.0) {
@@ -145,22 +146,22 @@ class CalibratedModel {
       : links_(links), gravity_(gravity) {
     if constexpr (Real<T>) {
       for (const auto& link : links_) check_link(link, allowed_defect);
-      [&]<std::size_t... I>(std::index_sequence<I...>) {
-        (check_promises<I>(std::make_index_sequence<std::size_t(LinkParameter::count)>{}), ...);
+      [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+        (check_promises<Ix>(std::make_index_sequence<std::size_t(LinkParameter::count)>{}), ...);
       }(std::make_index_sequence<joints>{});
     } else {
       static_cast<void>(allowed_defect);
     }
   }
 
-  template <std::size_t I, LinkParameter P, Scalar U>
+  template <std::size_t Ix, LinkParameter P, Scalar U>
   SKINCTL_INLINE constexpr auto number() const noexcept {
     static_assert(std::is_same_v<U, T>, "a calibrated model computes in the scalar that it stores");
-    using Promise = decltype(promised<I, P>());
+    using Promise = decltype(promised<Ix, P>());
     if constexpr (is_known<Promise>) {
       return Promise{};
     } else {
-      return T(links_[I][P]);
+      return T(links_[Ix][P]);
     }
   }
   template <Scalar U>
@@ -175,25 +176,26 @@ class CalibratedModel {
   [[nodiscard]] constexpr bool masses_assumed() const noexcept { return assumed_; }
 
  private:
-  template <std::size_t I, LinkParameter P>
+  template <std::size_t Ix, LinkParameter P>
   static constexpr auto promised() noexcept {
-    if constexpr (P == LinkParameter::sin_gamma && is_first_child(I)) {
+    if constexpr (P == LinkParameter::sin_gamma && is_first_child(Ix)) {
       return TypedConstant<0>{};
-    } else if constexpr (P == LinkParameter::cos_gamma && is_first_child(I)) {
+    } else if constexpr (P == LinkParameter::cos_gamma && is_first_child(Ix)) {
       return TypedConstant<1>{};
-    } else if constexpr (detail::KnowsNumber<Tree, I, P>) {
-      return Tree::template known<I, P>();
+    } else if constexpr (detail::KnowsNumber<Tree, Ix, P>) {
+      return Tree::template known<Ix, P>();
     } else {
       return;
     }
   }
-  template <std::size_t I, std::size_t... P>
+  template <std::size_t Ix, std::size_t... P>
   void check_promises(std::index_sequence<P...>) const {
     const auto check = [&]<std::size_t K>(std::integral_constant<std::size_t, K>) {
-      using Promise = decltype(promised<I, LinkParameter(K)>());
+      using Promise = decltype(promised<Ix, LinkParameter(K)>());
       if constexpr (is_known<Promise>)
-        require(links_[I][LinkParameter(K)] == T(Promise::value), "link parameter that the tree's type fixes",
-                static_cast<double>(links_[I][LinkParameter(K)]),
+        require(links_[Ix][LinkParameter(K)] == T(Promise::value),
+                "link parameter that the tree's type fixes",
+                static_cast<double>(links_[Ix][LinkParameter(K)]),
                 "the promised constant (first children: gamma = 0)");
     };
     (check(std::integral_constant<std::size_t, P>{}), ...);

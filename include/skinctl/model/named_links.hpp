@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The links of a file by name: the model's link that carries each, and its pose there.
 #pragma once
 
@@ -64,7 +65,7 @@ template <NamesLinks D, FrameName Name>
 }
 
 /// Pose of the file's link `Name` in the model's link that carries it,
-/// `Transform<Link<I>, NamedFrame<Name>>`; in `Base` if no joint moves it. `link_poses(model, q).get<I>()`
+/// `Transform<Link<Ix>, NamedFrame<Name>>`; in `Base` if no joint moves it. `link_poses(model, q).get<Ix>()`
 /// times this is the pose of the file's link at `q`.
 template <NamesLinks D, FrameName Name, Scalar T = double>
   requires HasLink<D, Name>

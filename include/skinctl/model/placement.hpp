@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Conversion of joint frames from files and drawings to the links of a model.
 #pragma once
 
@@ -60,19 +61,19 @@ inline Zxz decompose_zxz(const Rotation<double>& R) noexcept {
 inline LinkInertia seen_from(const Rotation<double>& R, const Xyz<double>& p,
                              const LinkInertia& in) noexcept {
   const Rotation<double> rows = R.transpose();  // rows.x is the outer x axis in inner axes
-  const auto I = [&](const Xyz<double>& v) {
+  const auto Ix = [&](const Xyz<double>& v) {
     return Xyz<double>{in.xx * v.x + in.xy * v.y + in.xz * v.z, in.xy * v.x + in.yy * v.y + in.yz * v.z,
                        in.xz * v.x + in.yz * v.y + in.zz * v.z};
   };
   const Xyz<double> c = p + R * Xyz<double>{in.c[0], in.c[1], in.c[2]};
   return {in.mass,
           {c.x, c.y, c.z},
-          dot(rows.x, I(rows.x)),
-          dot(rows.y, I(rows.y)),
-          dot(rows.z, I(rows.z)),
-          dot(rows.x, I(rows.y)),
-          dot(rows.x, I(rows.z)),
-          dot(rows.y, I(rows.z))};
+          dot(rows.x, Ix(rows.x)),
+          dot(rows.y, Ix(rows.y)),
+          dot(rows.z, Ix(rows.z)),
+          dot(rows.x, Ix(rows.y)),
+          dot(rows.x, Ix(rows.z)),
+          dot(rows.y, Ix(rows.z))};
 }
 
 /// The link of a model whose parent's frame now has the pose `R`, `p` in another frame. The link's own frame,

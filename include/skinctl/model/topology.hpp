@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The topology of a kinematic tree, known at compile time: the parent of each link.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The model that laws use where the robot's own controller compensates gravity.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Contact stability: the gain margin of the loop through a resolver's virtual robot and a contact.
 #pragma once
 

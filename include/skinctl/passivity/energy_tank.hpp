@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An energy tank: it pays for every torque but that of contacts.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Parts of a resolver that watch over energy: a scene names them; none by default.
 #pragma once
 

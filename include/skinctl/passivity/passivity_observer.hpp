@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Passivity of the real robot at a contact: it returns no more energy than it received.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The stiffest contact that a scene may meet: a part of a robot's description, checked where a scene is built.
 #pragma once
 
@@ -5,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -152,11 +154,11 @@ struct StiffestContact {
     for (int k = 0; k < poses; ++k) {
       JointPosition<N, T> q;
       for (std::size_t i = 0; i < N; ++i) {
-        const double lower = std::max(-M_PI, static_cast<double>(c.limits.lower()[i]));
-        const double upper = std::min(M_PI, static_cast<double>(c.limits.upper()[i]));
+        const double lower = std::max(-std::numbers::pi, static_cast<double>(c.limits.lower()[i]));
+        const double upper = std::min(std::numbers::pi, static_cast<double>(c.limits.upper()[i]));
         // Every fourth pose at quarter turns, where normals meet axes; the others evenly over the range.
         const double even = lower + (upper - lower) * halton(unsigned(k) + 1, i);
-        q[i] = T(k % 4 == 0 ? 0.5 * M_PI * std::round(even / (0.5 * M_PI)) : even);
+        q[i] = T(k % 4 == 0 ? 0.5 * std::numbers::pi * std::round(even / (0.5 * std::numbers::pi)) : even);
       }
       const auto felt = stability.felt(q);
       MassMatrix<N, double> inertia, friction;

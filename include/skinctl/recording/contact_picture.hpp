@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Contacts of a skin for a picture: what files and streams show of them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A cycle's input and command as bytes: what recordings hold, and what the loop hands to other threads.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From the loop to a thread: every cycle's input, command, status, torque shares and times.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The cycles of a scene as ROS 2 messages.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The numbers of a cycle, whatever its scene: what messages and files take.
 #pragma once
 

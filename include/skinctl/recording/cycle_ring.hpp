@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A ring of bytes from the loop to a thread that writes and sends.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The one thread beside a loop that writes and sends what the loop hands over.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The plain numbers of states, commands, samples and goals, one by one.
 #pragma once
 

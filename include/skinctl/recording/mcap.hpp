@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // MCAP files: messages of many topics, with an index, readable after a cut.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // MCAP on a disk: a sink that survives a full one, a file in memory, recovery. Needs POSIX.
 #pragma once
 

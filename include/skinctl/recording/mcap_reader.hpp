@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reads MCAP files, also cut or damaged ones.
 #pragma once
 

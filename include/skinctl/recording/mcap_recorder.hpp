@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Records a run into an MCAP file while it runs: what replays, and what people look at. The file is written by the bodies in
 // `detail/run_file_body.hpp`, in each file that includes this, or in one source of the program by CMake's `skinctl::io`.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A recording to an MCAP file and back.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A run as a file: every input, every command, replayed bit for bit.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a viewer has to know of a run: names, robot, skin, and where the links are.
 #pragma once
 
@@ -65,8 +66,8 @@ template <RobotModel M>
     for (std::size_t i = 0; i < M::joints && i < q.size(); ++i) at[i] = q[i];
     const auto poses = link_poses(model, at);
     places.resize(M::joints);
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      ((places[I] = {poses.template get<I>().axes(), poses.template get<I>().origin()}), ...);
+    [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+      ((places[Ix] = {poses.template get<Ix>().axes(), poses.template get<Ix>().origin()}), ...);
     }(std::make_index_sequence<M::joints>());
   };
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which scene and which build a recording is of: what makes a replay comparable to the bit.
 #pragma once
 

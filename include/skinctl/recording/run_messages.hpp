@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A run as ROS 2 messages: joint states, torque shares, cells, contacts, status. What files, streams and DDS send alike.
 #pragma once
 

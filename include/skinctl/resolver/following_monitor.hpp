@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Does a robot follow as declared? Its lag and gap, estimated all the time from commands and measurements.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Integrators of the virtual robot's velocity over a sub-step.
 #pragma once
 

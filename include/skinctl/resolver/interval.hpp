@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The interval that one cycle integrates.
 #pragma once
 

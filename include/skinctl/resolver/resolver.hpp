@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From torque to commands: a virtual robot that carries the fused torque and stays with the real one.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The resolver of a described robot.
 #pragma once
 
@@ -87,16 +88,16 @@ struct ResolverOfParts {
 
 template <class Robot>
 struct ResolverOf;
-template <Interface I, RobotModel M, Real T, class... Parts>
-struct ResolverOf<RobotDescription<I, M, T, Parts...>> {
+template <Interface Ix, RobotModel M, Real T, class... Parts>
+struct ResolverOf<RobotDescription<Ix, M, T, Parts...>> {
   using Chosen = ChosenParts<Parts...>;
-  using Group = JointGroup<I, joints_between(0, M::joints), T>;
+  using Group = JointGroup<Ix, joints_between(0, M::joints), T>;
   /// The model as laws see it: without weight where the robot itself compensates gravity.
   using Seen = std::conditional_t<(Chosen::template count<RobotHoldsGravity> > 0), Weightless<M>, M>;
   using Of = ResolverOfParts<Seen, T, JointGroups<M::joints, Group>, Parts...>;
   using type = typename Of::type;
 
-  [[nodiscard]] static type make(const RobotDescription<I, M, T, Parts...>& robot) {
+  [[nodiscard]] static type make(const RobotDescription<Ix, M, T, Parts...>& robot) {
     return Of::make(robot, std::tuple(Group{robot.configuration()}));
   }
 };
@@ -120,9 +121,9 @@ struct ResolverOf<GroupsDescription<M, T, Groups, Parts...>> {
 }  // namespace detail
 
 /// The resolver of a robot that is one group of joints.
-template <Interface I, RobotModel M, Real T = double, class Integrator = CrankNicolson,
+template <Interface Ix, RobotModel M, Real T = double, class Integrator = CrankNicolson,
           std::size_t History = 32, class PassivityParts = Passivity<>, class Tool = NoToolShape>
-using ResolverBy = Resolver<M, T, JointGroups<M::joints, JointGroup<I, joints_between(0, M::joints), T>>,
+using ResolverBy = Resolver<M, T, JointGroups<M::joints, JointGroup<Ix, joints_between(0, M::joints), T>>,
                             Integrator, History, PassivityParts, Tool>;
 
 namespace detail {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Robots whose joints have several interfaces: groups of joints by position, velocity and torque.
 #pragma once
 
@@ -8,18 +9,18 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The joints `Set` of a robot, which take `I`, and their configuration, in the order of the joints. Made by
+/// The joints `Set` of a robot, which take `Ix`, and their configuration, in the order of the joints. Made by
 /// `position_joints`, `velocity_joints` and `torque_joints`.
-template <Interface I, LinkMask Set, Real T = double>
+template <Interface Ix, LinkMask Set, Real T = double>
 struct JointGroup {
   static_assert(Set != 0, "a group without joints: leave it out");
-  static constexpr Interface interface = I;
+  static constexpr Interface interface = Ix;
   static constexpr LinkMask set = Set;
   static constexpr std::size_t count = static_cast<std::size_t>(std::popcount(Set));
   using scalar = T;
   /// What answers its commands, up to `History` of them under way.
   template <std::size_t History>
-  using Servo = ServoOf<I, count, T, History>;
+  using Servo = ServoOf<Ix, count, T, History>;
   RobotConfiguration<count, T> configuration;
 };
 
@@ -105,25 +106,25 @@ template <std::size_t N, Real T, class Groups>
 struct CommandOf;
 template <std::size_t N, Real T, class... Groups>
 struct CommandOf<N, T, std::tuple<Groups...>> {
-  template <Interface... I>
+  template <Interface... Ix>
   struct List {};
-  template <std::size_t K, Interface... I>
-  static auto command(List<I...> list) {
+  template <std::size_t K, Interface... Ix>
+  static auto command(List<Ix...> list) {
     if constexpr (K == std::size(all_interfaces)) {
-      return RobotCommand<N, T, I...>();
+      return RobotCommand<N, T, Ix...>();
     } else if constexpr (constexpr Interface next = all_interfaces[K]; ((Groups::interface == next) || ...)) {
-      return command<K + 1>(List<I..., next>());
+      return command<K + 1>(List<Ix..., next>());
     } else {
       return command<K + 1>(list);
     }
   }
   using type = decltype(command<0>(List<>()));
 };
-/// The numbers of the interfaces `I` of the joints of `Subset`.
-template <class Subset, std::size_t N, Real T, Interface... J, Interface... I>
+/// The numbers of the interfaces `Ix` of the joints of `Subset`.
+template <class Subset, std::size_t N, Real T, Interface... J, Interface... Ix>
 SKINCTL_INLINE void take_part(const RobotCommand<N, T, J...>& whole,
-                              RobotCommand<Subset::count, T, I...>& out) noexcept {
-  using Out = RobotCommand<Subset::count, T, I...>;
+                              RobotCommand<Subset::count, T, Ix...>& out) noexcept {
+  using Out = RobotCommand<Subset::count, T, Ix...>;
   out.time = whole.time;
   out.valid = whole.valid;
   if constexpr (Out::holds_position) out.position = Subset::of(whole.position);
@@ -133,10 +134,10 @@ SKINCTL_INLINE void take_part(const RobotCommand<N, T, J...>& whole,
 }  // namespace detail
 
 /// The part of a robot's command for the joints of `Subset`.
-template <class Subset, std::size_t N, Real T, Interface... I>
-[[nodiscard]] SKINCTL_INLINE RobotCommand<Subset::count, T, I...> part_of(
-    const RobotCommand<N, T, I...>& whole) noexcept {
-  RobotCommand<Subset::count, T, I...> out;
+template <class Subset, std::size_t N, Real T, Interface... Ix>
+[[nodiscard]] SKINCTL_INLINE RobotCommand<Subset::count, T, Ix...> part_of(
+    const RobotCommand<N, T, Ix...>& whole) noexcept {
+  RobotCommand<Subset::count, T, Ix...> out;
   detail::take_part<Subset>(whole, out);
   return out;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Limits of the joints, and motion within them that always keeps a braking distance.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Presets: choices of speed against accuracy that were measured together.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The configuration of a robot: all numbers that describe it besides its model, each stated once.
 #pragma once
 

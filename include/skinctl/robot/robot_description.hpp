@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The description of a robot: one value from which resolver, guard, limits and laws derive their settings.
 #pragma once
 
@@ -28,14 +29,14 @@ struct FrictionUncompensated {
 };
 
 namespace detail {
-/// Throws `ConfigurationError` where masses that are assumed are not enough for the interface `I`, or a joint by
+/// Throws `ConfigurationError` where masses that are assumed are not enough for the interface `Ix`, or a joint by
 /// position or velocity has no inertia, of its model nor virtual.
-template <Interface I, RobotModel M, std::size_t N, Real T>
+template <Interface Ix, RobotModel M, std::size_t N, Real T>
 SKINCTL_COLD void check_masses(const M& model, const JointTorque<N, T>& virtual_inertia,
                                LinkMask joints = joints_between(0, N)) {
   if (!has_assumed_masses(model)) return;
-  if constexpr (I != Interface::position && I != Interface::velocity) {
-    require_masses(model, I == Interface::torque ? "a robot by torque" : "a robot by impedance");
+  if constexpr (Ix != Interface::position && Ix != Interface::velocity) {
+    require_masses(model, Ix == Interface::torque ? "a robot by torque" : "a robot by impedance");
   } else {
     std::array<double, M::joints> about{};  // what turns with each joint, at least
     [&]<std::size_t... L>(std::index_sequence<L...>) {
@@ -83,10 +84,10 @@ inline constexpr bool is_once = (std::size_t(std::is_same_v<Part, Parts>) + ...)
 /// A model, the interface of its joints, a configuration, and optional parts: an energy tank, a passivity
 /// observer, the stiffest contact (`passivity/`), a tool shape, an integrator (`resolver/`), compensation of
 /// gravity and friction. Made by `by_position`, `by_velocity` or `by_torque`; immutable.
-template <Interface I, RobotModel M, Real T, class... Parts>
+template <Interface Ix, RobotModel M, Real T, class... Parts>
 class RobotDescription {
  public:
-  static constexpr Interface interface = I;
+  static constexpr Interface interface = Ix;
   static constexpr std::size_t joints = M::joints;
   using scalar = T;
   using model_type = M;
@@ -96,9 +97,9 @@ class RobotDescription {
   static constexpr bool robot_holds_gravity = has<RobotHoldsGravity>;
   static constexpr bool robot_compensates_friction = has<RobotCompensatesFriction>;
   static constexpr bool friction_uncompensated = has<FrictionUncompensated>;
-  static_assert(I == Interface::torque || !robot_holds_gravity,
+  static_assert(Ix == Interface::torque || !robot_holds_gravity,
                 "RobotHoldsGravity: only by torque; a virtual robot has no controller of its own");
-  static_assert(I == Interface::torque || !(robot_compensates_friction || friction_uncompensated),
+  static_assert(Ix == Interface::torque || !(robot_compensates_friction || friction_uncompensated),
                 "friction: by position or velocity the robot's own control compensates it, say nothing");
   static_assert(!(robot_compensates_friction && friction_uncompensated),
                 "friction: either the robot compensates it or nobody");
@@ -106,8 +107,8 @@ class RobotDescription {
   /// Throws `ConfigurationError` for a number out of its range.
   RobotDescription(const M& model, const Configuration& configuration, const Parts&... parts)
       : model_(model), configuration_(configuration), parts_(parts...) {
-    check(configuration, I != Interface::torque);
-    detail::check_masses<I>(model, configuration.virtual_inertia);
+    check(configuration, Ix != Interface::torque);
+    detail::check_masses<Ix>(model, configuration.virtual_inertia);
   }
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
@@ -117,19 +118,19 @@ class RobotDescription {
   /// The longest time between two evaluations of a law in cycles on time: a sub-step, or a period for a robot
   /// by torque.
   [[nodiscard]] Nanoseconds dt() const noexcept {
-    return I == Interface::torque ? period() : planned_substep(period(), configuration_.substep);
+    return Ix == Interface::torque ? period() : planned_substep(period(), configuration_.substep);
   }
   /// The same in the latest cycles that the description allows.
   [[nodiscard]] Nanoseconds longest_dt() const noexcept {
     const Nanoseconds late = configuration_.longest() / max_substeps;
-    return I != Interface::torque && late > dt() ? late : dt();
+    return Ix != Interface::torque && late > dt() ? late : dt();
   }
   /// D: the mean time from a state that a law reads until its torque acts. By torque the declared delay and
   /// lag, and
   /// 1.5 periods: one until the next state, half of the next, for which the torque is held. A virtual robot
   /// answers within a sub-step, so there it is `longest_dt()`.
   [[nodiscard]] Nanoseconds loop_delay() const noexcept {
-    if constexpr (I != Interface::torque) return longest_dt();
+    if constexpr (Ix != Interface::torque) return longest_dt();
     return configuration_.delay + configuration_.lag + 3 * period() / 2;
   }
   [[nodiscard]] VirtualDynamics<joints, T> virtual_dynamics() const noexcept {
@@ -152,7 +153,7 @@ concept DescribedRobot = requires(const R& robot) {
 };
 
 namespace detail {
-template <Interface I, class T, class M, class... Parts>
+template <Interface Ix, class T, class M, class... Parts>
 auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, const Parts&... parts) {
   constexpr bool once = (is_once<Parts, Parts...> && ...);
   static_assert(once, "a part of a robot's description is given twice: one EnergyTank, one ToolShape, ...");
@@ -160,9 +161,9 @@ auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, c
                 "behind the configuration stand parts of a description: EnergyTank, PassivityObserver, "
                 "StiffestContact, ToolShape, an integrator, RobotHoldsGravity, ...");
   if constexpr (once) {
-    return RobotDescription<I, M, T, Parts...>(model, c, parts...);
+    return RobotDescription<Ix, M, T, Parts...>(model, c, parts...);
   } else {
-    return RobotDescription<I, M, T>(model, c);
+    return RobotDescription<Ix, M, T>(model, c);
   }
 }
 }  // namespace detail
@@ -187,10 +188,10 @@ template <Real T = double, RobotModel M, class... Parts>
   return detail::describe_robot<Interface::torque, T>(model, configuration, parts...);
 }
 /// The same with the interface as a parameter.
-template <Interface I, Real T = double, RobotModel M, class... Parts>
+template <Interface Ix, Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto robot_by(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                             const Parts&... parts) {
-  return detail::describe_robot<I, T>(model, configuration, parts...);
+  return detail::describe_robot<Ix, T>(model, configuration, parts...);
 }
 
 /// The settings that laws share with their robot; `Cycle` compares them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Servos: how a robot as declared answers its commands.
 #pragma once
 
@@ -141,7 +142,7 @@ class DelayLag {
 struct NoServo {};
 
 namespace detail {
-template <Interface I, std::size_t N, Real T, std::size_t Capacity>
+template <Interface Ix, std::size_t N, Real T, std::size_t Capacity>
 struct ServoBy;  // by impedance: see robot/spring.hpp
 template <std::size_t N, Real T, std::size_t Capacity>
 struct ServoBy<Interface::position, N, T, Capacity> {
@@ -157,7 +158,7 @@ struct ServoBy<Interface::torque, N, T, Capacity> {
 };
 }  // namespace detail
 
-/// The servo of `N` joints that take `I`:
+/// The servo of `N` joints that take `Ix`:
 ///
 /// | member | |
 /// |---|---|
@@ -168,10 +169,10 @@ struct ServoBy<Interface::torque, N, T, Capacity> {
 /// | `each_under_way(m, f)` | calls `f` with the position of each command from the present one on |
 /// | `restart(m, time)` | the clock was set |
 /// | `gives_way` | whether pushes deflect it: `Memory` then has `deflection` [rad] |
-template <Interface I, std::size_t N, Real T, std::size_t Capacity>
-using ServoOf = typename detail::ServoBy<I, N, T, Capacity>::type;
+template <Interface Ix, std::size_t N, Real T, std::size_t Capacity>
+using ServoOf = typename detail::ServoBy<Ix, N, T, Capacity>::type;
 /// Whether commands of the interface say where the joints should be.
-template <Interface I>
-inline constexpr bool has_servo = !std::is_same_v<ServoOf<I, 1, double, 2>, NoServo>;
+template <Interface Ix>
+inline constexpr bool has_servo = !std::is_same_v<ServoOf<Ix, 1, double, 2>, NoServo>;
 
 SKINCTL_END_NAMESPACE

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joints that a joint-impedance controller holds: their servo gives way to what pushes them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Operational-space shaping: a given mass and friction of the virtual robot at its tool.
 #pragma once
 

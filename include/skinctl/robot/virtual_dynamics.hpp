@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Inertia, damping and friction of a virtual robot besides the links of its model.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The inertia of a virtual robot, as its laws read it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Wonik Allegro hand, right and left: four fingers of four joints on a palm.
 #pragma once
 
@@ -25,20 +26,20 @@ struct Tree {
 /// One finger. The constants that all four fingers share are typed, so that four fingers compute side by side
 /// in lanes.
 struct Finger : Chain<4> {
-  template <std::size_t I, LinkParameter P>
+  template <std::size_t Ix, LinkParameter P>
   static constexpr auto known() noexcept {
     using enum LinkParameter;
-    if constexpr (I == 1 && P == cos_alpha) {
+    if constexpr (Ix == 1 && P == cos_alpha) {
       return TypedConstant<0>{};
-    } else if constexpr (I == 1 && P == sin_alpha) {
+    } else if constexpr (Ix == 1 && P == sin_alpha) {
       return TypedConstant<-1>{};
-    } else if constexpr (I == 3 && P == cos_alpha) {
+    } else if constexpr (Ix == 3 && P == cos_alpha) {
       return TypedConstant<1>{};
-    } else if constexpr (I == 3 && (P == sin_alpha || P == p_x || P == p_z || P == offset)) {
+    } else if constexpr (Ix == 3 && (P == sin_alpha || P == p_x || P == p_z || P == offset)) {
       return TypedConstant<0>{};
-    } else if constexpr (I == 2 && (P == p_x || P == offset)) {
+    } else if constexpr (Ix == 2 && (P == p_x || P == offset)) {
       return TypedConstant<0>{};
-    } else if constexpr (P == c_x || P == c_z || (I < 3 && P == c_y)) {
+    } else if constexpr (P == c_x || P == c_z || (Ix < 3 && P == c_y)) {
       return TypedConstant<0>{};
     } else {
       return;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Universal Robots' arms besides the UR5: kinematics, inertias and limits as the maker publishes them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Universal Robots UR5 (CB3): kinematics, inertias and limits as the maker publishes them.
 #pragma once
 

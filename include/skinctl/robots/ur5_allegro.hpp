@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Arms with hands: UR5 with an Allegro hand (22 joints), two of them on one base (44).
 #pragma once
 

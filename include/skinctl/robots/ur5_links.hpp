@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The links of a UR5 by their names and frames in the maker's ROS 2 description.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A skin for a simulated UR5: any number of cells on all six links.
 #pragma once
 
@@ -68,10 +69,10 @@ inline Transform<skinctl::detail::AnyLink, Surface> tube_pose(const Tube& t) noe
 }
 }  // namespace detail
 
-/// The cylinder of link `I`.
-template <std::size_t I>
+/// The cylinder of link `Ix`.
+template <std::size_t Ix>
 [[nodiscard]] constexpr CylinderSurface surface() noexcept {
-  return {tubes[I].radius, detail::length(tubes[I])};
+  return {tubes[Ix].radius, detail::length(tubes[Ix])};
 }
 
 /// Number of cells on each link of a UR5 with `Cells` cells.
@@ -79,34 +80,34 @@ template <std::size_t Cells>
 inline constexpr std::array<std::size_t, 6> skin_cells = detail::share_cells(Cells);
 
 namespace detail {
-/// The patch of link `I`; its first id follows the last one of the link before.
-template <std::size_t Cells, std::size_t I>
+/// The patch of link `Ix`; its first id follows the last one of the link before.
+template <std::size_t Cells, std::size_t Ix>
 SKINCTL_COLD auto make_patch(const CellGains& gains) {
   static_assert(Cells >= 6, "at least one cell a link");
-  constexpr std::size_t n = skin_cells<Cells>[I];
+  constexpr std::size_t n = skin_cells<Cells>[Ix];
   std::uint32_t first = 1;
-  for (std::size_t i = 0; i < I; ++i) first += static_cast<std::uint32_t>(skin_cells<Cells>[i]);
-  return Patch<I, n>(skinctl::detail::cover_any(tube_pose(tubes[I]), surface<I>(), n, first), gains);
+  for (std::size_t i = 0; i < Ix; ++i) first += static_cast<std::uint32_t>(skin_cells<Cells>[i]);
+  return Patch<Ix, n>(skinctl::detail::cover_any(tube_pose(tubes[Ix]), surface<Ix>(), n, first), gains);
 }
-template <class M, class T, std::size_t Cells, class I>
+template <class M, class T, std::size_t Cells, class Ix>
 struct SkinType;
-template <class M, class T, std::size_t Cells, std::size_t... I>
-struct SkinType<M, T, Cells, std::index_sequence<I...>> {
-  using type = Skin<M, T, Patch<I, skin_cells<Cells>[I]>...>;
+template <class M, class T, std::size_t Cells, std::size_t... Ix>
+struct SkinType<M, T, Cells, std::index_sequence<Ix...>> {
+  using type = Skin<M, T, Patch<Ix, skin_cells<Cells>[Ix]>...>;
   static type make(const std::array<CellGains, 6>& gains, const SkinSettings& settings) {
-    return type(make_patch<Cells, I>(gains[I])..., settings);
+    return type(make_patch<Cells, Ix>(gains[Ix])..., settings);
   }
 };
 }  // namespace detail
 
 /// One patch per link, as a tuple; ids count from 1. Up to 383 cells have TUM's size (pitch 27.8 mm). Most of
 /// 1260 cells have 0.53 to 0.61 of it, most of 10 000 have 0.20 to 0.22 (pitch 5.5 mm), in one layer.
-/// `largest_cell(surface<I>(), skin_cells<Cells>[I])` gives the exact size.
+/// `largest_cell(surface<Ix>(), skin_cells<Cells>[Ix])` gives the exact size.
 /// @param gains  of each link's cells: lower gains where the skin has a long lever keep the contact calm.
 template <std::size_t Cells>
 [[nodiscard]] auto skin_patches(const std::same_as<std::array<CellGains, 6>> auto& gains) {
-  return [&]<std::size_t... I>(std::index_sequence<I...>) {
-    return std::tuple{detail::make_patch<Cells, I>(gains[I])...};
+  return [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+    return std::tuple{detail::make_patch<Cells, Ix>(gains[Ix])...};
   }(std::make_index_sequence<6>{});
 }
 template <std::size_t Cells>

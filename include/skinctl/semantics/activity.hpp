@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Activities as plans see them: what must hold, what they change, how long they may take. No robot in it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A decision tree that reads features and says an activity: for a `Recogniser`, beside the rules.
 #pragma once
 

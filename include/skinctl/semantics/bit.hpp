@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A yes-or-no feature of a signal: two thresholds, and two debounce times in continuous time.
 #pragma once
 

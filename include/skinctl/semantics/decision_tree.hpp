@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A decision tree over numbers: C4.5, learnt from labelled examples.
 #pragma once
 

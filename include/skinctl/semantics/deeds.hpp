@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What was done in a demonstration: deeds that change facts, from the segments of its recording.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Goals from a demonstration: where a led robot was left alone, and how hard it was told to squeeze.
 #pragma once
 

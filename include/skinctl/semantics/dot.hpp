@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A task as a drawing: the language of Graphviz.
 #pragma once
 

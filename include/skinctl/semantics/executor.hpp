@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Executes a task: from what is seen and what the skill reports to the next request. A pure function.
 #pragma once
 

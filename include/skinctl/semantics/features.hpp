@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The bits between a hand and the objects around it, from which activities are recognised.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Activities as the person means them: the rules, with pauses and with what a tool does in one place.
 #pragma once
 

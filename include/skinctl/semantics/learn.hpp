@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A task from demonstrations: episodes folded, branches with borders, and the activities that deeds need.
 #pragma once
 

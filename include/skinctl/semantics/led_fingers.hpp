@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How the fingers of a hand were led: how they stood before they were closed, around an object, and after it was let go.
 #pragma once
 

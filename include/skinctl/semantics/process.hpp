@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tasks and processes that are proved when they are compiled.
 #pragma once
 

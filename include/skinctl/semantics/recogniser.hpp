@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The activity of a hand, since when, and whether it has stood long enough to be relied upon.
 #pragma once
 

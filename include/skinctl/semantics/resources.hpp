@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Places that several robots share: at most one of them is in a place, in the order in which they asked.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Activities from features by rules: the corrected set of TUM's, which remembers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A whole recording of a led hand, cut where contact and motion change, by the recording's own noise.
 #pragma once
 

@@ -1,14 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From activities to a robot's behaviours: the bridge from what a task means to what a robot does.
 #pragma once
 
-#include <boost/hana/at_key.hpp>
-#include <boost/hana/keys.hpp>
-#include <boost/hana/length.hpp>
-#include <boost/hana/map.hpp>
-#include <boost/hana/pair.hpp>
-#include <boost/hana/type.hpp>
-#include <boost/hana/unpack.hpp>
-
+#include "skinctl/core/detail/hana.hpp"
 #include "skinctl/semantics/task.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

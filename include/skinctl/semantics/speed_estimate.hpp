@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The velocity of a point from its measured positions, with stated noise and lag.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A task: a graph of steps, a value that is proved when it is compiled, or when it is learnt or loaded.
 #pragma once
 

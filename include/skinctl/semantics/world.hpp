@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The objects around a robot: where stamped detections, and the hand that holds one, say they are.
 #pragma once
 

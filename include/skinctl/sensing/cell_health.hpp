@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The health of cells: faults found by rules in seconds, and masks that fade in and out.
 #pragma once
 

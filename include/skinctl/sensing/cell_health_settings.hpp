@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the fault rules of cells are told: the noise of a cell, times and thresholds.
 #pragma once
 

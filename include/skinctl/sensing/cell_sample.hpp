@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The hexagonal cell of TUM: its sample at one time, its kind, and its plausibility check.
 #pragma once
 

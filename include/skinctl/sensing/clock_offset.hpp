@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The clock of a sensor, brought together with the robot's.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The threshold above which a reading counts as a touch.
 #pragma once
 

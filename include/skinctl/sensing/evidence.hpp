@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Evidence for a drift and against a touch, from what else is known of a cell, for its rest level.
 #pragma once
 

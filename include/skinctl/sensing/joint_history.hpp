@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The robot's joints at the time of a sample.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How far a place may give way to a push that has no life.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A low-pass filter of first order for samples that come when they like.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The noise of an untouched cell, and the threshold above which its reading is a touch.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rest level of a cell: what it reads untouched. It follows drifts, stands still in a contact however
 // long that lasts, and is the same at any rate of the sensor.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The samples of an input: a span that cannot be made from a container that ends with the statement.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Send-on-delta: a cell sends a sample only after a change, for simulated skins.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A kind of sensor as a struct: what its cells read, and the channels in which these readings push.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Unrest: what a cell says of its measurements, and when it has said that it is frozen.
 #pragma once
 

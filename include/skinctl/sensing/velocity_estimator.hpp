@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joint velocities for devices that report positions only, with stated lag and noise.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The sample of a force-torque sensor at one time, and its plausibility check.
 #pragma once
 

@@ -1,11 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The controllers and behaviours of the paper by name, and the recipes of the behaviours: Fig. 7, section 6.
 #pragma once
 
 #include <array>
-#include <boost/hana/map.hpp>
-#include <boost/hana/pair.hpp>
-#include <boost/hana/type.hpp>
 
+#include "skinctl/core/detail/hana.hpp"
 #include "skinctl/skills/skill.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

@@ -1,14 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A library (a map of behaviours to recipes) and a robot's controllers become one law.
 #pragma once
 
-#include <boost/hana/at_key.hpp>
-#include <boost/hana/concat.hpp>
-#include <boost/hana/core/to.hpp>
-#include <boost/hana/filter.hpp>
-#include <boost/hana/tuple.hpp>
-#include <boost/hana/union.hpp>
-#include <boost/hana/unpack.hpp>
-
+#include "skinctl/core/detail/hana.hpp"
 #include "skinctl/skills/behaviours.hpp"
 #include "skinctl/skills/skill_set.hpp"
 

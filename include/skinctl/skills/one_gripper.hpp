@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The gripper of a set of skills: its goal as requests and skills give it, its state as the cycle is told it.
 #pragma once
 

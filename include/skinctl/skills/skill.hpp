@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A skill: the controllers that it loads, its switches, its conditions to start, finish and fail.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Requests to a set of skills: another skill, another goal, or a report of the switches.
 #pragma once
 

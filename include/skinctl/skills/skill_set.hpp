@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // All skills of a robot as one law: the active one is chosen while it runs, with bumpless transfer.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One end of a link between two cells: stop and wait, and signs of life.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What cells of a skin tell each other, and the bytes of it on a link.
 #pragma once
 

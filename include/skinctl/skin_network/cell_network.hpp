@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How the cells of a skin find their ids and their tree: by flood and echo, in epochs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The PC's side of the skin's network: it begins epochs, gives labels and ids, and collects the reports.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Patches of skin from the names that cells report: who is joined to whom by which port.
 #pragma once
 

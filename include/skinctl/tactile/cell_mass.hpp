@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The mass that is felt at each cell of a link.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The places of a skin's cells.
 #pragma once
 
@@ -16,8 +17,8 @@ struct CellPlace {
 };
 
 /// The places of all cells in the order of the patches, which is that of a skin's cell indices.
-template <std::size_t... I, std::size_t... N, class Kind>
-[[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(const Patch<I, N, Kind>&... patch) {
+template <std::size_t... Ix, std::size_t... N, class Kind>
+[[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(const Patch<Ix, N, Kind>&... patch) {
   std::vector<CellPlace> all;
   all.reserve((std::size_t(0) + ... + N));
   std::size_t number = 0;
@@ -25,13 +26,13 @@ template <std::size_t... I, std::size_t... N, class Kind>
     for (const detail::AnyCell& c : cells) all.push_back({link, number, c.X_LC.origin(), c.X_LC.axis_z()});
     ++number;
   };
-  (add(I, patch.any()), ...);
+  (add(Ix, patch.any()), ...);
   return all;
 }
 /// The same for patches in a tuple, such as those of `ur5::skin_patches`.
-template <std::size_t... I, std::size_t... N, class Kind>
+template <std::size_t... Ix, std::size_t... N, class Kind>
 [[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(
-    const std::tuple<Patch<I, N, Kind>...>& patches) {
+    const std::tuple<Patch<Ix, N, Kind>...>& patches) {
   return std::apply([](const auto&... patch) { return cell_places(patch...); }, patches);
 }
 

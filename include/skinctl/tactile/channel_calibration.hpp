@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Calibration of a cell: amounts of its channels as affine functions of its readings.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Contacts as seen by the joints.
 #pragma once
 
@@ -73,7 +74,7 @@ template <RobotModel M, Real T>
     const T far = sqrt(x * x + y * y + z * z) + T(0.4);
     if (far > reach[i]) reach[i] = far;
   };
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
+  [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
     const auto look = [&]<std::size_t J>(std::integral_constant<std::size_t, J>) {
       extend(J, T(2) * T(model.template number<J, P::c_x, T>()),
              T(2) * T(model.template number<J, P::c_y, T>()),
@@ -82,7 +83,7 @@ template <RobotModel M, Real T>
         extend(std::size_t(M::parents[J]), T(model.template number<J, P::p_x, T>()),
                T(model.template number<J, P::p_y, T>()), T(model.template number<J, P::p_z, T>()));
     };
-    (look(std::integral_constant<std::size_t, I>{}), ...);
+    (look(std::integral_constant<std::size_t, Ix>{}), ...);
   }(std::make_index_sequence<M::joints>{});
   return reach;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A skin that knows its contacts.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Covers of hexagonal cells for a link's surface, to simulate a skin.
 #pragma once
 
@@ -148,16 +149,16 @@ template <class S>
 }
 }  // namespace detail
 
-/// `count` cells on the surface at `X_LS` on link `I`, with ids from `first_id` on. Cells have TUM's size if
+/// `count` cells on the surface at `X_LS` on link `Ix`, with ids from `first_id` on. Cells have TUM's size if
 /// that many fit, else the largest size that does (`largest_cell`). If more cells fit, those nearest to the
 /// middle of the cover's order are used, and the ends stay uncovered.
-template <std::size_t I, class S>
-[[nodiscard]] std::vector<PlacedCell<I>> cover(const Transform<Link<I>, Surface>& X_LS, const S& surface,
-                                               std::size_t count, std::uint32_t first_id) {
-  std::vector<PlacedCell<I>> placed;
+template <std::size_t Ix, class S>
+[[nodiscard]] std::vector<PlacedCell<Ix>> cover(const Transform<Link<Ix>, Surface>& X_LS, const S& surface,
+                                                std::size_t count, std::uint32_t first_id) {
+  std::vector<PlacedCell<Ix>> placed;
   for (const auto& cell :
        detail::cover_any(X_LS.template renamed<detail::AnyLink, Surface>(), surface, count, first_id))
-    placed.push_back({cell.id, cell.X_LC.template renamed<Link<I>, Cell>()});
+    placed.push_back({cell.id, cell.X_LC.template renamed<Link<Ix>, Cell>()});
   return placed;
 }
 

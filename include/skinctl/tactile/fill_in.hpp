@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Filling in: what a masked cell would read, from the cells around it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The touch as it will be when the robot answers it.
 #pragma once
 

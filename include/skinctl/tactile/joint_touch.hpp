@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Touch that is known only as joint torques: what an observer of the motors finds.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Samples of cells of other kinds than the hexagon: what their skins add to the input of a cycle.
 #pragma once
 

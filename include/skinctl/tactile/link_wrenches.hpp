@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The skin's wrench on each link with skin.
 #pragma once
 
@@ -27,18 +28,18 @@ struct LinkWrenches {
     return static_cast<std::size_t>(std::popcount(Skinned & ((LinkMask(1) << i) - 1)));
   }
 
-  /// The wrench on link `I`. A link without skin does not compile.
-  template <std::size_t I>
-  [[nodiscard]] SKINCTL_INLINE constexpr Wrench<Link<I>, Link<I>, Link<I>, T> wrench() const noexcept {
-    static_assert((Skinned >> I) & 1u, "no skin on this link: its wrench is zero");
-    const T* w = data[slot(I)];
+  /// The wrench on link `Ix`. A link without skin does not compile.
+  template <std::size_t Ix>
+  [[nodiscard]] SKINCTL_INLINE constexpr Wrench<Link<Ix>, Link<Ix>, Link<Ix>, T> wrench() const noexcept {
+    static_assert((Skinned >> Ix) & 1u, "no skin on this link: its wrench is zero");
+    const T* w = data[slot(Ix)];
     return {{w[0], w[1], w[2]}, {w[3], w[4], w[5]}};
   }
-  /// Replaces the wrench on link `I`.
-  template <std::size_t I>
-  SKINCTL_INLINE constexpr void set(const Wrench<Link<I>, Link<I>, Link<I>, T>& F) noexcept {
-    static_assert((Skinned >> I) & 1u, "no skin on this link: its wrench is zero");
-    T* w = data[slot(I)];
+  /// Replaces the wrench on link `Ix`.
+  template <std::size_t Ix>
+  SKINCTL_INLINE constexpr void set(const Wrench<Link<Ix>, Link<Ix>, Link<Ix>, T>& F) noexcept {
+    static_assert((Skinned >> Ix) & 1u, "no skin on this link: its wrench is zero");
+    T* w = data[slot(Ix)];
     w[0] = F.force.x, w[1] = F.force.y, w[2] = F.force.z;
     w[3] = F.moment.x, w[4] = F.moment.y, w[5] = F.moment.z;
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The force that dry friction holds, wherever the arm stands: what one cell alone may count up to.
 #pragma once
 
@@ -36,8 +37,8 @@ template <RobotModel M, Real T>
             double(coulomb[j]), "0 to 1e6 N m");
   std::array<Xyz<double>, n> origin, axis;
   const auto poses = link_poses(model, JointPosition<n>{});
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    ((origin[I] = poses.template get<I>().origin(), axis[I] = poses.template get<I>().axis_z()), ...);
+  [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+    ((origin[Ix] = poses.template get<Ix>().origin(), axis[Ix] = poses.template get<Ix>().axis_z()), ...);
   }(std::make_index_sequence<n>{});
 
   std::vector<double> out;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The torque of contacts from motor torques and measured motion alone: the residual of generalised momentum.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Touch felt by the motors: an arm without any tactile sensor gives way.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Patches whose cells are placed by hand on links of a file, by name.
 //
 // A cover of a whole surface works likewise:
@@ -17,13 +18,13 @@ struct NamedCell {
 };
 
 namespace detail {
-template <std::size_t I, FrameName Name, std::size_t N>
-[[nodiscard]] SKINCTL_COLD Patch<I, N> place_patch(const Transform<Link<I>, NamedFrame<Name>>& X_LN,
-                                                   const NamedCell<Name> (&cells)[N],
-                                                   const CellGains& gains) {
-  std::vector<PlacedCell<I>> placed;
+template <std::size_t Ix, FrameName Name, std::size_t N>
+[[nodiscard]] SKINCTL_COLD Patch<Ix, N> place_patch(const Transform<Link<Ix>, NamedFrame<Name>>& X_LN,
+                                                    const NamedCell<Name> (&cells)[N],
+                                                    const CellGains& gains) {
+  std::vector<PlacedCell<Ix>> placed;
   for (const NamedCell<Name>& cell : cells) placed.push_back({cell.id, X_LN * cell.X_NC});
-  return Patch<I, N>(placed, gains);
+  return Patch<Ix, N>(placed, gains);
 }
 }  // namespace detail
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A patch of skin: cells fixed to one link.
 #pragma once
 
@@ -30,12 +31,12 @@ struct ChannelGains {
 template <SensorKind Kind>
 using GainsOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, CellGains, ChannelGains<Kind>>;
 
-/// A cell on link `I`: its id in the samples, and its pose. For a pose measured in a link of a URDF see
+/// A cell on link `Ix`: its id in the samples, and its pose. For a pose measured in a link of a URDF see
 /// `NamedCell` and `patch_on`.
-template <std::size_t I>
+template <std::size_t Ix>
 struct PlacedCell {
   std::uint32_t id = 0;
-  Transform<Link<I>, Cell> X_LC;  ///< z is the outward normal
+  Transform<Link<Ix>, Cell> X_LC;  ///< z is the outward normal
 };
 
 namespace detail {
@@ -78,19 +79,19 @@ SKINCTL_COLD inline void require_cells(const std::vector<AnyCell>& placed, std::
 }
 }  // namespace detail
 
-/// `Cells` cells of a kind on link `I`, each with an id, and their common gains. Immutable.
-template <std::size_t I, std::size_t Cells, SensorKind Kind = Hexagon>
+/// `Cells` cells of a kind on link `Ix`, each with an id, and their common gains. Immutable.
+template <std::size_t Ix, std::size_t Cells, SensorKind Kind = Hexagon>
 class Patch {
  public:
   using kind = Kind;
   using Gains = GainsOf<Kind>;
   static_assert(Cells > 0 && (detail::is_sound<Kind>() || true), "a patch has at least one cell");
-  static constexpr std::size_t link = I;
+  static constexpr std::size_t link = Ix;
   static constexpr std::size_t cells = Cells;
 
   /// Throws `ConfigurationError` if the number of cells is not `Cells`, a pose is not finite, a normal is no
   /// unit vector, or a gain is negative or not finite.
-  explicit Patch(const std::vector<PlacedCell<I>>& placed, const Gains& gains = {}) : gains_(gains) {
+  explicit Patch(const std::vector<PlacedCell<Ix>>& placed, const Gains& gains = {}) : gains_(gains) {
     placed_.reserve(placed.size());
     for (const auto& cell : placed)
       placed_.push_back({cell.id, cell.X_LC.template renamed<detail::AnyLink, Cell>()});
@@ -105,9 +106,9 @@ class Patch {
   }
 
   /// The cells with their link, for inspection.
-  [[nodiscard]] SKINCTL_COLD std::vector<PlacedCell<I>> placed() const {
-    std::vector<PlacedCell<I>> out;
-    for (const auto& cell : placed_) out.push_back({cell.id, cell.X_LC.template renamed<Link<I>, Cell>()});
+  [[nodiscard]] SKINCTL_COLD std::vector<PlacedCell<Ix>> placed() const {
+    std::vector<PlacedCell<Ix>> out;
+    for (const auto& cell : placed_) out.push_back({cell.id, cell.X_LC.template renamed<Link<Ix>, Cell>()});
     return out;
   }
   [[nodiscard]] const std::vector<detail::AnyCell>& any() const noexcept { return placed_; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Pressed areas: cells of one link that are pressed from about the same side, close together.
 #pragma once
 

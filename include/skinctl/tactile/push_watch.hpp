@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A watch over a sensor of few numbers: whether its push has life, and what it reads at rest.
 #pragma once
 

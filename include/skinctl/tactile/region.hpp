@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Named regions of a skin, with a weight and a limit of force.
 #pragma once
 

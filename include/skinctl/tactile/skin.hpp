@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Skin: all patches of a robot, and the conversion of their samples to wrenches on links.
 #pragma once
 

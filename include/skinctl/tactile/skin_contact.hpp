@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Contacts as a skin feels them: clusters of pressed cells, each with an identity that lasts.
 #pragma once
 

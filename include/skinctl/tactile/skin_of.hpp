@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SkinOf: a skin whose cells, patches and links are known at run time, each cell with gains and thresholds.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Thresholds and times of a skin's readings.
 #pragma once
 

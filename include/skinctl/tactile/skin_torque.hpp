@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From wrenches on links to joint torques: one pass from the outermost link with skin to the base.
 #pragma once
 
@@ -23,50 +24,51 @@ struct Load {
 template <class F, class N>
 Load(F, N) -> Load<F, N>;
 
-template <std::size_t I, Topology M, LinkMask Skinned, class T>
+template <std::size_t Ix, Topology M, LinkMask Skinned, class T>
 SKINCTL_INLINE constexpr auto own_load(const LinkWrenches<M, Skinned, T>& wrenches) noexcept {
-  if constexpr ((Skinned >> I) & 1u) {
-    const auto F = wrenches.template wrench<I>();
+  if constexpr ((Skinned >> Ix) & 1u) {
+    const auto F = wrenches.template wrench<Ix>();
     return Load{F.force, F.moment};
   } else {
     return Load{ZeroTriple{}, ZeroTriple{}};
   }
 }
 
-/// Writes `tau[I]` from the skin's wrench on the subtree of link `I`, and returns that wrench about the parent's
+/// Writes `tau[Ix]` from the skin's wrench on the subtree of link `Ix`, and returns that wrench about the parent's
 /// origin along the parent's axes.
-template <std::size_t I, RobotModel M, class T, LinkMask A, class F, class N>
+template <std::size_t Ix, RobotModel M, class T, LinkMask A, class F, class N>
 SKINCTL_INLINE constexpr auto hand_down_load(const M& model, const JointAngles<M, T, A>& angles,
                                              const Load<F, N>& load, T* tau) noexcept {
-  if constexpr (M::kinds[I] == JointKind::revolute) {
-    tau[I] = T(load.moment.z);
+  if constexpr (M::kinds[Ix] == JointKind::revolute) {
+    tau[Ix] = T(load.moment.z);
   } else {
-    tau[I] = T(load.force.z);
+    tau[Ix] = T(load.force.z);
   }
-  const auto frame = joint_frame<I>(model, angles);
+  const auto frame = joint_frame<Ix>(model, angles);
   const auto f = frame.to_parent(load.force);
   return Load{f, frame.to_parent(load.moment) + cross(frame.p, f)};
 }
 
-/// Writes `tau` for the subtree of link `I` and returns the skin's wrench on the subtree, about the parent's
+/// Writes `tau` for the subtree of link `Ix` and returns the skin's wrench on the subtree, about the parent's
 /// origin along the parent's axes. A subtree without skin gives typed zeros, which leave no code.
-template <std::size_t I, RobotModel M, class T, LinkMask A, Topology B, LinkMask Skinned>
+template <std::size_t Ix, RobotModel M, class T, LinkMask A, Topology B, LinkMask Skinned>
 SKINCTL_INLINE constexpr auto subtree_load(const M& model, const JointAngles<M, T, A>& angles,
                                            const LinkWrenches<B, Skinned, T>& wrenches, T* tau) noexcept {
-  if constexpr ((subtree<M>(I) & Skinned) == 0) {
+  if constexpr ((subtree<M>(Ix) & Skinned) == 0) {
     return Load{ZeroTriple{}, ZeroTriple{}};
   } else {
-    constexpr auto carried = children<M, int(I)>;
+    constexpr auto carried = children<M, int(Ix)>;
     if constexpr (carried.size() == 0) {
-      return hand_down_load<I>(model, angles, own_load<I>(wrenches), tau);
+      return hand_down_load<Ix>(model, angles, own_load<Ix>(wrenches), tau);
     } else if constexpr (carried.size() == 1) {
-      return hand_down_load<I>(
-          model, angles, own_load<I>(wrenches) + subtree_load<carried[0]>(model, angles, wrenches, tau), tau);
+      return hand_down_load<Ix>(
+          model, angles, own_load<Ix>(wrenches) + subtree_load<carried[0]>(model, angles, wrenches, tau),
+          tau);
     } else {
       const auto load = [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
-        return (own_load<I>(wrenches) + ... + subtree_load<carried[K]>(model, angles, wrenches, tau));
+        return (own_load<Ix>(wrenches) + ... + subtree_load<carried[K]>(model, angles, wrenches, tau));
       }(std::make_index_sequence<carried.size()>{});
-      return hand_down_load<I>(model, angles, load, tau);
+      return hand_down_load<Ix>(model, angles, load, tau);
     }
   }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The stiffness of what is squeezed between two fingers, or of what a cell is pressed against.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A skin that keeps what its cells tell: accelerations, temperatures.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The protocol of a touch: what a scene asks of skins, sensors, their wrappers and sums, and what it assumes
 // of the rest.
 #pragma once
@@ -42,7 +43,7 @@ struct NoSensors {};
 /// | `contacts(memory)` | the contacts that skills wait for, each a `Found` | none are found | both |
 /// | `coverage(memory)` | how much of it feels | no cells | together |
 /// | `noticed(memory, i)` | least reading of a push on its `i`-th cell that somebody notices | infinite | b's behind a's |
-/// | `nearest<I>(memory)` | bound of proximity on link `I` | 1: somebody may be there | greatest of those that tell |
+/// | `nearest<Ix>(memory)` | bound of proximity on link `Ix` | 1: somebody may be there | greatest of those that tell |
 /// | `index(id)`, `size()` | place of a cell; `size()`: not its own | no cells | b's behind a's |
 /// | `each_cell(f, most)` | unit wrenches of cells, for checks of stability | none | both |
 /// | `each_point(f)` | the same for a sensor | none | both |
@@ -88,8 +89,8 @@ struct TouchTable {
   static constexpr bool feels_everywhere = detail::HasGainEverywhere<S>;
   template <class T>
   static constexpr bool knows_pressed = detail::HasPressed<S, T>;
-  template <std::size_t I>
-  static constexpr bool tells_nearest = detail::TellsNearest<S, I>;
+  template <std::size_t Ix>
+  static constexpr bool tells_nearest = detail::TellsNearest<S, Ix>;
 
   /// See `Skin::receive`; what comes behind `means` are front ends.
   template <class Given, class Means, class... Front>
@@ -143,10 +144,10 @@ struct TouchTable {
       return std::numeric_limits<double>::infinity();
     }
   }
-  template <std::size_t I, class W = typename S::Wrenches>
+  template <std::size_t Ix, class W = typename S::Wrenches>
   [[nodiscard]] static SKINCTL_INLINE typename W::scalar nearest(const S& s, const Memory& m) noexcept {
-    if constexpr (tells_nearest<I>) {
-      return s.template nearest<I>(m);
+    if constexpr (tells_nearest<Ix>) {
+      return s.template nearest<Ix>(m);
     } else {
       return typename W::scalar(1);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Impacts and slips that the accelerometers of cells feel.
 #pragma once
 
@@ -9,19 +10,19 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The proper acceleration of a cell at `X_LC` on link `I`, along its own axes [m/s^2], as an ideal accelerometer
+/// The proper acceleration of a cell at `X_LC` on link `Ix`, along its own axes [m/s^2], as an ideal accelerometer
 /// reads it: that of its place, less gravity. At rest it points upwards.
 ///
 /// @param ddq  of the joints, for example from differences of their speeds.
 /// @param up   minus gravity, along the base's axes.
-template <std::size_t I, RobotModel M, Real T>
+template <std::size_t Ix, RobotModel M, Real T>
 [[nodiscard]] Xyz<T> proper_acceleration(const M& model, const State<M::joints, T>& state,
                                          const JointAcceleration<M::joints, T>& ddq,
-                                         const Transform<Link<I>, Cell, T>& X_LC,
+                                         const Transform<Link<Ix>, Cell, T>& X_LC,
                                          const Xyz<T>& up = {T(0), T(0), T(9.80665)}) noexcept {
-  const Poses<M, closure<M>(link_bit<I>), T> poses(model, state.q);
-  const Xyz<T> a = acceleration(jacobian<I>(poses, X_LC), state.dq, ddq).linear + up;
-  const auto X = poses.template get<I>() * X_LC;
+  const Poses<M, closure<M>(link_bit<Ix>), T> poses(model, state.q);
+  const Xyz<T> a = acceleration(jacobian<Ix>(poses, X_LC), state.dq, ddq).linear + up;
+  const auto X = poses.template get<Ix>() * X_LC;
   return {dot(X.axis_x(), a), dot(X.axis_y(), a), dot(X.axis_z(), a)};
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Several sources of touch in one scene: skin, wrist sensor, motors.
 #pragma once
 
@@ -18,17 +19,17 @@ struct TouchSum {
   A first;
   B second;
 
-  /// The wrench on link `I`: of one source, or the sum of both.
-  template <std::size_t I>
-    requires detail::KnowsWrench<LawTouch<A>, I> && detail::KnowsWrench<LawTouch<B>, I>
+  /// The wrench on link `Ix`: of one source, or the sum of both.
+  template <std::size_t Ix>
+    requires detail::KnowsWrench<LawTouch<A>, Ix> && detail::KnowsWrench<LawTouch<B>, Ix>
   [[nodiscard]] SKINCTL_INLINE constexpr auto wrench() const noexcept {
-    static_assert((links >> I) & 1u, "no source of touch on this link: its wrench is unknown");
-    if constexpr (((LawTouch<B>::links >> I) & 1u) == 0) {
-      return first.template wrench<I>();
-    } else if constexpr (((LawTouch<A>::links >> I) & 1u) == 0) {
-      return second.template wrench<I>();
+    static_assert((links >> Ix) & 1u, "no source of touch on this link: its wrench is unknown");
+    if constexpr (((LawTouch<B>::links >> Ix) & 1u) == 0) {
+      return first.template wrench<Ix>();
+    } else if constexpr (((LawTouch<A>::links >> Ix) & 1u) == 0) {
+      return second.template wrench<Ix>();
     } else {
-      return first.template wrench<I>() + second.template wrench<I>();
+      return first.template wrench<Ix>() + second.template wrench<Ix>();
     }
   }
   friend SKINCTL_INLINE constexpr bool operator==(const TouchSum& a, const TouchSum& b) noexcept {
@@ -242,16 +243,16 @@ class TouchSources : public detail::ApartOfSum<A, B>,
     return i < of_first ? First::noticed(a_, memory.first, i)
                         : Second::noticed(b_, memory.second, i - of_first);
   }
-  template <std::size_t I>
+  template <std::size_t Ix>
   [[nodiscard]] scalar nearest(const Memory& memory) const noexcept
-    requires(First::template tells_nearest<I> || Second::template tells_nearest<I>)
+    requires(First::template tells_nearest<Ix> || Second::template tells_nearest<Ix>)
   {
-    if constexpr (!Second::template tells_nearest<I>) {
-      return a_.template nearest<I>(memory.first);
-    } else if constexpr (!First::template tells_nearest<I>) {
-      return b_.template nearest<I>(memory.second);
+    if constexpr (!Second::template tells_nearest<Ix>) {
+      return a_.template nearest<Ix>(memory.first);
+    } else if constexpr (!First::template tells_nearest<Ix>) {
+      return b_.template nearest<Ix>(memory.second);
     } else {
-      const scalar a = a_.template nearest<I>(memory.first), b = b_.template nearest<I>(memory.second);
+      const scalar a = a_.template nearest<Ix>(memory.first), b = b_.template nearest<Ix>(memory.second);
       return a > b ? a : b;
     }
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Forces and proximities of a skin as two wrenches on each link: a contact, and the controller's own push.
 #pragma once
 

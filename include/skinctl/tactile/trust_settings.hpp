@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a trusted skin is told of its cells.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A skin whose faulty cells do not move the robot.
 #pragma once
 
@@ -129,13 +130,13 @@ class TrustedSkin : public detail::TrustCore<S> {
   }
   /// See `Skin::nearest`. What a masked cell sees is left to its neighbours, if one of them is heard and not
   /// masked.
-  template <std::size_t I>
+  template <std::size_t Ix>
   [[nodiscard]] T nearest(const Memory& m) const noexcept {
     if constexpr (!Table::sees) return T(1);
     float most = static_cast<float>(this->wrapped().settings().gates()[this->seen_].opens_at() /
                                     Kind::channels[this->seen_].greatest);
     for (std::size_t i = 0; i < size(); ++i) {
-      if (cell_[i].link != I) continue;
+      if (cell_[i].link != Ix) continue;
       if (!m.hears(i)) return T(1);
       if (this->counts(m, i)) {
         most = std::max(most, m.health.row[i / 16].proximity[i % 16]);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A skin whose patches count as much as the scene says in each cycle: forces and proximities apart.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A force-torque sensor as touch: the wrench that it measures acts on the link that carries it.
 #pragma once
 
@@ -26,12 +27,12 @@ struct WristInput {
   SampleSpan<WrenchSample> wrenches;  ///< arrived since the last cycle, in the order of their stamps
 };
 
-/// A force-torque sensor on link `I` of the model `M`, in place of a skin or beside one:
+/// A force-torque sensor on link `Ix` of the model `M`, in place of a skin or beside one:
 ///
 ///     Cycle(arm, wrist_sensor<5>(model, {...}), law)
 ///     Cycle(arm, skin + wrist_sensor<5>(model, {...}), law)
 ///
-/// Laws see its wrench as they see that of a skin on link `I`: an arm without skin gives way at its tool.
+/// Laws see its wrench as they see that of a skin on link `Ix`: an arm without skin gives way at its tool.
 ///
 /// **Reading.** `w = gain gate(sample - bias - weight)`. `weight` is the gravity of `mass` at `centre` at the
 /// measured pose; the inertial force of an accelerated tool is not taken off (1 N for 1 kg at 1 m/s^2: choose
@@ -49,16 +50,16 @@ struct WristInput {
 ///
 /// What the skin beyond the sensor feels, the sensor feels too: leave one of them out. A single wrench is one
 /// contact, with a lever no longer than the link's reach (see `contacts_of`).
-template <std::size_t I, RobotModel M, Real T = double>
+template <std::size_t Ix, RobotModel M, Real T = double>
 class WristSensor : public sensor_sums::Summand {
  public:
-  static_assert(I < M::joints, "a wrist sensor on a link that the model does not have");
+  static_assert(Ix < M::joints, "a wrist sensor on a link that the model does not have");
   using scalar = T;
-  using Wrenches = LinkWrenches<M, link_bit<I>, T>;
+  using Wrenches = LinkWrenches<M, link_bit<Ix>, T>;
   using Sensed = WristInput;
-  using Settings = WristSensorSettings<I>;
+  using Settings = WristSensorSettings<Ix>;
   using Watch = PushWatch<6, 2>;
-  static constexpr std::size_t link = I;
+  static constexpr std::size_t link = Ix;
   static constexpr LinkMask links = Wrenches::links;
 
   /// Trivially copyable; only the sensor reads and writes its members.
@@ -218,7 +219,7 @@ class WristSensor : public sensor_sums::Summand {
     const Xyz<double> axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const auto push = [&](const Xyz<double>& p, const Xyz<double>& n) {
       const auto F_L = transformed(s_.X_LS, Wrench<ForceSensor>{n, cross(p, n)});
-      f(I, skinctl::cast<T>(F_L.force), skinctl::cast<T>(F_L.moment), s_.gain);
+      f(Ix, skinctl::cast<T>(F_L.force), skinctl::cast<T>(F_L.moment), s_.gain);
     };
     for (int along = 0; along < 3; ++along) {
       push({0, 0, 0}, axes[along]);
@@ -231,9 +232,9 @@ class WristSensor : public sensor_sums::Summand {
   static constexpr double shortest_reach = 0.01;  ///< lever by which a moment alone counts as a force [m]
   /// The sensor's axes along those of the base.
   [[nodiscard]] Rotation<double> axes_in_base(const JointPosition<M::joints, T>& q) const noexcept {
-    const JointAngles<M, T, link_bit<I>> angles(model_, q);
-    const Poses<M, link_bit<I>, T> poses(model_, angles);
-    return poses.template get<I>().template cast<double>().axes() * s_.X_LS.axes();
+    const JointAngles<M, T, link_bit<Ix>> angles(model_, q);
+    const Poses<M, link_bit<Ix>, T> poses(model_, angles);
+    return poses.template get<Ix>().template cast<double>().axes() * s_.X_LS.axes();
   }
   /// Gravity of the load along the sensor's axes, about its origin [N], [N m].
   [[nodiscard]] Wrench<ForceSensor> weight(const JointPosition<M::joints, T>& q) const noexcept {
@@ -281,8 +282,9 @@ class WristSensor : public sensor_sums::Summand {
 };
 
 /// `wrist_sensor<5>(model, {...})`: a sensor on link 5 of the robot with that model.
-template <std::size_t I, Real T = double, RobotModel M>
-[[nodiscard]] WristSensor<I, M, T> wrist_sensor(const M& model, const WristSensorSettings<I>& settings = {}) {
+template <std::size_t Ix, Real T = double, RobotModel M>
+[[nodiscard]] WristSensor<Ix, M, T> wrist_sensor(const M& model,
+                                                 const WristSensorSettings<Ix>& settings = {}) {
   return {model, settings};
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a wrist sensor is told.
 #pragma once
 
@@ -11,10 +12,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// The frame of a force-torque sensor: forces along its axes, moments about its origin.
 struct ForceSensor : FrameTag {};
 
-/// Place, tool, thresholds and times of a force-torque sensor on link `I`.
-template <std::size_t I>
+/// Place, tool, thresholds and times of a force-torque sensor on link `Ix`.
+template <std::size_t Ix>
 struct WristSensorSettings {
-  Transform<Link<I>, ForceSensor> X_LS = {};  ///< pose of the sensor on the link
+  Transform<Link<Ix>, ForceSensor> X_LS = {};  ///< pose of the sensor on the link
   double mass = 0;                 ///< of what the sensor carries [kg]; 0 if it takes that off itself
   Xyz<double> centre = {0, 0, 0};  ///< centre of that mass, along the sensor's axes [m]
   double reach = 0.2;              ///< of the tool from the sensor's origin [m], for checks of stability

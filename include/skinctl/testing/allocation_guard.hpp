@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // AllocationGuard: counts the allocations of the calling thread, in release builds too, because it replaces
 // malloc.
 #pragma once

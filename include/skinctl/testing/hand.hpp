@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A person's hand on a robot, for tests of contacts: a mass that the person leads by a spring, and a cover in
 // between. Standard library only.
 #pragma once

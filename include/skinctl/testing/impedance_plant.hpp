@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The plant of tests by joint impedance: links on springs with damping, about positions that are commanded
 // with a torque beside them.
 #pragma once

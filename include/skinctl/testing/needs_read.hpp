@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which of the quantities that a law asks for it reads: what it asks for and nobody reads costs time in every cycle.
 #pragma once
 
@@ -26,23 +27,23 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
   [[nodiscard]] decltype(auto) angles() const noexcept { return read_.angles = true, Of::angles(); }
   [[nodiscard]] decltype(auto) middle() const noexcept { return read_.middle = true, Of::middle(); }
   [[nodiscard]] decltype(auto) poses() const noexcept { return read_.poses |= Of::needs.poses, Of::poses(); }
-  template <std::size_t I>
+  template <std::size_t Ix>
   [[nodiscard]] auto pose() const noexcept {
-    return read_.poses |= link_bit<I>, Of::template pose<I>();
+    return read_.poses |= link_bit<Ix>, Of::template pose<Ix>();
   }
-  template <std::size_t I, class... X>
+  template <std::size_t Ix, class... X>
   [[nodiscard]] auto jacobian(const X&... X_LP) const noexcept {
-    return read_.jacobians |= link_bit<I>, Of::template jacobian<I>(X_LP...);
+    return read_.jacobians |= link_bit<Ix>, Of::template jacobian<Ix>(X_LP...);
   }
-  template <std::size_t I, class... X>
+  template <std::size_t Ix, class... X>
   [[nodiscard]] auto jacobian_rate(const X&... X_LP) const noexcept {
-    read_.jacobians |= link_bit<I>;
-    return read_.jacobian_rates |= link_bit<I>, Of::template jacobian_rate<I>(X_LP...);
+    read_.jacobians |= link_bit<Ix>;
+    return read_.jacobian_rates |= link_bit<Ix>, Of::template jacobian_rate<Ix>(X_LP...);
   }
-  template <std::size_t I, class... X>
+  template <std::size_t Ix, class... X>
   [[nodiscard]] auto mobility(const X&... X_LP) const noexcept {
-    read_.jacobians |= link_bit<I>;
-    return read_.mass_factors = true, Of::template mobility<I>(X_LP...);
+    read_.jacobians |= link_bit<Ix>;
+    return read_.mass_factors = true, Of::template mobility<Ix>(X_LP...);
   }
   [[nodiscard]] decltype(auto) gravity() const noexcept { return read_.gravity = true, Of::gravity(); }
   [[nodiscard]] decltype(auto) mass() const noexcept { return read_.mass = true, Of::mass(); }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The plant of the control tests: a robot with exactly the model's parameters, finely integrated under a held
 // torque.
 #pragma once

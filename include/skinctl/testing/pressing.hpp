@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a skin reads under bodies that press and slide: a generator of contacts.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Seeded random numbers, and the extreme arguments for tests of laws; a failing case prints itself as code.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Whether this is a build under the address sanitizer, where loops without further value there are shortened.
 //
 // Guarded by macros, like digits50.hpp: both are in the tests' precompiled header, which a compiler cache may take from a tree

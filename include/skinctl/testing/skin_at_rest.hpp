@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Patches of skin with known shapes, and what their accelerometers read at rest.
 #pragma once
 

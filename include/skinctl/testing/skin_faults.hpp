@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Faulty cells: the faults of a skin, injected into any stream of samples.
 #pragma once
 

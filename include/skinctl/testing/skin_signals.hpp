@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the cells of a skin send while it is touched, with the noise of their sensors.
 #pragma once
 

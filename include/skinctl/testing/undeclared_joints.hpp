@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joints by position or velocity that are not as declared: a delay that jitters, two lags, a servo that gives
 // way under load, friction, encoders that are off. Standard library only.
 #pragma once
@@ -211,20 +212,20 @@ class UndeclaredJoints {
       dq_[i] = rate_[i];
       return;
     }
-    const double I = truth_.inertia[i], d = damping_[i], v0 = dq_[i];
+    const double Ix = truth_.inertia[i], d = damping_[i], v0 = dq_[i];
     const double ki = truth_.integral_time < truth_.infinite ? k / truth_.integral_time : 0;
     const double gap = reference_[i] - q_[i];
     // The reference's motion within the step as its mean, so that a reference that jumps is followed.
     const double mean = (reference_[i] - before) / dt;
-    const double rest = I + dt * d + dt * dt * (k + dt * ki);
-    const double push = I * (fed_[i] - rate) + dt * (k * gap + d * mean + ki * (integral_[i] + dt * gap));
-    double v = (I * v0 + push + dt * external_[i]) / rest;
-    const double servo_torque = I * (v - v0) / dt - external_[i];  // what this takes
+    const double rest = Ix + dt * d + dt * dt * (k + dt * ki);
+    const double push = Ix * (fed_[i] - rate) + dt * (k * gap + d * mean + ki * (integral_[i] + dt * gap));
+    double v = (Ix * v0 + push + dt * external_[i]) / rest;
+    const double servo_torque = Ix * (v - v0) / dt - external_[i];  // what this takes
     const bool weak = std::abs(servo_torque) > limit;
     double mass = rest;
     if (weak) {
-      mass = I;
-      v = v0 + dt / I * (std::copysign(limit, servo_torque) + external_[i]);
+      mass = Ix;
+      v = v0 + dt / Ix * (std::copysign(limit, servo_torque) + external_[i]);
     } else {
       integral_[i] += dt * (gap - dt * v);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Adaptation: a tracking law that learns the robot's inertial parameters while it moves.
 #pragma once
 

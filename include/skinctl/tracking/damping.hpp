@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The matrix K_d of eq. (8): in proportion to the mass matrix, or constant.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Friction that nobody compensates: a tracking law that learns it, and comes to rest at its target.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The space in which Joint Control tracks: the joints themselves.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The space in which Operational Control tracks: the pose of a tool, section 4.2.2.
 #pragma once
 
@@ -10,7 +11,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The pose of the frame `P`, fixed to link `I`, as the coordinates of a tracking law, eqs. (15)-(21): its
+/// The pose of the frame `P`, fixed to link `Ix`, as the coordinates of a tracking law, eqs. (15)-(21): its
 /// origin [m], then its orientation, or the origin alone.
 ///
 /// `dq_r = J^+ dx_r`, with the damped inverse; `ddq_r` is its derivative, that of the damping included;
@@ -20,7 +21,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// @tparam What         `TaskSpace::pose` or `TaskSpace::position`.
 /// @tparam Orientation  `RotationVectorError` or `ZyzError`.
 /// @tparam Null         `DampedNullSpace` or `FreeNullSpace`: the joints' motion in the tool's null space.
-template <std::size_t N, std::size_t I, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
+template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace>
 class OperationalSpace : public PoseTargets<N, P, T, What> {
   using Targets = PoseTargets<N, P, T, What>;
@@ -32,11 +33,11 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   static constexpr const char* spline_name = "spline_operational";  ///< of one that goes to goals
   static constexpr std::size_t joints = N;
   using Targets::coordinates;
-  static constexpr Needs needs = {.jacobians = link_bit<I>};
+  static constexpr Needs needs = {.jacobians = link_bit<Ix>};
   static constexpr bool brief = false;
   static constexpr bool of_joints = false;
   using scalar = T;
-  using Placement = Transform<Link<I>, P, T>;  ///< of the frame in its link
+  using Placement = Transform<Link<Ix>, P, T>;  ///< of the frame in its link
   using typename Targets::Errors;
   using typename Targets::Reference;
   using typename Targets::Settings;
@@ -79,7 +80,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   };
 
   /// @param X_LP  the frame in its link.
-  explicit OperationalSpace(const Transform<Link<I>, P, T>& X_LP, const Settings& settings = {})
+  explicit OperationalSpace(const Transform<Link<Ix>, P, T>& X_LP, const Settings& settings = {})
       : X_LP_(X_LP),
         min_damping_(settings.min_damping),
         singularities_(settings.singularities),
@@ -105,15 +106,15 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   // Of laws.
   template <class K>
   [[nodiscard]] SKINCTL_INLINE auto site(const K& known) const noexcept {
-    return site_of(known.q(), known.dq(), known.template jacobian<I>(X_LP_),
-                   known.template pose<I>() * X_LP_);
+    return site_of(known.q(), known.dq(), known.template jacobian<Ix>(X_LP_),
+                   known.template pose<Ix>() * X_LP_);
   }
   template <class M>
   [[nodiscard]] SKINCTL_INLINE auto site(const M& model, const JointPosition<N, T>& q,
                                          const JointVelocity<N, T>& dq) const noexcept {
-    constexpr LinkMask mask = ancestors<M>(I);
+    constexpr LinkMask mask = ancestors<M>(Ix);
     const Poses<M, mask, T> poses(model, JointAngles<M, T, mask>(model, q));
-    return site_of(q, dq, jacobian<I>(poses, X_LP_), poses.template get<I>() * X_LP_);
+    return site_of(q, dq, jacobian<Ix>(poses, X_LP_), poses.template get<Ix>() * X_LP_);
   }
   template <class J>
   [[nodiscard]] static Errors errors(const Reference& target, const Site<J>& at,
@@ -282,7 +283,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
             turned.near};
   }
 
-  Transform<Link<I>, P, T> X_LP_;
+  Transform<Link<Ix>, P, T> X_LP_;
   T min_damping_;
   SingularityDamping<T> singularities_;
   JointVelocity<N, T> limit_;  ///< of the reference: a hundredth is left for the overshoot of the joints

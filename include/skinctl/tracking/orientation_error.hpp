@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Measures of an orientation error: on SO(3), in ZYZ angles.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Goals and targets of laws in operational space: poses of a tool, and the paths between them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A target from a sensor, at any rate and with any jumps, sections 4.2.1 and 4.2.5: "reactive trajectories".
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Motion of the joints in the null space of operational laws.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Settings of a tracking law in joint space, and their ranges.
 #pragma once
 
@@ -137,8 +138,8 @@ template <std::size_t N, Real T>
 SKINCTL_COLD void check_gravity(const JointControlSettings<N, T>& s, const T& lambda, const T& gravity_rate) {
   const auto number = [](const T& x) { return static_cast<double>(x); };
   require(gravity_rate >= T(0), "gravity rate", number(gravity_rate), ">= 0 1/s^2");
-  const T K = s.K_c, I = s.K_i1;
-  const T holds = lambda * K + (lambda + K) * I - lambda * K * I / (lambda + K + I);
+  const T K = s.K_c, Ix = s.K_i1;
+  const T holds = lambda * K + (lambda + K) * Ix - lambda * K * Ix / (lambda + K + Ix);
   if (holds >= gravity_rate) return;
   char text[320];
   std::snprintf(text, sizeof text,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Motion out of a singularity towards a goal for which the damped inverse gives none.
 #pragma once
 

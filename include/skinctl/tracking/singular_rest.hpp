@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rest at a goal next to a singularity.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The sliding surface of a tracking law at one instant, eqs. (9)-(14).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A reference motion of the joints that keeps below their largest speeds without a kink.
 #pragma once
 

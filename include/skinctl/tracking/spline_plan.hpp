@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A static goal, reached along a spline, sections 4.2.4 and 4.2.5.
 #pragma once
 

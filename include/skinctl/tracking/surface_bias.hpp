@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The bias S_d of the sliding surface: the difference that a reset leaves, and its decay.
 #pragma once
 

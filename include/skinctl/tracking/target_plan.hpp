@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A target from outside: positions and velocities, sections 4.2.1 and 4.2.2.
 #pragma once
 

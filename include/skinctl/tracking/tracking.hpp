@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The second-order sliding mode of eqs. (8)-(14), in joint or operational space, for any plan of targets.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The proportional gain over time: the time base up to its peak, held there, then a constant.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The clock of a trajectory: it stops and starts again without a jump of the velocity that it drives.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Poses that move: splines from a pose to a goal, in a straight line and by one turn, section 4.2.5.
 #pragma once
 

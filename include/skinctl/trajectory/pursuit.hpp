@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A motion that follows a target with jumps, within limits of velocity, acceleration and jerk.
 #pragma once
 

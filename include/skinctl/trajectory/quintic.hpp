@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The quintic from 0 to 1, at rest at both ends: the shape of splines, time bases and ramps.
 #pragma once
 

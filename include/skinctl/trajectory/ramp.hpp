@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Ramps: weights between 0 and 1 that change within a given time, twice continuously differentiable.
 #pragma once
 

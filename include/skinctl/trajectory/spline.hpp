@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Splines in joint space: from the robot's position to a goal, at rest at both ends, eq. (22).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Splines of rotations: one turn about a fixed axis, along a quintic.
 #pragma once
 

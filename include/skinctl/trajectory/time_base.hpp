@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The time base: a gain that brings an error nearly to zero at a chosen time, eq. (11).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How well a reconstruction knows the poses that it found.
 #pragma once
 

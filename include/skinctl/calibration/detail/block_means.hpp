@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Readings of accelerometers as means over blocks of time that all cells share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Cells on moved bodies: unknowns, signals, and equations from which the cells are eliminated.
 #pragma once
 

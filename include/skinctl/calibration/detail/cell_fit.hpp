@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Poses of accelerometers on bodies whose motion depends on a few unknowns: the least squares of `joint_lines.hpp`.
 #pragma once
 
@@ -295,6 +296,5 @@ Eigen::MatrixXd CellFit<Motion>::jackknife(const CellSolver& solver) const {
   }
   return out;
 }
-
 }  // namespace detail::fit
 SKINCTL_END_NAMESPACE

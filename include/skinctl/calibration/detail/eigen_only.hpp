@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A namespace for code that computes with Eigen alone.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies and friction that fit normal equations best: Newton's method inside what bodies can be.
 #pragma once
 

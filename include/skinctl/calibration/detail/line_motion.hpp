@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The motion of a chain of links from the lines of its joints' axes: what its accelerometers feel.
 #pragma once
 

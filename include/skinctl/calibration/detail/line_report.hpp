@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The result of a fit of lines: covariances without the gauge, and what is not observed, by name.
 #pragma once
 

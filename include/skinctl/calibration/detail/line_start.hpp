@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The start of the fit of lines: each joint's line as cells of the last link see it, upright; others match these lines.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The rotation that is nearest to a matrix: what remains of a correlation of directions.
 #pragma once
 

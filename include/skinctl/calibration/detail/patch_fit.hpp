@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The least squares behind `reconstruct`: cells of a patch, their sensors, and gravity.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a reconstruction starts from: rotations from neighbour to neighbour, and cells that are no use.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Inertial parameters that a body can have: their pseudo-inertia.
 #pragma once
 

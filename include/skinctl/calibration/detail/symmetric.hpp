@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Decompositions of symmetric matrices, of any size: one instantiation of Eigen's for all fits.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The normal equations of joint torques in masses, friction and rotors.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Copies of some hundred bytes in the loop.
 #pragma once
 
@@ -21,8 +22,8 @@ SKINCTL_INLINE void copy_whole(const V& from, V& to) noexcept {
     typedef float Piece __attribute__((vector_size(wide), aligned(1), may_alias));
     const auto* const source = reinterpret_cast<const std::byte*>(&from);
     auto* const target = reinterpret_cast<std::byte*>(&to);
-    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      ((*reinterpret_cast<Piece*>(target + wide * I) = *reinterpret_cast<const Piece*>(source + wide * I)),
+    [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
+      ((*reinterpret_cast<Piece*>(target + wide * Ix) = *reinterpret_cast<const Piece*>(source + wide * Ix)),
        ...);
     }(std::make_index_sequence<pieces>{});
     if constexpr (rest > 0) std::memcpy(target + wide * pieces, source + wide * pieces, rest);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Types that parts add to one: each once, and none that is empty.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The compilers' vector types under Lane, and the few operations that need more than one expression.
 #pragma once
 
@@ -60,8 +61,8 @@ template <class T, std::size_t W>
 
 template <class T, std::size_t W>
 [[nodiscard]] SKINCTL_INLINE constexpr LaneVector<T, W> broadcast(T x) noexcept {
-  return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-    return LaneVector<T, W>{(static_cast<void>(I), x)...};
+  return [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
+    return LaneVector<T, W>{(static_cast<void>(Ix), x)...};
   }(std::make_index_sequence<W>{});
 }
 

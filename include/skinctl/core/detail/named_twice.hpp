@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Detects a member by its name, whatever its signature: for the fault finders of protocols.
 #pragma once
 

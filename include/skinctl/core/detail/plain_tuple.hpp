@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A tuple that is trivially copyable if its elements are.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Plausible measurements: finite, and small enough that arithmetic with them stays finite.
 #pragma once
 

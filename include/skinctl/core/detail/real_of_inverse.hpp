@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The real part of an inverse: a rational function of a symmetric matrix, without its eigenvalues.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Row: one number per joint, computed in lanes.
 #pragma once
 
@@ -47,12 +48,12 @@ struct RowShape {
       return Block(__builtin_bit_cast(typename Block::Vector, both));
     } else if constexpr (2 * Held == width && Held > 1) {
       const auto low = Lane<T, Held>::load(from).vector();
-      return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-        return Block(__builtin_shufflevector(low, low, (I < Held ? int(I) : -1)...));
+      return [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
+        return Block(__builtin_shufflevector(low, low, (Ix < Held ? int(Ix) : -1)...));
       }(std::make_index_sequence<width>{});
     } else {
-      return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-        return Block(typename Block::Vector{(I < Held ? from[I < Held ? I : 0] : T(0))...});
+      return [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
+        return Block(typename Block::Vector{(Ix < Held ? from[Ix < Held ? Ix : 0] : T(0))...});
       }(std::make_index_sequence<width>{});
     }
   }
@@ -78,8 +79,8 @@ struct RowShape {
     } else if constexpr (Held == width) {
       return any(mask);
     } else {
-      return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-        return any(mask & (Block(typename Block::Vector{T(I)...}) < Block(T(Held))));
+      return [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
+        return any(mask & (Block(typename Block::Vector{T(Ix)...}) < Block(T(Held))));
       }(std::make_index_sequence<width>{});
     }
   }
@@ -250,9 +251,9 @@ class Row {
         }
       };
       if constexpr (Shape::wide) {
-        return [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
+        return [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
           return typename Shape::Block(typename Shape::Block::Vector{
-              number(std::integral_constant<std::size_t, k * Shape::width + I>{})...});
+              number(std::integral_constant<std::size_t, k * Shape::width + Ix>{})...});
         }(std::make_index_sequence<Shape::width>{});
       } else {
         return number(k);
@@ -296,5 +297,4 @@ SKINCTL_INLINE void copy_row(const JointVector<Kind, N, T>& from, JointVector<Ki
 /// A row is a scalar like a lane: compensated sums accept both.
 template <std::size_t N, class T>
 inline constexpr bool is_lane<detail::Row<N, T>> = true;
-
 SKINCTL_END_NAMESPACE

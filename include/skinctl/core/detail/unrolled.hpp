@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Loops whose index is a constant.
 #pragma once
 
@@ -11,9 +12,9 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// Calls `f` with `From` plus each of the numbers, integral constants.
-template <std::size_t From = 0, std::size_t... I, class F>
-SKINCTL_INLINE constexpr void call_with(std::index_sequence<I...>, F& f) {
-  (f(std::integral_constant<std::size_t, From + I>{}), ...);
+template <std::size_t From = 0, std::size_t... Ix, class F>
+SKINCTL_INLINE constexpr void call_with(std::index_sequence<Ix...>, F& f) {
+  (f(std::integral_constant<std::size_t, From + Ix>{}), ...);
 }
 
 /// Calls `f(0)` to `f(N - 1)`, the index an integral constant. Compilers also unroll a loop of known length,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Room for values that are written before they are read.
 #pragma once
 

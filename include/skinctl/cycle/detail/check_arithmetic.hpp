@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A scene is refused where the compiler's flags, or the processor's mode, change what its arithmetic gives.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Checks that a law and a skin are for the robot of a scene; one line of error where the scene is built.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What runs in every cycle of a scene.
 #pragma once
 

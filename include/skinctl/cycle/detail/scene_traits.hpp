@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Compile-time traits of the parts of a scene: whether they fit, and who compensates gravity and friction.
 #pragma once
 
@@ -102,10 +103,10 @@ struct Seen {
   [[nodiscard]] SKINCTL_INLINE auto contacts() const noexcept {
     return TouchTable<Skin>::contacts(skin, memory);
   }
-  /// The strongest proximity reading of link `I`, in [0, 1].
-  template <std::size_t I>
+  /// The strongest proximity reading of link `Ix`, in [0, 1].
+  template <std::size_t Ix>
   [[nodiscard]] SKINCTL_INLINE auto nearest() const noexcept {
-    return TouchTable<Skin>::template nearest<I>(skin, memory);
+    return TouchTable<Skin>::template nearest<Ix>(skin, memory);
   }
   [[nodiscard]] SKINCTL_INLINE Coverage coverage() const noexcept {
     return TouchTable<Skin>::coverage(skin, memory);

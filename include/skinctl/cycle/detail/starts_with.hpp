@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // With what a scene can be started.
 #pragma once
 

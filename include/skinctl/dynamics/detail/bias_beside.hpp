@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The bias of a virtual robot, computed beside a law's recursion.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Composite rigid bodies: the mass, first and second moments of a whole subtree, passed from link to parent.
 #pragma once
 
@@ -31,20 +32,20 @@ SKINCTL_INLINE constexpr DenseComposite<T> dense_composite(const C& c) noexcept 
 }
 
 /// The link itself, about its frame's origin.
-template <std::size_t I, Scalar T, RobotModel M>
+template <std::size_t Ix, Scalar T, RobotModel M>
 SKINCTL_INLINE constexpr auto link_composite(const M& model) noexcept {
   using P = LinkParameter;
-  const auto mass = model.template number<I, P::mass, T>();
-  const auto c = centre_of_mass<I, T>(model);
+  const auto mass = model.template number<Ix, P::mass, T>();
+  const auto c = centre_of_mass<Ix, T>(model);
   const auto h = mass * c;
   return Composite{mass,
                    by_component(h),
-                   model.template number<I, P::s_xx, T>() + h.x * c.x,
-                   model.template number<I, P::s_yy, T>() + h.y * c.y,
-                   model.template number<I, P::s_zz, T>() + h.z * c.z,
-                   model.template number<I, P::s_xy, T>() + h.x * c.y,
-                   model.template number<I, P::s_xz, T>() + h.x * c.z,
-                   model.template number<I, P::s_yz, T>() + h.y * c.z};
+                   model.template number<Ix, P::s_xx, T>() + h.x * c.x,
+                   model.template number<Ix, P::s_yy, T>() + h.y * c.y,
+                   model.template number<Ix, P::s_zz, T>() + h.z * c.z,
+                   model.template number<Ix, P::s_xy, T>() + h.x * c.y,
+                   model.template number<Ix, P::s_xz, T>() + h.x * c.z,
+                   model.template number<Ix, P::s_yz, T>() + h.y * c.z};
 }
 
 /// Second moments rotated about z: `Rz S Rz'`.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The motion of every link, from the base to the tips, with additional data of an algorithm.
 #pragma once
 
@@ -38,19 +39,19 @@ SKINCTL_INLINE Spin<Xyz<T>, Xyz<T>, Xyz<T>> dense_spin(const LinkMotion<T>& m) n
   return {dense<T>(spin.x), dense<T>(spin.y), dense<T>(spin.z)};
 }
 
-/// The motion of link `I` from that of its parent. Dense, so that all links of a chain have the same types.
-template <std::size_t I, class Input, class Frame, Scalar T>
+/// The motion of link `Ix` from that of its parent. Dense, so that all links of a chain have the same types.
+template <std::size_t Ix, class Input, class Frame, Scalar T>
 SKINCTL_INLINE LinkMotion<T> motion_of(const Input& in, const Frame& frame,
                                        const LinkMotion<T>& parent) noexcept {
   using M = std::remove_cvref_t<decltype(in.model)>;
   constexpr UnitZ z{};
   LinkMotion<T> m = carried_motion(frame, parent);
-  if constexpr (M::kinds[I] == JointKind::revolute) {
-    m.alpha = m.alpha + in.ddq_r[I] * z + in.dq_r[I] * cross(m.w, z);
-    m.w = m.w + in.dq[I] * z;
-    m.w_r = m.w_r + in.dq_r[I] * z;
+  if constexpr (M::kinds[Ix] == JointKind::revolute) {
+    m.alpha = m.alpha + in.ddq_r[Ix] * z + in.dq_r[Ix] * cross(m.w, z);
+    m.w = m.w + in.dq[Ix] * z;
+    m.w_r = m.w_r + in.dq_r[Ix] * z;
   } else {
-    m.a = m.a + in.ddq_r[I] * z + in.dq[I] * cross(m.w_r, z) + in.dq_r[I] * cross(m.w, z);
+    m.a = m.a + in.ddq_r[Ix] * z + in.dq[Ix] * cross(m.w_r, z) + in.dq_r[Ix] * cross(m.w, z);
   }
   m.spin = dense_spin(m);
   return m;

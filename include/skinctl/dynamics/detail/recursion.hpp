@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One pass over a tree from the base to the tips and back: the recursion of inverse dynamics, Y_r Theta, C dq
 // and related products.
 #pragma once
@@ -12,13 +13,13 @@ namespace detail {
 template <Scalar T>
 struct Values {
   const T* data;
-  template <std::size_t I>
+  template <std::size_t Ix>
   SKINCTL_INLINE constexpr T get() const noexcept {
-    return data[I];
+    return data[Ix];
   }
 };
 struct NoValues {
-  template <std::size_t I>
+  template <std::size_t Ix>
   SKINCTL_INLINE constexpr TypedConstant<0> get() const noexcept {
     return {};
   }
@@ -59,29 +60,29 @@ struct ForceMoment {
 template <class F, class N>
 ForceMoment(F, N) -> ForceMoment<F, N>;
 
-template <std::size_t I, Scalar T, RobotModel M>
+template <std::size_t Ix, Scalar T, RobotModel M>
 SKINCTL_INLINE constexpr auto centre_of_mass(const M& model) noexcept {
   using P = LinkParameter;
-  return Triple{model.template number<I, P::c_x, T>(), model.template number<I, P::c_y, T>(),
-                model.template number<I, P::c_z, T>()};
+  return Triple{model.template number<Ix, P::c_x, T>(), model.template number<Ix, P::c_y, T>(),
+                model.template number<Ix, P::c_z, T>()};
 }
 
 /// `m (a + E c)` and the moment `integral r x (E r) dm + c x f`. With second moments S about the centre of
 /// mass the integral has the components `(E S)_zy - (E S)_yz` and so on: six products when S is diagonal. C
 /// is then exactly Christoffel's, because every mass point contributes `J^T dJ`.
-template <std::size_t I, Scalar T, RobotModel M, class E, class A>
+template <std::size_t Ix, Scalar T, RobotModel M, class E, class A>
 SKINCTL_INLINE constexpr auto inertial_wrench(const M& model, const E& spin, const A& a) noexcept {
   using P = LinkParameter;
   const auto number = [&]<LinkParameter K>(std::integral_constant<LinkParameter, K>)
-                          SKINCTL_INLINE_LAMBDA { return model.template number<I, K, T>(); };
+                          SKINCTL_INLINE_LAMBDA { return model.template number<Ix, K, T>(); };
   const auto s_xx = number(std::integral_constant<LinkParameter, P::s_xx>{});
   const auto s_yy = number(std::integral_constant<LinkParameter, P::s_yy>{});
   const auto s_zz = number(std::integral_constant<LinkParameter, P::s_zz>{});
   const auto s_xy = number(std::integral_constant<LinkParameter, P::s_xy>{});
   const auto s_xz = number(std::integral_constant<LinkParameter, P::s_xz>{});
   const auto s_yz = number(std::integral_constant<LinkParameter, P::s_yz>{});
-  const auto c = centre_of_mass<I, T>(model);
-  const auto f = model.template number<I, P::mass, T>() * (a + spin * c);
+  const auto c = centre_of_mass<Ix, T>(model);
+  const auto f = model.template number<Ix, P::mass, T>() * (a + spin * c);
   const Triple s_x{s_xx, s_xy, s_xz};
   const Triple s_y{s_xy, s_yy, s_yz};
   const Triple s_z{s_xz, s_yz, s_zz};
@@ -94,9 +95,9 @@ SKINCTL_INLINE constexpr auto inertial_wrench(const M& model, const E& spin, con
 template <RobotModel M>
 struct ModelBodies {
   const M& model;
-  template <std::size_t I, Scalar T, class E, class A>
+  template <std::size_t Ix, Scalar T, class E, class A>
   SKINCTL_INLINE constexpr auto wrench(const E& spin, const A& a) const noexcept {
-    return inertial_wrench<I, T>(model, spin, a);
+    return inertial_wrench<Ix, T>(model, spin, a);
   }
 };
 
@@ -124,17 +125,17 @@ struct ReferenceMotion {
 template <class W, class R, class A, class L>
 ReferenceMotion(W, R, A, L) -> ReferenceMotion<W, R, A, L>;
 
-/// The motion of link `I`; the parent's angular motion and the acceleration of the parent at the joint are in the
+/// The motion of link `Ix`; the parent's angular motion and the acceleration of the parent at the joint are in the
 /// axes of the link.
-template <std::size_t I, class C, class W, class R, class A, class L>
+template <std::size_t Ix, class C, class W, class R, class A, class L>
 SKINCTL_INLINE constexpr auto reference_motion(const C& c, const W& w_in, const R& w_r_in, const A& alpha_in,
                                                const L& a_in) noexcept {
   using M = std::remove_cvref_t<decltype(c.model)>;
-  const auto dq = c.dq.template get<I>();
-  const auto dq_r = c.dq_r.template get<I>();
-  const auto ddq_r = c.ddq_r.template get<I>();
+  const auto dq = c.dq.template get<Ix>();
+  const auto dq_r = c.dq_r.template get<Ix>();
+  const auto ddq_r = c.ddq_r.template get<Ix>();
   constexpr UnitZ z{};
-  if constexpr (M::kinds[I] == JointKind::revolute) {
+  if constexpr (M::kinds[Ix] == JointKind::revolute) {
     return ReferenceMotion{by_component(w_in + dq * z), by_component(w_r_in + dq_r * z),
                            by_component(alpha_in + ddq_r * z + dq_r * cross(w_in, z)), by_component(a_in)};
   } else {
@@ -144,37 +145,37 @@ SKINCTL_INLINE constexpr auto reference_motion(const C& c, const W& w_in, const 
   }
 }
 
-/// Writes `tau[I]` from the wrench of the subtree of link `I`, and returns that wrench in the parent's axes about
+/// Writes `tau[Ix]` from the wrench of the subtree of link `Ix`, and returns that wrench in the parent's axes about
 /// the parent's origin.
-template <std::size_t I, class C, class Frame, class Total>
+template <std::size_t Ix, class C, class Frame, class Total>
 SKINCTL_INLINE constexpr auto hand_down(const C& c, const Frame& frame, const Total& total) noexcept {
   using M = std::remove_cvref_t<decltype(c.model)>;
   using T = std::remove_cvref_t<decltype(*c.tau)>;
-  c.tau[I] = M::kinds[I] == JointKind::revolute ? T(total.n.z) : T(total.f.z);
+  c.tau[Ix] = M::kinds[Ix] == JointKind::revolute ? T(total.n.z) : T(total.f.z);
   const auto f = frame.to_parent(total.f);
   return ForceMoment{by_component(f), frame.to_parent(total.n) + cross(frame.p, f)};
 }
 
-/// Computes the motion of link `I`, adds its children's wrenches to its own, writes `tau[I]`, and returns the
+/// Computes the motion of link `Ix`, adds its children's wrenches to its own, writes `tau[Ix]`, and returns the
 /// wrench in the parent's axes about the parent's origin.
-template <std::size_t I, class C, class W, class R, class A, class E, class L>
+template <std::size_t Ix, class C, class W, class R, class A, class E, class L>
 SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, const R& w_r_parent,
                                              const A& alpha_parent, const E& spin_parent,
                                              const L& a_parent) noexcept {
   using M = std::remove_cvref_t<decltype(c.model)>;
   using T = std::remove_cvref_t<decltype(*c.tau)>;
-  const auto frame = joint_frame<I>(c.model, c.angles);
+  const auto frame = joint_frame<Ix>(c.model, c.angles);
   const auto m =
-      reference_motion<I>(c, frame.to_link(w_parent), frame.to_link(w_r_parent), frame.to_link(alpha_parent),
-                          frame.to_link(a_parent + spin_parent * frame.p));
+      reference_motion<Ix>(c, frame.to_link(w_parent), frame.to_link(w_r_parent), frame.to_link(alpha_parent),
+                           frame.to_link(a_parent + spin_parent * frame.p));
   const auto spin = make_spin(m.w, m.w_r, m.alpha);
-  const auto own = c.bodies.template wrench<I, T>(spin, m.a);
-  constexpr auto carried = children<M, int(I)>;
+  const auto own = c.bodies.template wrench<Ix, T>(spin, m.a);
+  constexpr auto carried = children<M, int(Ix)>;
   if constexpr (carried.size() == 0) {
-    return hand_down<I>(c, frame, own);
+    return hand_down<Ix>(c, frame, own);
   } else if constexpr (carried.size() == 1) {
     const auto part = subtree_wrench<carried[0]>(c, m.w, m.w_r, m.alpha, spin, m.a);
-    return hand_down<I>(c, frame, ForceMoment{dense<T>(own.f) + part.f, dense<T>(own.n) + part.n});
+    return hand_down<Ix>(c, frame, ForceMoment{dense<T>(own.f) + part.f, dense<T>(own.n) + part.n});
   } else {
     auto f = dense<T>(own.f);
     auto n = dense<T>(own.n);
@@ -183,7 +184,7 @@ SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, cons
       assign(f, f + wrench.f);
       assign(n, n + wrench.n);
     });
-    return hand_down<I>(c, frame, ForceMoment{by_component(f), by_component(n)});
+    return hand_down<Ix>(c, frame, ForceMoment{by_component(f), by_component(n)});
   }
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Polynomials for exp of a turn up to half a turn, and for log of a small one: no square root, no library call.
 #pragma once
 

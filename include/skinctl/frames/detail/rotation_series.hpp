@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Functions of an angle for exp and log of a rotation, accurate at every length of the rotation vector.
 #pragma once
 

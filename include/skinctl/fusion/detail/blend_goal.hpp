@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Requests to a blended sum: other weights, a goal of one of its laws, or both.
 #pragma once
 

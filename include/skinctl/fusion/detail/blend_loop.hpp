@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The part of Blended that runs in every cycle.
 #pragma once
 
@@ -27,17 +28,17 @@ class BlendLoop : public BlendMemory<P, L...> {
   [[nodiscard]] const Fusion& sum() const noexcept { return sum_; }
 
  protected:
-  template <std::size_t I>
-  using law_at = typename Base::template law_at<I>;
+  template <std::size_t Ix>
+  using law_at = typename Base::template law_at<Ix>;
   using Base::has_share;
   using Base::target;
 
   BlendLoop(const Fusion& sum, const std::array<double, terms>& first, const skinctl::Ramp<double>& ramp,
             const ContactDetector& contact)
       : sum_(sum), first_(first), ramp_(ramp), contact_(contact) {}
-  template <std::size_t I>
-  [[nodiscard]] SKINCTL_INLINE const law_at<I>& law() const noexcept {
-    return std::get<I>(sum_.laws());
+  template <std::size_t Ix>
+  [[nodiscard]] SKINCTL_INLINE const law_at<Ix>& law() const noexcept {
+    return std::get<Ix>(sum_.laws());
   }
 
   template <class K>
@@ -51,8 +52,8 @@ class BlendLoop : public BlendMemory<P, L...> {
     const Factors shares = factors(next);
     JointTorque<K::joints, T> skin, track, contact;
     const Nanoseconds ns = nanoseconds(static_cast<double>(dt));
-    [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-      std::tuple<Part<typename NowOf<law_at<I>, K>::type, K::joints, T>...> parts;
+    [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
+      std::tuple<Part<typename NowOf<law_at<Ix>, K>::type, K::joints, T>...> parts;
       each_index<terms>([&](auto i) SKINCTL_INLINE_LAMBDA {
         constexpr std::size_t J = i.value;
         constexpr LawRole r = law_at<J>::role;
@@ -142,25 +143,25 @@ class BlendLoop : public BlendMemory<P, L...> {
     Part(const Part& other) noexcept : torque(other.torque) {}
   };
   // Each law's code is a function of its own: several in one function take the compiler far longer.
-  template <std::size_t I, class Now, class K>
+  template <std::size_t Ix, class Now, class K>
   SKINCTL_NOINLINE void compute(Part<Now, K::joints, typename K::scalar>& out, const Memory& memory,
                                 const K& known, const LawShare<double>& share) const noexcept {
     using T = typename K::scalar;
-    const auto& part = memory_of<I>(memory.laws);
-    if constexpr (law_at<I>::role == LawRole::tracking) {
-      std::construct_at(&out.now, now_of(law<I>(), part, known));
+    const auto& part = memory_of<Ix>(memory.laws);
+    if constexpr (law_at<Ix>::role == LawRole::tracking) {
+      std::construct_at(&out.now, now_of(law<Ix>(), part, known));
       out.torque = torque_with<Fusion::gravity_term>(
-          law<I>(), part, known,
+          law<Ix>(), part, known,
           LawShare<T>{static_cast<T>(share.feedback), static_cast<T>(share.feed_forward)}, out.now);
     } else {
-      out.torque = torque_of(law<I>(), part, known);
+      out.torque = torque_of(law<Ix>(), part, known);
     }
   }
-  template <std::size_t I, class Now, class K>
+  template <std::size_t Ix, class Now, class K>
   SKINCTL_NOINLINE void move_on(Memory& next, const Now& now, const K& known, const typename K::scalar& dt,
                                 Opposition opposition) const noexcept {
-    auto& part = memory_of<I>(next.laws);
-    part = advance_with(law<I>(), part, known, dt, opposition, now);
+    auto& part = memory_of<Ix>(next.laws);
+    part = advance_with(law<Ix>(), part, known, dt, opposition, now);
   }
   template <class Law, class K>
   struct NowOf {

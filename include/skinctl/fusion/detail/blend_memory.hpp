@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The memory of a blend: its shares, and the change that is under way.
 #pragma once
 
@@ -62,9 +63,9 @@ class BlendMemory : public Composable {
     Nanoseconds next_ramp{};          ///< of the next change
     bool waiting = false;             ///< a change of weights is waiting
   };
-  template <std::size_t I>
+  template <std::size_t Ix>
   [[nodiscard]] static SKINCTL_INLINE constexpr const auto& memory(const Memory& m) noexcept {
-    return memory_of<I>(m.laws);
+    return memory_of<Ix>(m.laws);
   }
 
   /// The factors of the laws' two parts.
@@ -135,8 +136,8 @@ class BlendMemory : public Composable {
   }
 
  protected:
-  template <std::size_t I>
-  using law_at = std::tuple_element_t<I, std::tuple<L...>>;
+  template <std::size_t Ix>
+  using law_at = std::tuple_element_t<Ix, std::tuple<L...>>;
   [[nodiscard]] static SKINCTL_INLINE bool has_share(const LawShare<double>& share) noexcept {
     return share.feedback > 0 || share.feed_forward > 0;
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The laws of a sum, and their goals.
 #pragma once
 
@@ -31,8 +32,8 @@ struct GoalOf<std::tuple<G...>, L, Rest...> : GoalOf<std::tuple<G..., typename L
 /// Calls `f(index)`, the index a type, for each law of a sum.
 template <std::size_t N, class F>
 SKINCTL_INLINE constexpr void each_index(F&& f) noexcept {
-  [&]<std::size_t... I>(std::index_sequence<I...>) SKINCTL_INLINE_LAMBDA {
-    (f(std::integral_constant<std::size_t, I>{}), ...);
+  [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
+    (f(std::integral_constant<std::size_t, Ix>{}), ...);
   }(std::make_index_sequence<N>{});
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One memory per law of a sum: a plain aggregate, because std::tuple is not trivially copyable.
 #pragma once
 
@@ -16,23 +17,23 @@ struct Memories<First, Rest...> {
   [[no_unique_address]] Memories<Rest...> rest;
 };
 
-/// The memories of the laws from the `I`-th on.
-template <std::size_t I, class First, class... Rest>
-struct Tail : Tail<I - 1, Rest...> {};
+/// The memories of the laws from the `Ix`-th on.
+template <std::size_t Ix, class First, class... Rest>
+struct Tail : Tail<Ix - 1, Rest...> {};
 template <class First, class... Rest>
 struct Tail<0, First, Rest...> {
   using type = Memories<First, Rest...>;
 };
-template <std::size_t I, class... M>
-using MemoriesFrom = typename Tail<I, M...>::type;
+template <std::size_t Ix, class... M>
+using MemoriesFrom = typename Tail<Ix, M...>::type;
 
-/// The `I`-th memory.
-template <std::size_t I, class M>
+/// The `Ix`-th memory.
+template <std::size_t Ix, class M>
 SKINCTL_INLINE constexpr auto& memory_of(M& memories) noexcept {
-  if constexpr (I == 0) {
+  if constexpr (Ix == 0) {
     return memories.first;
   } else {
-    return memory_of<I - 1>(memories.rest);
+    return memory_of<Ix - 1>(memories.rest);
   }
 }
 

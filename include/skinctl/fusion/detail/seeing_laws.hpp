@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Laws of a sum that see their scene: all of them see, and what they add to input and output is there once.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a guard lets a command reach.
 #pragma once
 
@@ -10,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// The room of commands, and which of them may follow the last one.
-template <Interface I, std::size_t N, Real T>
+template <Interface Ix, std::size_t N, Real T>
 class GuardReach {
  public:
   [[nodiscard]] const JointLimits<N, T>& limits() const noexcept { return limits_; }
@@ -30,8 +31,8 @@ class GuardReach {
                                       const JointPosition<N, T>& command) const noexcept {
     using R = Row<N, T>;
     const R q = measured.q;
-    auto room = limits_.room(takes_position(I) ? command : measured.q);
-    if constexpr (takes_position(I)) {
+    auto room = limits_.room(takes_position(Ix) ? command : measured.q);
+    if constexpr (takes_position(Ix)) {
       const R ahead = R(command) - q, lead = lead_;
       smaller(room.above, lead - ahead).store(room.above);
       smaller(room.below, lead + ahead).store(room.below);
@@ -59,7 +60,7 @@ class GuardReach {
     const R stop = T(T(1) / slack()) * limits_.stopping_distance(u) - T(16) * eps * (R(T(1)) + q);
     const auto rushes = !(magnitude(u) <= magnitude(u0) - (T(2) * a * R(dt) - most));
     auto outside = rushes & (((u > zero) & (stop > above)) | ((u < zero) & (stop > below)));
-    if constexpr (takes_position(I)) {
+    if constexpr (takes_position(Ix)) {
       // Within its acceleration limit, a joint reaches this far to both sides of the position of the mean
       // speed.
       const R moved = to - from, straight = R(T(T(0.5) * dt)) * (u0 + u);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies that each file of a program may hold, or one source of it: CMake's `skinctl::io` compiles that source.
 #pragma once
 

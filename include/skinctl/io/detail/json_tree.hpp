@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // JSON as a tree that remembers its lines. Needs nlohmann-json.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A whole file as text, of a size that is bounded.
 #pragma once
 

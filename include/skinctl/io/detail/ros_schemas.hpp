@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The definitions of the ROS 2 messages that skinctl writes, without their comments.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Skin files as JSON: the tables of `skinctl-skin-1`, field by field.
 #pragma once
 

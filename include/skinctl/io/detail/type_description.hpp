@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The description of a message type (REP 2016) from its definition.
 #pragma once
 

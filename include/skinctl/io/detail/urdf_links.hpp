@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Links and joints of a URDF as its file has them, and the part of the tree that is asked for.
 #pragma once
 

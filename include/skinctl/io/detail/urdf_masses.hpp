@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Masses and inertias that a URDF does not give, or that no body has.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Moving and fixed joints of a URDF: types, chains, locked joints, mimics.
 #pragma once
 

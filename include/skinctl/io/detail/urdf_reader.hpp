@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reads a URDF: XML to joints and bodies.
 #pragma once
 

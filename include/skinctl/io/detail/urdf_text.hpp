@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Elements of a URDF as names, numbers and placements, with error texts that name the element.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The inverse of a Jacobian of six joints, in blocks of three.
 #pragma once
 

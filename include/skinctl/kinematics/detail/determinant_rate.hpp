@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A product of a matrix with itself, and the determinant of a symmetric matrix that changes.
 #pragma once
 

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Finds the fault of a law that violates the protocol.
 #pragma once
 
 #include <tuple>
 
 #include "skinctl/core/time.hpp"
+#include "skinctl/law/detail/hidden_state.hpp"
 #include "skinctl/law/detail/law_fault.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -28,9 +30,9 @@ template <class L>
 concept LacksAdvance = CanBeAsked<L> && !NamesAdvance<L>;
 template <class L>
 concept LacksReceive = CanBeAsked<L> && !NamesReceive<L>;
-/// A wrapper and a sum name `receive` and what belongs to it whatever their laws take.
+/// A wrapper, a sum and what stands for a faulty law name `receive` and what belongs to it whatever they take.
 template <class L>
-concept NamesForOthers = IsMadeOfLaws<L> || IsWrapper<L>;
+concept NamesForOthers = IsMadeOfLaws<L> || IsWrapper<L> || is_wrong_law<L>;
 
 /// Optional members with a wrong type or signature.
 template <class L>
@@ -57,6 +59,10 @@ consteval LawFault fault_in_members() {
     return LawFault::no_memory;
   } else if constexpr (!std::is_trivially_copyable_v<typename L::Memory>) {
     return LawFault::heavy_memory;
+  } else if constexpr (HasPointerField<typename L::Memory>) {
+    return LawFault::pointer_in_memory;
+  } else if constexpr (HasMutableMember<L>) {
+    return LawFault::mutable_member;
   } else if constexpr (!HasNeeds<L>) {
     return LawFault::no_needs;
   } else if constexpr (!HasRole<L>) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Errors for laws that violate the protocol: one line, at the point where a sum or a scene is built. A faulty
 // law is then replaced by one that does nothing, so that no further errors follow.
 #pragma once
@@ -12,6 +13,8 @@ enum class LawFault {
   none,
   no_memory,
   heavy_memory,
+  pointer_in_memory,
+  mutable_member,
   no_needs,
   no_role,
   no_start,
@@ -68,6 +71,10 @@ struct Say {
                 "this law lacks its Memory: `struct Memory {...};`, or derive from StatelessLaw");
   static_assert(F != heavy_memory,
                 "the Memory of this law is not trivially copyable: a cycle copies and records it");
+  static_assert(F != pointer_in_memory,
+                "the Memory of this law holds a pointer: a copy or a replay would share what it points to");
+  static_assert(F != mutable_member,
+                "this law has a mutable member: put what changes from cycle to cycle in its Memory");
   static_assert(F != no_needs, "this law lacks its needs: `static constexpr Needs needs = {...};`");
   static_assert(F != no_role,
                 "this law lacks its role: `static constexpr LawRole role = LawRole::reactive;`");
@@ -171,6 +178,11 @@ struct WrongLaw : Composable, GoalOfLaw<L> {
     return {memory, {}};
   }
 };
+
+template <class L>
+inline constexpr bool is_wrong_law = false;
+template <class L>
+inline constexpr bool is_wrong_law<WrongLaw<L>> = true;
 
 }  // namespace detail
 SKINCTL_END_NAMESPACE

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Whether a law has each member of the protocol: the rows of its table.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Whether a robot can stop with its clearances, from a position.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The joints by torque of a robot, as a governor brakes them.
 #pragma once
 

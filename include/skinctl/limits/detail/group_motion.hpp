@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The motion of one group of joints by position or velocity towards a velocity.
 #pragma once
 

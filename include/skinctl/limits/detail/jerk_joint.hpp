@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One joint that moves within limits of jerk.
 #pragma once
 

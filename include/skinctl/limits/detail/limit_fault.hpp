@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Finds the fault of a limit that violates the protocol: a member that is missing, or that has a wrong
 // signature.
 #pragma once

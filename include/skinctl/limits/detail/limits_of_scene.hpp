@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The limits of a scene in the order of their precedence, and what they leave of a velocity.
 #pragma once
 

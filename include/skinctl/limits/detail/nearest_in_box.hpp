@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Joint velocities within bounds, reached by impulses on the bounded joints only.
 #pragma once
 

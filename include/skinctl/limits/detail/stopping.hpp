@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The quickest stop of one joint under limits of acceleration and jerk.
 #pragma once
 

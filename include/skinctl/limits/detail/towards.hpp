@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The velocity farthest on the way from one that is allowed to one that is wished.
 #pragma once
 

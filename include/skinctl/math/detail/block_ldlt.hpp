@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Solutions with a symmetric positive definite 6 x 6 matrix, in blocks of three.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A polynomial with constant coefficients.
 #pragma once
 

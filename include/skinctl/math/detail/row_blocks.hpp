@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Division of a row of N numbers into lanes.
 #pragma once
 

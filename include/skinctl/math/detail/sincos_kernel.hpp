@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The polynomial sine and cosine of a lane, for arguments within its limit.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The virtual robot at one pose in modes, and the loops of contacts through it, one or two at a time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From the motion of a virtual robot to the force that its law gets: delays, lag, and cycles that hold.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The CRC-32 of MCAP, zip and Ethernet: reflected polynomial 0xedb88320, eight bytes a step.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The records of an MCAP file (mcap.dev/spec), as bytes, and its summary.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A run on its way into an MCAP file: messages, channels, the file.
 #pragma once
 

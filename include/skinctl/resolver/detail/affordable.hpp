@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The velocity that a passivity observer can pay for.
 #pragma once
 

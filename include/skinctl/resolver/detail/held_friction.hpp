@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Friction by a torque that is held for a period.
 #pragma once
 

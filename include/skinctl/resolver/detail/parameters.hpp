@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The numbers of a robot's description as a resolver uses them: checked, completed, in seconds.
 #pragma once
 

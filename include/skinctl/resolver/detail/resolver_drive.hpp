@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A sub-step of the virtual robot: law, limits of torque, integrator, tank.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The joints by torque of a resolver: the law at the newest measurement, friction, tank.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Energy and contacts in a resolver.
 #pragma once
 

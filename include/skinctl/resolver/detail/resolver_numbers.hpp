@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A robot in groups of joints as a resolver uses it: its model and numbers, checked.
 #pragma once
 

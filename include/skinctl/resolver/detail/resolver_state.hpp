@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The states of a resolver between two cycles: start, stop, what was sent.
 #pragma once
 

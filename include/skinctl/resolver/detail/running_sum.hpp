@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A sum whose rounding errors are kept beside it.
 #pragma once
 

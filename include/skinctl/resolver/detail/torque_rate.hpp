@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The largest rate of the torque that laws ask for by themselves.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The virtual robot's velocity after a sub-step, by any of the integrators.
 #pragma once
 

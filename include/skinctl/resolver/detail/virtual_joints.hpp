@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The joints of a virtual robot: observer of the real ones, limits, commands.
 #pragma once
 
@@ -11,9 +12,9 @@ namespace detail {
 /// The resolver's treatment of joints that take positions or velocities, without the laws: the observer with
 /// the declared delay and lag, limits and leash, the command. It has no model, so that it
 /// serves a part of a robot's joints while the others take torques.
-template <Interface I, std::size_t N, Real T, std::size_t History>
-class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
-  using Base = VirtualJointsMotion<I, N, T, History>;
+template <Interface Ix, std::size_t N, Real T, std::size_t History>
+class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
+  using Base = VirtualJointsMotion<Ix, N, T, History>;
 
  public:
   using Memory = typename Base::Memory;
@@ -41,7 +42,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
         command[i] = measured.q[i] + dq * ahead;
       }
       m.q.set(i, command[i]);
-      if constexpr (takes_velocity(I)) {
+      if constexpr (takes_velocity(Ix)) {
         m.sent.set(i, command[i]);
         m.offset.set(i, T(-0.5) * p_.cycle * m.v[i]);
       }
@@ -76,16 +77,16 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
     out.share = seconds<T>(interval.given(p_.period)) / out.dt;
     if (interval.clock_set || interval.to - m.command.time > 1s + p_.longest_interval) [[unlikely]] {
       set_clock(m, interval);
-    } else if constexpr (takes_velocity(I)) {
+    } else if constexpr (takes_velocity(Ix)) {
       // The velocity that was sent has been held up to now.
       for (std::size_t i = 0; i < N; ++i)
         m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
     }
     out.status = interval.status | this->measure(m, measured, interval.to, check, pushed);
-    if constexpr (takes_position(I))
+    if constexpr (takes_position(Ix))
       m.displaced = m.displaced || any(magnitude(Row(m.gap)) > Row(p_.largest_gap));
     out.leash = this->leash(m);
-    if constexpr (takes_velocity(I)) {
+    if constexpr (takes_velocity(Ix)) {
       m.displaced = m.displaced || any(beyond(m, out.leash) > Row(p_.largest_gap));
       if (!m.displaced) take_in(m, out);
       before_ends(m, out);
@@ -120,12 +121,12 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
     m.rate = m.v = command.velocity;
     m.last = command.acceleration;
     m.returns = 0;
-    if constexpr (takes_position(I)) {
+    if constexpr (takes_position(Ix)) {
       for (std::size_t i = 0; i < N; ++i) m.q.set(i, command.position[i]);
     } else {
       this->at_sent(m);
     }
-    servo_.correct(m.under_way, this->under_way(m), takes_velocity(I) ? command.velocity : Velocity{});
+    servo_.correct(m.under_way, this->under_way(m), takes_velocity(Ix) ? command.velocity : Velocity{});
   }
 
  private:
@@ -166,7 +167,7 @@ class VirtualJoints : public VirtualJointsMotion<I, N, T, History> {
   /// A clock that leapt, or was set.
   SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept {
     servo_.restart(m.under_way, interval.from);
-    if constexpr (takes_velocity(I)) {
+    if constexpr (takes_velocity(Ix)) {
       servo_.correct(m.under_way, m.sent.value, m.command.velocity);
       for (std::size_t i = 0; i < N; ++i)
         m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - interval.from));

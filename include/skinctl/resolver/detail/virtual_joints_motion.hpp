@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The motion of a virtual robot's joints, and the command that it becomes.
 #pragma once
 
@@ -16,9 +17,9 @@ namespace detail {
 /// joint still comes to rest where it may: inside its ends, and inside the leash. A joint whose rest point is
 /// beyond the leash comes back as hard as its limits allow. Both are kept by limits that are convex in the
 /// motion: a mix of two allowed motions is allowed.
-template <Interface I, std::size_t N, Real T, std::size_t History>
-class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
-  using Base = VirtualJointsObserver<I, N, T, History>;
+template <Interface Ix, std::size_t N, Real T, std::size_t History>
+class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
+  using Base = VirtualJointsObserver<Ix, N, T, History>;
 
  public:
   using Memory = typename Base::Memory;
@@ -54,7 +55,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
     Planned out;
     Velocity wish = m.brakes ? Velocity{} : v1;
     JointRoom<N, T> room;
-    if constexpr (takes_position(I)) {
+    if constexpr (takes_position(Ix)) {
       room = p_.limits.room(m.q.value);
     } else {
       room.above = room.below = Position::constant(std::numeric_limits<T>::infinity());
@@ -81,8 +82,9 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
     } else {
       auto motion =
           m.brakes ? mover.brake(room, m.rate, m.last, given) : mover.move(room, m.rate, m.last, wish, given);
-      if (!m.brakes) out.cut = mover.hold_back(motion, room, leash, m.rate, m.last, given, takes_position(I));
-      if constexpr (takes_velocity(I)) {
+      if (!m.brakes)
+        out.cut = mover.hold_back(motion, room, leash, m.rate, m.last, given, takes_position(Ix));
+      if constexpr (takes_velocity(Ix)) {
         const JointRoom<N, T> ends{Position(q - c.speed.ends.least), Position(Row(c.speed.ends.most) - q)};
         if (mover.hold_back(motion, room, ends, m.rate, m.last, given, false) != 0)
           out.status |= Reason::position_limited;
@@ -98,7 +100,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
   /// Takes the motion of a sub-step of `h` seconds.
   SKINCTL_INLINE Status take(Memory& m, [[maybe_unused]] const Begun& c, const Planned& planned,
                              [[maybe_unused]] const T& h) const noexcept {
-    if constexpr (takes_position(I)) {
+    if constexpr (takes_position(Ix)) {
       const Row q = m.q.value, lower = p_.limits.lower(), upper = p_.limits.upper();
       m.q.add(planned.displacement);
       const Row next = m.q.value;
@@ -145,11 +147,11 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
     }
     copy_row(torque, command.torque);
     command.valid = true;
-    servo_.send(m.under_way, m.time, under_way(m), takes_velocity(I) ? command.velocity : Velocity{});
+    servo_.send(m.under_way, m.time, under_way(m), takes_velocity(Ix) ? command.velocity : Velocity{});
   }
   /// What the servo holds: the position of the command, or that which the velocities sent have brought.
   [[nodiscard]] static SKINCTL_INLINE const Position& under_way(const Memory& m) noexcept {
-    return takes_velocity(I) ? m.sent.value : m.q.value;
+    return takes_velocity(Ix) ? m.sent.value : m.q.value;
   }
 
  private:
@@ -180,8 +182,8 @@ class VirtualJointsMotion : public VirtualJointsObserver<I, N, T, History> {
       };
       const T wish = motion.velocity[i];
       T most = to_rest(leash.above[i]), least = to_rest(T(-leash.below[i]));
-      if (takes_velocity(I) && most < T(0)) most = T(0);
-      if (takes_velocity(I) && least > T(0)) least = T(0);
+      if (takes_velocity(Ix) && most < T(0)) most = T(0);
+      if (takes_velocity(Ix) && least > T(0)) least = T(0);
       T u = wish > most ? most : (wish < least ? least : wish);
       if (u == wish) continue;
       cut |= std::uint64_t(1) << i;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The observer of a virtual robot's joints: what may a command owe to the real robot?
 #pragma once
 
@@ -16,12 +17,12 @@ struct Leash {
 
 /// The part of `VirtualJoints` that compares the measured position with the expected one: the booked gap, and
 /// the leash.
-template <Interface I, std::size_t N, Real T, std::size_t History>
+template <Interface Ix, std::size_t N, Real T, std::size_t History>
 class VirtualJointsObserver {
-  static_assert(has_servo<I>, "a joint that takes torques has no virtual state");
+  static_assert(has_servo<Ix>, "a joint that takes torques has no virtual state");
 
  public:
-  using Servo = ServoOf<I, N, T, History>;
+  using Servo = ServoOf<Ix, N, T, History>;
   using Memory = VirtualJointsMemory<N, T, History, typename Servo::Memory>;
   using Position = JointPosition<N, T>;
   using Velocity = JointVelocity<N, T>;
@@ -36,7 +37,7 @@ class VirtualJointsObserver {
       Velocity drift;        ///< of q^ towards the measured position, without motion [rad/s]
     };
     struct ByPosition {};
-    [[no_unique_address]] std::conditional_t<takes_velocity(I), ByVelocity, ByPosition> speed;
+    [[no_unique_address]] std::conditional_t<takes_velocity(Ix), ByVelocity, ByPosition> speed;
     T dt;               ///< interval of the cycle [s]
     T share;            ///< of that interval that the servo gets for the command
     bool held = false;  ///< the leash has held a joint that rests for 5 T
@@ -69,11 +70,11 @@ class VirtualJointsObserver {
       if (taken_now) (Row(m.measured.q) - deflection).store(m.measured.q);
       residual = Row(m.measured.q) - (Row(expected) - deflection);
     }
-    if constexpr (takes_velocity(I)) residual = residual - m.offset.value;
+    if constexpr (takes_velocity(Ix)) residual = residual - m.offset.value;
     residual.store(m.residual);
     if (taken_now && m.seen) find_speed(m, before);
     // The first measurement after a start shows whether the robot stands where it was started: the guard judges.
-    if constexpr (takes_position(I))
+    if constexpr (takes_position(Ix))
       if (taken_now && m.seen) book(m);
     m.seen = m.seen || taken_now;
     if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
@@ -101,7 +102,7 @@ class VirtualJointsObserver {
     const Row answers = Row(T(1)) - p_.per_held * Row(m.held_for);
     const Row most = Row(p_.dead_band) + Row(p_.owed) * answers + p_.latest * u;
     Row above = y + most, below = y - most;
-    if constexpr (takes_position(I)) {
+    if constexpr (takes_position(Ix)) {
       const Row upper = p_.limits.upper(), lower = p_.limits.lower();
       above = clamp(above, lower, upper), below = clamp(below, lower, upper);
     }

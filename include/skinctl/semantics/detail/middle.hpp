@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The middle of numbers and of rotations.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What recordings of a led hand are cut by: smoothing, velocities and their noise, stretches, levels.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which of the cells that are pressed show life, and how far their places have given way to those that do
 // not.
 #pragma once

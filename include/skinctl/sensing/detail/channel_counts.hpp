@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Readings of a kind of sensor as amounts and counts of its channels.
 #pragma once
 

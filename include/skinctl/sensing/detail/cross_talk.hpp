@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Cross-talk: a cell whose changes are a share of those of a cell elsewhere.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The scan of all cells, frame by frame: statistics of their readings, 16 cells a row, without a branch.
 #pragma once
 

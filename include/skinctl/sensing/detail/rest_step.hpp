@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One step of the rest level, for one cell or for a lane of cells.
 #pragma once
 

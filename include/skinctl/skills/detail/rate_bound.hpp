@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A bound on the rate of a torque; the difference from the laws' torque is carried until it is made up.
 #pragma once
 

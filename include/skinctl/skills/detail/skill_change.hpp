@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How a skill begins: requests, their goals, the change of the weights.
 #pragma once
 

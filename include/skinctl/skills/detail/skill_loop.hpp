@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The part of a set of skills that runs in every cycle: the sum, its rate, the phase of the skill.
 #pragma once
 
@@ -24,8 +25,8 @@ class SkillLoop : public SkillChange<Names, Grip, P, L...> {
   using Memory = typename Change::Memory;
 
  protected:
-  template <std::size_t I>
-  using law_at = typename Change::template law_at<I>;
+  template <std::size_t Ix>
+  using law_at = typename Change::template law_at<Ix>;
   using Change::arrive;
   using Change::begun;
   using Change::blend_;

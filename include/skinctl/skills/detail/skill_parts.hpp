@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The parts of a set of skills, its memory, and its numbers.
 #pragma once
 
@@ -76,8 +77,8 @@ class SkillParts {
   [[nodiscard]] const Skill<controllers>& skill(std::size_t i) const noexcept { return skills_[i]; }
 
  protected:
-  template <std::size_t I>
-  using law_at = std::tuple_element_t<I, std::tuple<L...>>;
+  template <std::size_t Ix>
+  using law_at = std::tuple_element_t<Ix, std::tuple<L...>>;
 
   SkillParts(const Fusion& sum, const std::array<Skill<controllers>, skills>& rows,
              const SkillSettings& settings = {}, const Grip& gripper = {})

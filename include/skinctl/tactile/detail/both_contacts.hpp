@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The contacts of two touches, one after the other.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Changes of the force of single cells within an interval, and their shares of the mean wrenches.
 #pragma once
 

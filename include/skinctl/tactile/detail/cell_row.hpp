@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What an event looks up of a cell and of its patch: unit wrenches in whole steps, gates, gains.
 #pragma once
 

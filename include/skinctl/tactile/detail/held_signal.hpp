@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A signal over time from its stamped samples: a sum of ramps, their exact integrals, and the parts of an interval.
 #pragma once
 

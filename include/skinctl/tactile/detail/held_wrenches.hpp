@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The wrenches of what a skin holds, and of what it owes.
 #pragma once
 

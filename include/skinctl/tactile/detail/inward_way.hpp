@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How far places of a skin have moved inwards, along their normals, between two positions of a robot.
 #pragma once
 
@@ -20,8 +21,8 @@ class InwardWay {
   InwardWay(const M& model, const JointPosition<M::joints, T>& before,
             const JointPosition<M::joints, T>& now) noexcept {
     const auto a = link_poses<Links>(model, before), b = link_poses<Links>(model, now);
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      ((put<I>(a, b)), ...);
+    [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
+      ((put<Ix>(a, b)), ...);
     }(std::make_index_sequence<M::joints>{});
   }
   /// Of the place on the link in slot `slot`, with the normal outwards, both along the link's axes [m].
@@ -47,12 +48,12 @@ class InwardWay {
   static Vector number(const Xyz<T>& v) noexcept {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   }
-  template <std::size_t I, class P>
+  template <std::size_t Ix, class P>
   void put(const P& a, const P& b) noexcept {
-    if constexpr ((Links >> I) & 1u) {
-      const auto X = a.template get<I>(), Y = b.template get<I>();
+    if constexpr ((Links >> Ix) & 1u) {
+      const auto X = a.template get<Ix>(), Y = b.template get<Ix>();
       const auto p = X.axes(), q = Y.axes();
-      links_[static_cast<std::size_t>(std::popcount(Links & ((LinkMask(1) << I) - 1)))] = {
+      links_[static_cast<std::size_t>(std::popcount(Links & ((LinkMask(1) << Ix) - 1)))] = {
           number(Y.origin() - X.origin()),
           {number(q.x), number(q.y), number(q.z)},
           {number(q.x - p.x), number(q.y - p.y), number(q.z - p.z)}};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reception: takes the samples of one interval, the usual ones by a short path.
 #pragma once
 

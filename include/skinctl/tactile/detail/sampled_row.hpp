@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A row of numbers over time from stamped samples, and its means over the parts of an interval.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SkinCore: what skins share, however many cells they have and wherever these are kept.
 #pragma once
 
@@ -200,17 +201,17 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
               patch.count);
     return out;
   }
-  /// Upper bound of the proximity readings on link `I`, as shares of their greatest amount in [0, 1]: at
+  /// Upper bound of the proximity readings on link `Ix`, as shares of their greatest amount in [0, 1]: at
   /// least the gate's opening threshold, below which nothing passes; 1 if one of the cells is silent and its
   /// reading unknown, if there is none, or if this kind of cell sees nothing. A link that cannot have a cell
   /// does not compile.
-  template <std::size_t I>
+  template <std::size_t Ix>
   [[nodiscard]] T nearest(const Memory& memory) const noexcept {
-    static_assert((Links >> I) & 1u, "no skin on this link: it sees nothing");
+    static_assert((Links >> Ix) & 1u, "no skin on this link: it sees nothing");
     bool known = false;
     PerChannel<Kind, std::int32_t> most{};
     for (const PatchRow<Kind, T>& patch : tables_.patches) {
-      if (patch.link != I) continue;
+      if (patch.link != Ix) continue;
       memory.each_cell(&BlockStates::seeing, patch.first, patch.count, [&](std::size_t i) {
         for (std::size_t c = 0; c < most.size(); ++c) {
           const std::int32_t seen = memory.records[i].held[c] + tables_.cells[i].tuning[c].subtract;

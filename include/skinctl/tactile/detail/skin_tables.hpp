@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The constant data of a skin: its cells by id, its patches.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Whether a touch has each member of the protocol: the rows of its table.
 #pragma once
 
@@ -68,20 +69,20 @@ template <class S>
 concept HasLinks = requires {
   { S::Wrenches::links } -> std::convertible_to<LinkMask>;
 };
-/// Whether the wrench on link `I` is known, if the touch is of that link at all.
-template <class W, std::size_t I>
-concept KnowsWrench = ((W::links >> I) & 1u) == 0 || requires(const W& w) { w.template wrench<I>(); };
+/// Whether the wrench on link `Ix` is known, if the touch is of that link at all.
+template <class W, std::size_t Ix>
+concept KnowsWrench = ((W::links >> Ix) & 1u) == 0 || requires(const W& w) { w.template wrench<Ix>(); };
 /// Wrenches of links, as numbers side by side.
 template <class W>
 concept HoldsWrenches = requires(const W& w) { w.data[0][0]; };
 template <class S>
 concept NamesModel = requires { typename S::Wrenches::model_type; };
-template <class S, std::size_t I>
+template <class S, std::size_t Ix>
 concept HasNearest = requires(const S& s, const typename S::Memory& m) {
-  { s.template nearest<I>(m) } -> std::same_as<typename S::Wrenches::scalar>;
+  { s.template nearest<Ix>(m) } -> std::same_as<typename S::Wrenches::scalar>;
 };
-template <class S, std::size_t I>
-concept TellsNearest = HasLinks<S> && ((S::Wrenches::links >> I) & 1u) != 0 && HasNearest<S, I>;
+template <class S, std::size_t Ix>
+concept TellsNearest = HasLinks<S> && ((S::Wrenches::links >> Ix) & 1u) != 0 && HasNearest<S, Ix>;
 
 /// Takes what `each_cell` and `each_point` call.
 struct TakesWrenches {
@@ -110,12 +111,12 @@ concept HasFollowRobot = requires(const S& s, typename S::Memory& m, const M& mo
 };
 template <class S>
 concept HasRecomputed = requires(const S& s, const typename S::Memory& m) { s.recomputed(m); };
-template <class S, class None>
+template <class S, class Nothing>
 struct SensedOf {
-  using type = None;
+  using type = Nothing;
 };
-template <HasSensed S, class None>
-struct SensedOf<S, None> {
+template <HasSensed S, class Nothing>
+struct SensedOf<S, Nothing> {
   using type = typename S::Sensed;
 };
 template <class S>
@@ -149,15 +150,15 @@ template <class Sensed, class Given>
 }
 
 /// The touch `S` with another input, if a wrapper adds to it.
-template <class S, class None, class... Adds>
+template <class S, class Nothing, class... Adds>
 struct WithSensed : S {
   explicit WithSensed(const S& s) : S(s) {}
 };
-template <class S, class None, class Adds>
-struct WithSensed<S, None, Adds> : S {
-  static_assert(std::is_empty_v<Adds> || !std::is_base_of_v<Adds, typename SensedOf<S, None>::type>,
+template <class S, class Nothing, class Adds>
+struct WithSensed<S, Nothing, Adds> : S {
+  static_assert(std::is_empty_v<Adds> || !std::is_base_of_v<Adds, typename SensedOf<S, Nothing>::type>,
                 "two parts of a touch add the same to the input");
-  using Sensed = SensedTogether<typename SensedOf<S, None>::type, Adds>;
+  using Sensed = SensedTogether<typename SensedOf<S, Nothing>::type, Adds>;
   explicit WithSensed(const S& s) : S(s) {}
 };
 

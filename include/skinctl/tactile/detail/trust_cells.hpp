@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The constants of the cells of a trusted skin.
 #pragma once
 

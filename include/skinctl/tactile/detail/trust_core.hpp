@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a reading of a trusted skin is worth.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a trusted skin knows of its cells: frames of rest levels, faults and life, and witnesses.
 #pragma once
 

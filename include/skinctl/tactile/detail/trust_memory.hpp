@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // All that changes of a trusted skin.
 #pragma once
 

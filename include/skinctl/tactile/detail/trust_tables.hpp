@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The constants of a trusted skin: its cells, their rules and levels.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A tracking law beside which a torque is learnt: what `Adaptive` and `FrictionLearning` share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The part of Tracking that runs in every cycle.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The part of Tracking that runs at a reset: a goal, a contact, a release.
 #pragma once
 

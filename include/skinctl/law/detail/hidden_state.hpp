@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Finds what a law would change behind the back of a cycle: mutable members, and pointers in a Memory.
+#pragma once
+
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+#include "skinctl/core/config.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+namespace detail {
+
+template <class L>
+concept ConstantByDefault = requires { typename std::bool_constant<(static_cast<void>(L{}), true)>; };
+template <class L>
+inline constexpr L constant_law{};
+/// Whether a constant of this type can be copied in a constant expression: the language refuses that for one
+/// with a mutable member.
+template <class L>
+concept CopiesAsConstant =
+    requires { typename std::bool_constant<(static_cast<void>(L(constant_law<L>)), true)>; };
+/// A law with a mutable member. Found by Clang, where `L{}` is a constant expression: GCC 12 copies it whole.
+template <class L>
+concept HasMutableMember = ConstantByDefault<L> && std::is_copy_constructible_v<L> && !CopiesAsConstant<L>;
+
+template <std::size_t>
+struct AnyField {
+  template <class T>
+  operator T() const noexcept;  // NOLINT: it stands for any field
+};
+struct PointerField {
+  template <class T>
+  operator T*() const noexcept;  // NOLINT: it stands for a pointer
+};
+template <class M, std::size_t... Before>
+constexpr bool is_pointer_behind(std::index_sequence<Before...>) {
+  return requires { M{AnyField<Before>()..., PointerField()}; };
+}
+template <class M, std::size_t... Field>
+constexpr bool has_pointer_among(std::index_sequence<Field...>) {
+  return (is_pointer_behind<M>(std::make_index_sequence<Field>()) || ...);
+}
+/// A Memory with a pointer: replayed or copied, it would point to what is no longer so. Found among the first
+/// 16 fields of an aggregate.
+template <class M>
+concept HasPointerField =
+    std::is_aggregate_v<M> && !std::is_empty_v<M> && has_pointer_among<M>(std::make_index_sequence<16>());
+
+}  // namespace detail
+SKINCTL_END_NAMESPACE
