@@ -1,4 +1,4 @@
-// 06 A straight line: a tool moves and turns to a pose, straight through a wrist singularity.
+// 06 A straight line: a tool moves and turns to a pose in which the wrist is singular, and rests there.
 //
 //   reach    Spline Operational Control, eqs. (15)-(22), of the tool on link 5
 //   X_BG     goal pose of the tool
@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
     memory = now.memory;
   }
   std::printf("%.2f mm from the goal, slowed down for %.2f s\n", way.y.back(), h * slowed);
-  return examples::draw(argc, argv, "06_straight_line.svg", "Straight through a wrist singularity",
-                        {way, wrist, speed}) ||
+  return examples::draw(argc, argv, "06_straight_line.svg",
+                        "Straight to a pose in which the wrist is singular", {way, wrist, speed}) ||
          way.y.back() > 2;
 }

@@ -33,6 +33,6 @@ int main(int argc, char** argv) {
   }
   std::printf("stood off by %.1f mm (F / K = %.1f mm), came back to %.1f mm\n", held, 12e3 / K, way.y.back());
   return draw(argc, argv, "07_impedance.svg", "A spring and a damper hold a tool that a hand leads away",
-              {force, {way, {12e3 / K, "F / K"}}}, while_above_zero(force, "hand pushes")) ||
+              {force, {way, {12e3 / K, "F / K"}}}, while_above_zero(force, "hand pushes"), arm.sketch()) ||
          way.y.back() > 3;
 }

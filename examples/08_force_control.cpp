@@ -38,6 +38,6 @@ int main(int argc, char** argv) {
   }
   std::printf("presses with %.2f N\n", F);
   return draw(argc, argv, "08_force_control.svg", "The wrist finds a table and presses on it",
-              {{"force [N]", {wanted, force}}, depth}) ||
+              {{"force [N]", {wanted, force}}, depth}, {}, arm.sketch()) ||
          std::abs(F - F_d) > 0.5;
 }

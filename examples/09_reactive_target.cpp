@@ -38,6 +38,6 @@ int main(int argc, char** argv) {
   }
   std::printf("fastest %.3f m/s\n", fastest);
   return draw(argc, argv, "09_reactive_target.svg", "The target jumps, the tool does not",
-              {{"y in the base's frame [m]", {seen, tool}}, {speed, {0.25, "limit"}}}) ||
+              {{"y in the base's frame [m]", {seen, tool}}, {speed, {0.25, "limit"}}}, {}, arm.sketch()) ||
          fastest > 0.3;
 }

@@ -23,6 +23,6 @@ int main(int argc, char** argv) {
   std::printf("led by %.0f mm\n", way.y.back());
   return draw(argc, argv, "11_kinesthetic_joint.svg",
               "Kinesthetic Joint: led by the hand, it stays where it is left", {force, way},
-              while_above_zero(force, "hand pushes")) ||
+              while_above_zero(force, "hand pushes"), arm.sketch()) ||
          way.y.back() < 20;
 }

@@ -42,6 +42,6 @@ int main(int argc, char** argv) {
               {{"joint 0 [rad]", {target_0, joint_0}},
                Panel{"joint 4 [rad]", {target_4, joint_4}}.close_up(),
                force},
-              while_above_zero(force, "hand pushes")) ||
+              while_above_zero(force, "hand pushes"), arm.sketch()) ||
          aside < 0.05 || away > 0.03;
 }

@@ -26,6 +26,6 @@ int main(int argc, char** argv) {
   std::printf("reached to %.5f rad\n", missed);
   return draw(argc, argv, "14_reach_joint_goal.svg",
               "Reach Joint Goal Compliant: it waits while somebody pushes", {{joint, {0.6, "goal"}}, force},
-              while_above_zero(force, "hand pushes")) ||
+              while_above_zero(force, "hand pushes"), arm.sketch()) ||
          missed > 0.005;
 }

@@ -45,6 +45,6 @@ int main(int argc, char** argv) {
   return draw(argc, argv, "15_reach_cartesian.svg",
               "Reach Cartesian Compliant: pushed aside on its way, it returns",
               {Panel{"height of the tool [m]", {target, tool}}.close_up(), distance, force},
-              while_above_zero(force, "hand pushes")) ||
+              while_above_zero(force, "hand pushes"), arm.sketch()) ||
          aside < 0.03 || away > 0.02;
 }

@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   std::printf("put to %.2f mm\n", 1e3 * missed);
   return draw(argc, argv, "18_putting.svg", "Reaching, then Putting: the torque goes on without a jump",
               {Panel{"height of the tool [m]", {height}, {{orange.z, "orange"}, {box.z, "box"}}}.close_up(),
-               steps}) ||
+               steps},
+              {}, arm.sketch()) ||
          !puts || missed > 0.005;
 }

@@ -32,6 +32,6 @@ int main(int argc, char** argv) {
   }
   std::printf("%s presses with %.2f N\n", set.active(arm.memory().law).name, force.y.back());
   return draw(argc, argv, "19_squeezing.svg", "Squeezing: the gripper closes, then the wrist presses",
-              {{"force [N]", {asked, force}}, depth, gripper}) ||
+              {{"force [N]", {asked, force}}, depth, gripper}, {}, arm.sketch()) ||
          std::abs(force.y.back() - F_d) > 0.5;
 }

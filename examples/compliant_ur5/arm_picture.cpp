@@ -8,16 +8,14 @@
 #include <vector>
 
 #include "examples/support/svg_plot.hpp"
-#include "skinctl/kinematics/poses.hpp"
-#include "skinctl/robots/ur5.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
+#include "examples/support/ur5_shape.hpp"
 
 namespace compliant_ur5 {
 namespace {
 
 using skinctl::Xyz;
-using Pose = skinctl::Transform<skinctl::Base, skinctl::FrameTag>;
-using Poses = std::array<Pose, 6>;
+using Poses = examples::LinkPoses;
+using examples::Capsule, examples::in_base, examples::on_axis;
 
 constexpr double width = 360, margin = 34, font = 13, mark_radius = 11;
 constexpr double thinner = 0.85;  // a link than its skin
@@ -34,13 +32,6 @@ double distance(Point p, Point a, Point b) {
   const double s = length2 > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / length2, 0.0, 1.0) : 0.0;
   return distance(p, {a.x + s * dx, a.y + s * dy});
 }
-
-/// A stretch of a link with round ends [m, base's frame].
-struct Capsule {
-  Xyz<double> from{}, to{};
-  double radius = 0;
-  bool covered = false;  ///< by skin
-};
 
 /// A cell that was touched, with the numbers of its touches.
 struct Place {
@@ -63,44 +54,11 @@ struct View {
 };
 
 Poses poses_at(const std::array<float, 6>& q) {
-  const auto all = skinctl::link_poses(
-      skinctl::ur5::Model{},
+  return examples::ur5_poses(
       skinctl::JointPosition<6>::generate([&](std::size_t i) { return static_cast<double>(q[i]); }));
-  const auto plain = [](const auto& X) { return X.template renamed<skinctl::Base, skinctl::FrameTag>(); };
-  return {plain(all.get<0>()), plain(all.get<1>()), plain(all.get<2>()),
-          plain(all.get<3>()), plain(all.get<4>()), plain(all.get<5>())};
-}
-Xyz<double> in_base(const Pose& X, const Xyz<double>& p) {
-  return X.origin() + X.axes() * p;
 }
 double length(const Xyz<double>& v) {
   return std::sqrt(dot(v, v));
-}
-
-/// The point of a tube's axis, which has no ends here, next to `p`.
-Xyz<double> on_axis(const skinctl::ur5::Tube& tube, const Xyz<double>& p) {
-  const Xyz<double> d = tube.to - tube.from;
-  return tube.from + (dot(p - tube.from, d) / dot(d, d)) * d;
-}
-
-/// The links: from each joint to the axis of its tube, along it, and to the next joint.
-std::vector<Capsule> capsules(const Poses& X) {
-  std::vector<Capsule> out;
-  for (std::size_t i = 0; i < 6; ++i) {
-    const auto& tube = skinctl::ur5::tubes[i];
-    const Xyz<double> here{},
-        next = i < 5 ? X[i].axes().transpose() * (X[i + 1].origin() - X[i].origin()) : tube.to;
-    const Xyz<double> a = on_axis(tube, here), b = on_axis(tube, next);
-    const double thin = thinner * tube.radius;
-    const auto add = [&](const Xyz<double>& from, const Xyz<double>& to, double radius, bool covered) {
-      out.push_back({in_base(X[i], from), in_base(X[i], to), radius, covered});
-    };
-    add(here, a, thin, false);
-    add(a, b, thin, false);
-    add(b, next, thin, false);
-    add(tube.from, tube.to, tube.radius, true);
-  }
-  return out;
 }
 
 std::vector<Place> places(const RunLog& log, const Poses& X) {
@@ -276,7 +234,7 @@ std::string views(const RunLog& log, const Draw& draw) {
 std::string arm_picture(const RunLog& log) {
   return views(log, [&](const View& view, const Poses& X) {
     const auto touched = places(log, X);
-    return Drawing(view, capsules(X), touched).svg();
+    return Drawing(view, examples::ur5_capsules(X), touched).svg();
   });
 }
 std::string felt_picture(const RunLog& log) {
@@ -291,7 +249,7 @@ std::string felt_picture(const RunLog& log) {
       const int grade = f.noticed <= 5 ? 0 : f.noticed <= 25 ? 1 : std::isfinite(f.noticed) ? 2 : 3;
       dots.push_back({in_base(X[f.link], {x, y, z}), X[f.link].axes() * Xyz<double>{u, v, w}, grade});
     }
-    return Drawing(view, capsules(X), none).svg(dots);
+    return Drawing(view, examples::ur5_capsules(X), none).svg(dots);
   });
 }
 

@@ -10,8 +10,8 @@
 #include "examples/support/exit.hpp"
 #include "examples/support/output_file.hpp"
 #include "examples/support/svg_plot.hpp"
+#include "examples/support/ur5_shape.hpp"
 #include "skinctl/core/contract.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
 
 namespace {
 
@@ -28,7 +28,7 @@ struct Point {
 /// An instant of both arms: the ends of each covered tube, and the line through all joints.
 struct Frame {
   double time = 0, force[2] = {};
-  std::array<std::array<Point, 2>, 6> skin[2];
+  std::vector<std::array<Point, 2>> skin[2];
   std::vector<Point> bones[2];
   Point tip, from;  ///< of the finger
 };
@@ -40,39 +40,23 @@ struct Plane {
     return {0.4 * panel - scale * dot(p, reach), foot - scale * dot(p, up)};
   }
 };
-Xyz<double> at(const double (&link)[12], const Xyz<double>& p) {
-  Xyz<double> out{link[9], link[10], link[11]};
-  const double own[3] = {p.x, p.y, p.z};
-  for (std::size_t k = 0; k < 3; ++k)
-    out = out + own[k] * Xyz<double>{link[3 * k], link[3 * k + 1], link[3 * k + 2]};
-  return out;
+examples::LinkPose pose_of(const double (&x)[12]) {
+  const skinctl::Rotation<double> axes{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}, {x[6], x[7], x[8]}};
+  return {axes, Xyz<double>{x[9], x[10], x[11]}};
 }
-Xyz<double> on_axis(const skinctl::ur5::Tube& t, const Xyz<double>& p) {
-  const Xyz<double> d = t.to - t.from;
-  return t.from + (dot(p - t.from, d) / dot(d, d)) * d;
-}
-/// `q` in the axes of a link.
-Xyz<double> in_link(const double (&link)[12], const double (&q)[12]) {
-  const Xyz<double> way{q[9] - link[9], q[10] - link[10], q[11] - link[11]};
-  const auto axis = [&](std::size_t k) {
-    return dot(way, Xyz<double>{link[3 * k], link[3 * k + 1], link[3 * k + 2]});
-  };
-  return {axis(0), axis(1), axis(2)};
+examples::LinkPoses poses_of(const double (&links)[6][12]) {
+  return {pose_of(links[0]), pose_of(links[1]), pose_of(links[2]),
+          pose_of(links[3]), pose_of(links[4]), pose_of(links[5])};
 }
 
 Frame frame_of(const playground::View& v, const Plane& plane) {
   Frame f;
   f.time = v.time;
-  for (std::size_t arm = 0; arm < 2; ++arm) {
-    const auto& links = arm == 0 ? v.rigid_links : v.links;
-    for (std::size_t i = 0; i < 6; ++i) {
-      const auto& tube = tubes[i];
-      f.skin[arm][i] = {plane(at(links[i], tube.from)), plane(at(links[i], tube.to))};
-      f.bones[arm].push_back(plane(at(links[i], on_axis(tube, {}))));
-      f.bones[arm].push_back(
-          plane(at(links[i], i < 5 ? on_axis(tube, in_link(links[i], links[i + 1])) : tube.to)));
+  for (std::size_t arm = 0; arm < 2; ++arm)
+    for (const auto& c : examples::ur5_capsules(poses_of(arm == 0 ? v.rigid_links : v.links))) {
+      if (c.covered) f.skin[arm].push_back({plane(c.from), plane(c.to)});
+      if (!c.covered) f.bones[arm].push_back(plane(c.from));
     }
-  }
   const Xyz<double> tip{v.tip[0], v.tip[1], v.tip[2]}, way{v.direction[0], v.direction[1], v.direction[2]};
   f.tip = plane(tip), f.from = plane(tip + 0.16 * way);
   return f;
@@ -104,8 +88,9 @@ std::vector<Frame> run(playground::Arms& arms) {
       for (std::size_t i = 0; i < static_cast<std::size_t>(v.cells); ++i) {
         const auto c = arms.cell(i);
         if (static_cast<std::size_t>(c[0]) != link) continue;
-        const Xyz<double> place = at(v.links[link], {c[1], c[2], c[3]});
-        const Xyz<double> normal = at(v.links[link], {c[4], c[5], c[6]}) - at(v.links[link], {});
+        const auto X = pose_of(v.links[link]);
+        const Xyz<double> place = examples::in_base(X, {c[1], c[2], c[3]}),
+                          normal = X.axes() * Xyz<double>{c[4], c[5], c[6]};
         const double worth = dot(place, out_there) + 0.5 * dot(normal, out_there);  // half a metre a turn
         if (worth > farthest) farthest = worth, best = i;
       }

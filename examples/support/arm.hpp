@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "examples/support/arm_sketch.hpp"
 #include "examples/support/curves.hpp"
 #include "skinctl/skinctl.hpp"
 
@@ -77,6 +78,7 @@ class Arm {
     const auto out = scene_.step(*memory_, input_);
     under_way_ = out.command.position;
     clear_requests(input_);
+    if (seen_.size() * 40ms <= measured_.time) seen_.push_back(seen_now());
     return out;
   }
   [[nodiscard]] double time() const { return seconds<double>(measured_.time); }
@@ -84,13 +86,32 @@ class Arm {
   [[nodiscard]] Transform<Base, Tool> tool() const { return tool_at(measured_.q); }
   [[nodiscard]] const typename Scene::Memory& memory() const { return *memory_; }
   [[nodiscard]] const Law& law() const { return scene_.law(); }
+  /// How it stood and was pushed until now.
+  [[nodiscard]] plotting::Head sketch() const { return examples::sketch(seen_); }
 
  private:
+  [[nodiscard]] SeenPose seen_now() const {
+    SeenPose out{.q = measured_.q, .pushed = sample_.force[0] > 0, .at = {}, .normal = {}};
+    const LinkPoses X = ur5_poses(measured_.q);
+    std::apply([&](const auto&... patch) { (place(patch, X, out), ...); }, ur5::skin_patches<260>());
+    return out;
+  }
+  template <class Patch>
+  void place(const Patch& patch, const LinkPoses& X, SeenPose& out) const {
+    for (const auto& c : patch.placed())
+      if (c.id == sample_.cell) {
+        const LinkPose& link = X[Patch::link];
+        out.at = in_base(link, c.X_LC.origin());
+        out.normal = link.axes() * c.X_LC.axis_z();
+      }
+  }
+
   Scene scene_;
   std::unique_ptr<typename Scene::Memory> memory_;
   State<6> measured_;
   JointPosition<6> under_way_;
   CellSample sample_{.cell = 1};
+  std::vector<SeenPose> seen_;
   typename Scene::Input input_;
 };
 

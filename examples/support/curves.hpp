@@ -51,9 +51,10 @@ inline std::vector<plotting::Band> while_above_zero(const Curve& curve, const st
 }
 
 /// Draws panels one below the other over the same time, as an SVG file: at the path given on the command
-/// line, or `name` in the working directory. Returns 0, or 1 if the file cannot be written.
+/// line, or `name` in the working directory; `head` stands above. Returns 0, or 1 if the file cannot be written.
 inline int draw(int argc, char** argv, const std::string& name, const std::string& title,
-                const std::vector<Panel>& panels, const std::vector<plotting::Band>& bands = {}) {
+                const std::vector<Panel>& panels, const std::vector<plotting::Band>& bands = {},
+                const plotting::Head& head = {}) {
   std::vector<plotting::Plot> plots;
   std::vector<std::string> names;  // a name has its colour in every panel
   const auto color_of = [&](const std::string& curve) {
@@ -72,7 +73,7 @@ inline int draw(int argc, char** argv, const std::string& name, const std::strin
     plots.push_back(std::move(plot));
   }
   const std::string path = argc > 1 ? argv[1] : name;
-  return plotting::write_svg(path, plotting::svg_figure(title, plots)) ? 0 : 1;
+  return plotting::write_svg(path, plotting::svg_figure(title, plots, head)) ? 0 : 1;
 }
 
 }  // namespace examples

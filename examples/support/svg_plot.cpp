@@ -494,7 +494,7 @@ std::string inline_svg(const Plot& plot) {
   return opening(plot.width, plot.height, plot.title, false) + panel(plot, 0, margin_of(plot)) + "</svg>";
 }
 
-std::string svg_figure(const std::string& title, const std::vector<Plot>& plots) {
+std::string svg_figure(const std::string& title, const std::vector<Plot>& plots, const Head& head) {
   std::string body;
   double y = 0, width = 200;
   for (const Plot& plot : plots) width = std::max(width, plot.width);
@@ -505,6 +505,8 @@ std::string svg_figure(const std::string& title, const std::vector<Plot>& plots)
     y += 22;
   }
   if (y > 0) y += 10;
+  if (head.height > 0)
+    body += "<g transform=\"translate(0 " + coordinate(y) + ")\">" + head.svg + "</g>", y += head.height + 6;
   for (const Plot& plot : plots) {
     if (!plot.title.empty() && plot.title != title) {
       body += text("head", 0, y + font + 3, "start", plot.title);
@@ -516,8 +518,8 @@ std::string svg_figure(const std::string& title, const std::vector<Plot>& plots)
     body += panel(plot, y, margin);
     y += plot.height + 6;
   }
-  return opening(width, std::max(y, 20.0), title, true) + "<style>" + plot_style() + "</style>" + body +
-         "</svg>\n";
+  return opening(width, std::max(y, 20.0), title, true) + "<style>" + plot_style() + head.style + "</style>" +
+         body + "</svg>\n";
 }
 
 bool write_svg(const std::string& path, const std::string& svg) {

@@ -47,8 +47,15 @@ struct Plot {
 /// A complete SVG file with title and legend, in the light or dark colours that its viewer prefers.
 std::string svg_plot(const Plot& plot);
 
+/// A drawing between title and plots.
+struct Head {
+  std::string svg;    ///< elements, from (0, 0) down to the height
+  std::string style;  ///< their style sheet
+  double height = 0;
+};
+
 /// Several plots, one below the other, as one SVG file.
-std::string svg_figure(const std::string& title, const std::vector<Plot>& plots);
+std::string svg_figure(const std::string& title, const std::vector<Plot>& plots, const Head& head = {});
 
 /// Writes a picture to a file, and prints where it is; or, on the error output, that it cannot: false.
 [[nodiscard]] bool write_svg(const std::string& path, const std::string& svg);
