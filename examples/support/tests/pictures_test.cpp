@@ -126,7 +126,7 @@ TEST_CASE("pictures: what is committed is what the programs draw") {
     ++tried;
     CHECK(redrawn(program, entry.path()) == "");
   }
-  CHECK(tried >= 19);
+  CHECK(tried >= MIN_PICTURES);
   CHECK(redrawn(fs::path(PROGRAMS) / "playground_picture", MOVING) == "");
 }
 

@@ -79,8 +79,7 @@ struct JointVector {
   JointVector(const V&) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
   template <EigenExpression V>
   void operator=(const V&) = delete;  // an Eigen vector has no kind: q = JointPosition<N>(v), or as_eigen(q) = v
-  template <class V>
-    requires(!EigenExpression<V> && requires(const V& v) { v.data() + v.size(); })
+  template <BareNumbers V>
   void operator=(const V&) = delete;  // bare numbers have no kind: q = JointPosition<N>(array)
   template <EigenExpression V>
   operator V() const = delete;  // an Eigen vector has no kind: v = as_eigen(tau) drops it
