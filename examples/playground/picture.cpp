@@ -18,7 +18,7 @@ namespace {
 using skinctl::Xyz;
 using skinctl::ur5::tubes;
 
-constexpr double panel = 400, tall = 330, foot = 300, plot_top = 352, plot_height = 110, scale = 270,
+constexpr double panel = 400, foot = 300, plot_top = 352, plot_height = 110, scale = 270,
                  most_force = 200;                               // [px], [px/m], [N]
 constexpr double frame_time = 0.1, before = 0.5, pressed = 1.6;  // [s]
 

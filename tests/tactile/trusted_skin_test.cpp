@@ -8,7 +8,8 @@
 // Promise: many cells that fail at once, next to each other or not, move it by millimetres
 // Tried: UR5, 260 cells, untouched: 10 %, 30 % (study) and all of them stuck, saturated or noisy from one
 // sample to the next: 12 mm at most, blinking 40; pairs and patches of 9, whose cells stream or send
-// changes, from the start or later: 15 mm. Stuck or creeping with the noise of a sound sensor, untouched,
+// changes, from the start or later: 15 mm. A trembling finger that slides to a rim, where one cell feels it,
+// keeps 0.8 of its push. Stuck or creeping with the noise of a sound sensor, untouched,
 // touched elsewhere or there by hands that are springs: 30 mm, creeping 75. In the main job a pair: 30 mm
 // at most, and a finger on it meets no more than on silent cells. A push that neither moves nor trembles
 // counts 8 mm of way and 30 N at most. Hands of 400 and 8000 N/m that tremble by 2 % push as on a skin
@@ -192,6 +193,42 @@ TEST_CASE(
           if (fault == CellFault::stuck && !changes) CHECK(r.found == together);
           if (fault == CellFault::stuck && !changes) CHECK(r.percentile(1) < 0.2);
         }
+}
+
+TEST_CASE(
+    "TrustedSkin: a finger that slides to a rim of the skin, where one cell feels it, goes on pushing") {
+  for (const double tremor : {0.02, 0.0}) {
+    // The cell that is farthest out on the forearm, and its nearest neighbour.
+    const CellPlace *last = nullptr, *next = nullptr;
+    for (const CellPlace& c : places)
+      if (c.link == 2 && (last == nullptr || c.place.x < last->place.x)) last = &c;
+    const auto from_last = [&](const CellPlace& c) {
+      return dot(c.place - last->place, c.place - last->place);
+    };
+    for (const CellPlace& c : places)
+      if (c.link == 2 && &c != last && (next == nullptr || from_last(c) < from_last(*next))) next = &c;
+    SkinSignals signals(places, {}, 2);
+    SkinTouch finger{.link = 2, .from = 200ms, .until = 4s, .tremor = tremor, .pulse = 50.3, .seen = false};
+    finger.place = 0.5 * (last->place + next->place);
+    finger.velocity = (1 / 1.5) * (last->place + 0.5 * (last->place - next->place) - finger.place);
+    finger.radius = 0.026;
+    signals.touches.push_back(finger);
+    const Trusted trusted(base, fault_trust(signals.settings(), places));
+    auto a = base.start(0ns);
+    auto b = trusted.start(0ns);
+    std::vector<CellSample> samples;
+    double share = 1;
+    for (Nanoseconds to = 8ms; to <= 1700ms; to += 8ms) {
+      signals.samples(to, samples);
+      Plain::Wrenches w[2];
+      base.receive(a, samples, to - 8ms, to, 1, &w[0]);
+      trusted.receive(b, samples, to - 8ms, to, 1, &w[1]);
+      if (to > 400ms && size_of(w[0]) > 1) share = std::min(share, size_of(w[1]) / size_of(w[0]));
+    }
+    CAPTURE(tremor);
+    if (tremor > 0) CHECK(share > 0.8);
+    if (tremor == 0) CHECK(share < 0.6);  // what shows no life loses its witness
+  }
 }
 
 TEST_CASE(

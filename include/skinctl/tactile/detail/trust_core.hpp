@@ -128,6 +128,7 @@ class TrustCore : public TrustFrames<S> {
   }
 
  private:
+  static constexpr float witnessed_before = 0.5f;  ///< trust that fades no longer than 50 ms
   /// What the newest sample of cell `i` counts: above its rest level, less its mask, and at most its part of
   /// the lone force as far as it is not witnessed.
   [[nodiscard]] Raw worth(const Memory& m, std::size_t i) const noexcept {
@@ -232,7 +233,7 @@ class TrustCore : public TrustFrames<S> {
     }
   }
   /// Says how far cells are trusted, and shares one lone force between what is not: as many as there are give
-  /// a joint no more than one alone may. A cell that is pressed and shows no life counts by the way that it
+  /// a joint no more than one alone may. A cell that lives is still the body that was witnessed. A cell that is pressed and shows no life counts by the way that it
   /// has got; all these together at most `LifeSettings::force`, less their damping.
   void trust(Memory& m) const noexcept {
     find_pushing(m);
@@ -240,7 +241,8 @@ class TrustCore : public TrustFrames<S> {
     double without_life = 0;
     Life::each(m.pushing, [&](std::size_t i) {
       float& trust = m.health.row[i / 16].trust[i % 16];
-      if (!has_lone(i) || !this->witness(m, i).touched) return;
+      const bool goes_on = trust > witnessed_before && Life::in(m.life.lives, i);
+      if (!has_lone(i) || !(goes_on || this->witness(m, i).touched)) return;
       const bool lives = Life::in(m.life.lives, i) || !(above(m, i) > 0);
       const double push = lives ? 0 : this->push(m, i);
       const double rim = Life::in(m.life.rim_lives, i) ? s_.life.rim_force : 0;
