@@ -1,4 +1,5 @@
-// compliant_arm: a stiff industrial arm by position gives way at its tool. KUKA by RSI, FANUC by stream motion.
+// compliant_arm: a stiff industrial arm by position gives way at its tool. KUKA by RSI, ABB by EGM, FANUC by stream
+// motion.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
@@ -52,22 +53,26 @@ int run(int argc, char** argv) {
   CLI::App app{
       "A stiff industrial arm by position gives way to pushes on its tool, felt by a sensor in its wrist, "
       "and comes "
-      "back. The controller is the clock: KUKA's RSI, FANUC's stream motion. Without an address it is "
+      "back. The controller is the clock: KUKA's RSI, ABB's EGM, FANUC's stream motion. Without an address "
+      "it is "
       "simulated."};
   app.footer(examples::job::exit_help());
-  std::string bind, host;
+  std::string bind, host, from;
+  std::uint16_t port = 0;
   bool simulate = false, relative = false;
   double period = 4;
   std::optional<double> delay, lag;
   app.add_flag("--simulate", simulate, "a simulated controller in this process (the default)");
-  app.add_option("--robot", s.robot, "rsi or stream_motion")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Robot>{{"rsi", Robot::rsi}, {"stream_motion", Robot::stream_motion}}));
-  app.add_option("--bind", bind, "RSI: this computer's address, IP_NUMBER of the controller's configuration");
-  app.add_option("--port", s.rsi.port, "RSI: PORT of that configuration");
-  app.add_option("--from", s.rsi.from, "RSI: the controller's address; others are not heard");
+  app.add_option("--robot", s.robot, "rsi, egm or stream_motion")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Robot>{
+          {"rsi", Robot::rsi}, {"egm", Robot::egm}, {"stream_motion", Robot::stream_motion}}));
+  app.add_option("--bind", bind,
+                 "RSI, EGM: this computer's address, as the controller's configuration says it");
+  app.add_option("--port", port, "RSI, EGM: port of that configuration (59152, 6510)");
+  app.add_option("--from", from, "RSI, EGM: the controller's address; others are not heard");
   app.add_option("--type", s.rsi.type, "RSI: SENTYPE of that configuration");
-  app.add_option("--period", period, "RSI: 4 (#IPO_FAST) or 12 (#IPO) [ms]")->check(CLI::Range(1.0, 100.0));
+  app.add_option("--period", period, "RSI: 4 (#IPO_FAST) or 12 (#IPO); EGM: \\SampleRate [ms]")
+      ->check(CLI::Range(1.0, 100.0));
   app.add_flag("--relative", relative, "RSI: corrections for RSI_ON(#RELATIVE)");
   app.add_option("--max-correction", s.rsi.max_correction, "RSI: of AXISCORR and AXISCORRMON [deg]");
   app.add_option("--host", host, "stream motion: the controller's address");
@@ -89,14 +94,16 @@ int run(int argc, char** argv) {
   }
   s.simulate = bind.empty() && host.empty();
   if (simulate && !s.simulate) skinctl::refuse("--simulate and a real controller's address: one of them");
-  if (!bind.empty() && s.robot != Robot::rsi) skinctl::refuse("--bind is for --robot rsi");
+  if (!bind.empty() && s.robot == Robot::stream_motion) skinctl::refuse("--bind is for --robot rsi and egm");
   if (!host.empty() && s.robot != Robot::stream_motion)
     skinctl::refuse("--host is for --robot stream_motion");
-  if (!bind.empty()) s.rsi.bind = bind;
+  if (!bind.empty()) s.rsi.bind = s.egm.bind = bind;
+  if (port != 0) s.rsi.port = s.egm.port = port;
+  s.rsi.from = s.egm.from = from;
   s.stream_motion.host = host;
   if (relative) s.rsi.correction = s.rsi_controller.correction = adapters::rsi::Correction::relative;
-  s.rsi.period = skinctl::nanoseconds(1e-3 * period);
-  s.rsi_controller.period = 1e-3 * period;
+  s.rsi.period = s.egm.period = skinctl::nanoseconds(1e-3 * period);
+  s.rsi_controller.period = s.egm_controller.period = 1e-3 * period;
   s.rsi_controller.ipoc_per_cycle = static_cast<std::uint64_t>(period);
   simulate_by_default(s);
   s.delay = delay.value_or(s.delay);

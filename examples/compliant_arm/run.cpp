@@ -111,8 +111,10 @@ Exit run_on(Driver& driver, const Settings& s, const Urdf& urdf, const std::atom
   const Limits limits = [&] {
     if constexpr (requires { driver.protocol().max_correction(); })
       return limits_of_run(s, urdf, nullptr, driver.newest().told, 0.95 * driver.protocol().max_correction());
-    else
+    else if constexpr (requires { driver.protocol().limits(); })
       return limits_of_run(s, urdf, &driver.protocol().limits(), driver.newest().told, 1e9);
+    else
+      return limits_of_run(s, urdf, nullptr, driver.newest().told, 1e9);
   }();
   double factor = 1;
   const auto scene = driver.hold_while([&] {
@@ -179,6 +181,12 @@ Exit run_on(Driver& driver, const Settings& s, const Urdf& urdf, const std::atom
 
 void simulate_by_default(Settings& s) {
   s.simulation.pushes = {{1, 1, {0, 0, 40}}, {4.5, 1, {30, 0, 0}}};
+  if (s.robot == Robot::egm) {
+    s.simulation.delay = 0.05;
+    s.simulation.lag = 0.05;
+    s.delay = 0.05 + 2 * 0.004;
+    s.lag = 0.05;
+  }
   if (s.robot == Robot::stream_motion) {
     s.stream_motion_controller.version = 4;
     s.simulation.delay = 0.04;
@@ -205,6 +213,14 @@ Exit run(const Settings& s, const std::atomic<bool>& stop, RunLog& log) {
     adapters::rsi::Rsi protocol(rsi);
     if (s.simulate)
       peer = rsi_controller(s.simulation, s.rsi_controller, "127.0.0.1", protocol.socket().port());
+    ClockedDriver driver(std::move(protocol), options);
+    with(driver);
+  } else if (s.robot == Robot::egm) {
+    auto egm = s.egm;
+    if (s.simulate) egm.bind = "127.0.0.1", egm.port = 0;
+    adapters::egm::Egm protocol(egm);
+    if (s.simulate)
+      peer = egm_controller(s.simulation, s.egm_controller, "127.0.0.1", protocol.socket().port());
     ClockedDriver driver(std::move(protocol), options);
     with(driver);
   } else {

@@ -5,20 +5,23 @@
 #include <string>
 #include <vector>
 
+#include "examples/adapters/egm/egm.hpp"
 #include "examples/adapters/rsi/rsi.hpp"
 #include "examples/adapters/stream_motion/stream_motion.hpp"
+#include "examples/simulated_arm/egm.hpp"
 #include "examples/simulated_arm/rsi.hpp"
 #include "examples/simulated_arm/stream_motion.hpp"
 #include "examples/support/job.hpp"
 
 namespace compliant_arm {
 
-enum class Robot : unsigned char { rsi, stream_motion };
+enum class Robot : unsigned char { rsi, egm, stream_motion };
 
 struct Settings {
   Robot robot = Robot::rsi;
   bool simulate = true;
   adapters::rsi::Options rsi;
+  adapters::egm::Options egm;
   adapters::stream_motion::Options stream_motion;
   std::string urdf;            ///< six joints
   double delay = 0.012;        ///< from an answer until the arm begins to move, with the age of a state [s]
@@ -34,6 +37,7 @@ struct Settings {
   std::string json;  ///< file for a summary; empty: none
   simulated_arm::Config simulation;
   simulated_arm::RsiConfig rsi_controller;
+  simulated_arm::EgmConfig egm_controller;
   simulated_arm::StreamMotionConfig stream_motion_controller;
 };
 /// Delays of the simulated arm, and two pushes.

@@ -1,7 +1,9 @@
-// simulated_arm: a controller of a stiff industrial arm in a process of its own. KUKA's RSI, or FANUC's stream motion.
+// simulated_arm: a controller of a stiff industrial arm in a process of its own. KUKA's RSI, ABB's EGM, or FANUC's
+// stream motion.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "examples/simulated_arm/egm.hpp"
 #include "examples/simulated_arm/rsi.hpp"
 #include "examples/simulated_arm/stream_motion.hpp"
 #include "examples/support/job.hpp"
@@ -14,9 +16,8 @@ using examples::job::Exit;
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "A simulated controller that is the clock. By RSI it sends to a program on this computer, by stream "
-      "motion it "
-      "waits for one; both on loopback."};
+      "A simulated controller that is the clock. By RSI and EGM it sends to a program on this computer, by "
+      "stream motion it waits for one; all on loopback."};
   app.footer(examples::job::exit_help());
   std::string protocol = "rsi";
   std::uint16_t port = 0;
@@ -24,12 +25,13 @@ int run(int argc, char** argv) {
   bool simulate = false, quiet = false;
   Config config;
   RsiConfig rsi;
+  EgmConfig egm;
   StreamMotionConfig stream;
   app.add_flag("--simulate", simulate, "a simulated arm (there is no other)");
-  app.add_option("--protocol", protocol, "rsi or stream_motion")
-      ->check(CLI::IsMember({"rsi", "stream_motion"}));
+  app.add_option("--protocol", protocol, "rsi, egm or stream_motion")
+      ->check(CLI::IsMember({"rsi", "egm", "stream_motion"}));
   app.add_option("--port", port,
-                 "to send to (RSI, default 59152), or to wait at (stream motion, default 60015)");
+                 "to send to (RSI, default 59152; EGM, 6510), or to wait at (stream motion, 60015)");
   app.add_option("--version", stream.version, "of stream motion; from 4 on with forces")
       ->check(CLI::Range(3, 4));
   app.add_option("--delay", config.delay, "from an answer to the joints [s]")->check(CLI::Range(0.0, 0.5));
@@ -44,12 +46,13 @@ int run(int argc, char** argv) {
     return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
   }
   const examples::job::StopSignals signals;
-  const bool by_rsi = protocol == "rsi";
-  if (port == 0) port = by_rsi ? 59152 : 60015;
-  const auto controller = by_rsi ? rsi_controller(config, rsi, "127.0.0.1", port)
-                                 : stream_motion_controller(config, stream, "127.0.0.1", port);
+  const bool waits = protocol == "stream_motion";
+  if (port == 0) port = waits ? 60015 : protocol == "rsi" ? 59152 : 6510;
+  const auto controller = protocol == "rsi"   ? rsi_controller(config, rsi, "127.0.0.1", port)
+                          : protocol == "egm" ? egm_controller(config, egm, "127.0.0.1", port)
+                                              : stream_motion_controller(config, stream, "127.0.0.1", port);
   examples::job::Progress progress(quiet);
-  if (!quiet) std::printf("%s 127.0.0.1:%u\n", by_rsi ? "sends to" : "waits at", port);
+  if (!quiet) std::printf("%s 127.0.0.1:%u\n", waits ? "waits at" : "sends to", port);
   while (!signals.asked() && controller->snapshot().time < seconds) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     const Snapshot s = controller->snapshot();

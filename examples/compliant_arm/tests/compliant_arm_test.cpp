@@ -26,7 +26,7 @@ Settings settings(Robot robot) {
 }  // namespace
 
 TEST_CASE("A stiff arm by position gives way to pushes on its tool and comes back, within its limits") {
-  for (const Robot robot : {Robot::rsi, Robot::stream_motion}) {
+  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::stream_motion}) {
     CAPTURE(int(robot));
     RunLog log;
     CHECK(run(settings(robot), false, log) == Exit::fine);

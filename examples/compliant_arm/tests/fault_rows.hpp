@@ -44,8 +44,8 @@ inline std::vector<Row> rows() {
     return [what, value](Settings& s) { s.simulation.faults.*what = value; };
   };
   const char* silent = "the controller has fallen silent";
-  for (const Robot robot : {Robot::rsi, Robot::stream_motion}) {
-    const bool kuka = robot == Robot::rsi;
+  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::stream_motion}) {
+    const bool kuka = robot == Robot::rsi, abb = robot == Robot::egm;
     row(robot, "1 % of its datagrams lost", Exit::fine, "", fault(&Faults::lose, 0.01));
     row(robot, "10 % of its datagrams lost", Exit::fine, "", fault(&Faults::lose, 0.1));
     row(robot, "1 % of the answers lost", Exit::fine, "", fault(&Faults::lose_answers, 0.01));
@@ -54,9 +54,15 @@ inline std::vector<Row> rows() {
     const auto damaged = [](Settings& s) { s.simulation.faults.cut = s.simulation.faults.garbled = 0.05; };
     row(robot, "5 % of the datagrams cut, 5 % noise", Exit::fine, "", damaged);
     row(robot, "every datagram is noise", Exit::lost, silent, fault(&Faults::garbled, 1.0));
-    row(robot, "every answer two cycles late", kuka ? Exit::lost : Exit::halted,
-        kuka ? "the controller counts answers as late" : "they came late",
-        fault(&Faults::late_answers, kuka ? 0.008 : 0.016));
+    // EGM does not count them: the arm follows later.
+    row(robot, "every answer two cycles late",
+        abb    ? Exit::fine
+        : kuka ? Exit::lost
+               : Exit::halted,
+        abb    ? ""
+        : kuka ? "the controller counts answers as late"
+               : "they came late",
+        fault(&Faults::late_answers, kuka || abb ? 0.008 : 0.016));
     row(robot, "the cable is cut, or the controller ends", Exit::lost, silent, fault(&Faults::silent_at, at));
     row(robot, "emergency stop", kuka ? Exit::lost : Exit::halted,
         kuka ? silent : "the robot takes no more motion", fault(&Faults::halted_at, at));
@@ -64,6 +70,10 @@ inline std::vector<Row> rows() {
         fault(&Faults::restart_at, at));
     row(robot, "it answers nothing", Exit::lost, "", fault(&Faults::mute, true));
   }
+  row(Robot::egm, "fewer than six axes", Exit::refused, "another number of joints",
+      fault(&Faults::fewer_joints, true));
+  row(Robot::egm, "another \\SampleRate than declared", Exit::refused, "datagrams come every",
+      [](Settings& s) { s.egm_controller.period = 0.012; });
   row(Robot::rsi, "fewer than six axes", Exit::refused, "another number of joints",
       fault(&Faults::fewer_joints, true));
   row(Robot::rsi, "another cycle than declared", Exit::refused, "grow by 12", [](Settings& s) {

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "examples/adapters/clocked_driver.hpp"
+#include "examples/simulated_arm/egm.hpp"
 #include "examples/simulated_arm/rsi.hpp"
 #include "examples/simulated_arm/stream_motion.hpp"
 #include "skinctl/core/contract.hpp"
@@ -114,6 +115,50 @@ TEST_CASE("RSI: an arm is held while a scene is built, moves, and is brought to 
     CHECK(std::abs(after.told[0] - before.told[0]) < 0.6 * 0.3);
     CHECK(std::abs(after.dq[0]) < 1e-3);
   }
+}
+
+TEST_CASE("EGM: an arm moves once its controller is guided, and is brought to rest smoothly") {
+  egm::Egm protocol({.port = 0});
+  const Config config;
+  const auto controller = egm_controller(config, {}, "127.0.0.1", protocol.socket().port());
+  ClockedDriver<egm::Egm> driver(std::move(protocol));
+  driver.connect();
+  CHECK(swing(driver, 1.5, 0.2, 3) == Heard::state);
+  const auto before = controller->snapshot();
+  CHECK(std::abs(before.told[0] - config.home[0]) > 0.01);
+  driver.stop();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const auto after = controller->snapshot();
+  CHECK(driver.fault() == ClockFault::none);
+  CHECK(after.ended == "");
+  CHECK(std::abs(after.told[0] - before.told[0]) < 0.6 * 0.3);
+  CHECK(std::abs(after.dq[0]) < 1e-3);
+}
+
+TEST_CASE("EGM: motors off, an error and an end of its program are told apart") {
+  egm::Egm protocol({.port = 0});
+  std::array<std::uint8_t, egm::longest> bytes{};
+  const auto says = [&](auto&& change) {
+    egm::RobotMessage m{.number = 1, .joints = 6, .guided = egm::Guided::running};
+    change(m);
+    ClockedState state;
+    const auto size = print(m, bytes);
+    CHECK(protocol.read({bytes.data(), size}, state) != ClockFault::none);
+    return std::string(protocol.why());
+  };
+  ClockedState state;
+  const auto size = print(egm::RobotMessage{.joints = 6, .guided = egm::Guided::stopped}, bytes);
+  CHECK(protocol.read({bytes.data(), size}, state) == ClockFault::none);
+  CHECK_FALSE(state.takes);
+  CHECK(says([](auto& m) { m.motors = egm::Motors::off; }) == "its motors are off");
+  CHECK(says([](auto& m) { m.guided = egm::Guided::error; }).find("EGM is in error") == 0);
+  CHECK(says([](auto& m) { m.rapid = egm::Rapid::stopped; }) == "its RAPID program has stopped");
+  CHECK(says([](auto& m) { m.joints = 4; }).find("six axes") != std::string::npos);
+  const auto running = print(egm::RobotMessage{.joints = 6, .guided = egm::Guided::running}, bytes);
+  CHECK(protocol.read({bytes.data(), running}, state) == ClockFault::none);
+  CHECK(state.takes);
+  CHECK(says([](auto& m) { m.guided = egm::Guided::stopped; }).find("EGMRunJoint has ended") == 0);
+  CHECK(refused([] { egm::Egm wrong({.period = skinctl::Nanoseconds(1'000'000)}); }).find("refused: ") == 0);
 }
 
 TEST_CASE("Stream motion: limits are asked, commands keep them, the last one ends the motion") {

@@ -1,7 +1,7 @@
-// Datagrams of RSI and stream motion: layouts, what is refused, and that no bytes do harm.
+// Datagrams of RSI, EGM and stream motion: layouts, what is refused, and that no bytes do harm.
 //
-// Promise: messages of KUKA RSI and FANUC stream motion are read whatever the bytes
-// Tried: truncated, mutated and random datagrams; the XML against tinyxml2
+// Promise: messages of KUKA RSI, ABB EGM and FANUC stream motion are read whatever the bytes
+// Tried: truncated, mutated and random datagrams; the XML against tinyxml2, EGM's bytes as protobuf's page writes them
 
 #include "examples/adapters/rsi/messages.hpp"
 
@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "examples/adapters/egm/messages.hpp"
 #include "examples/adapters/stream_motion/packets.hpp"
 
 namespace rsi = adapters::rsi;
@@ -212,4 +213,83 @@ TEST_CASE("Stream motion: packets of another length or type are refused, whateve
     static_cast<void>(parse(std::span<const std::uint8_t>(bytes), header));
   }
   CHECK(taken > 100);
+}
+
+namespace egm = adapters::egm;
+
+TEST_CASE("EGM: a controller's message byte by byte, and what the job answers") {
+  // Header {7, 28, data}, feedback {joints {0, -10, 20, 0, 30, 0}}.
+  std::vector<std::uint8_t> bytes{0x0a, 6, 8, 7, 0x10, 0x1c, 0x18, 2, 0x12, 0x38, 0x0a, 0x36};
+  for (const double q : {0.0, -10.0, 20.0, 0.0, 30.0, 0.0}) {
+    bytes.push_back(9);
+    std::array<std::uint8_t, 8> b;
+    std::memcpy(b.data(), &q, 8);
+    bytes.insert(bytes.end(), b.begin(), b.end());
+  }
+  egm::RobotMessage m;
+  REQUIRE(parse(bytes, m));
+  CHECK((m.number == 7 && m.time == 28 && m.joints == 6 && !m.has_force && !m.has_planned));
+  CHECK(m.feedback == std::array<double, 6>{0, -10, 20, 0, 30, 0});
+  std::array<std::uint8_t, egm::longest> out{};
+  REQUIRE(print(m, out) == bytes.size());
+  CHECK(std::equal(bytes.begin(), bytes.end(), out.begin()));
+
+  const egm::SensorMessage answer{.number = 300, .time = 1200, .joints = 6, .planned = {1, 2, 3, 4, 5, 6}};
+  const auto size = print(answer, out);
+  REQUIRE(size == 12 + 2 + 54);  // numbers of two bytes each
+  egm::SensorMessage back;
+  REQUIRE(parse({out.data(), size}, back));
+  CHECK((back.number == 300 && back.time == 1200 && back.planned == answer.planned));
+  CHECK(print(answer, {out.data(), size - 1}) == 0);
+}
+
+TEST_CASE("EGM: states, forces, packed numbers and unknown fields are read; seven joints are counted") {
+  egm::RobotMessage m{
+      .number = 1, .joints = 6, .feedback = {1, 2, 3, 4, 5, 6}, .planned = {6, 5, 4, 3, 2, 1}};
+  m.has_planned = m.has_force = true;
+  m.motors = egm::Motors::on, m.guided = egm::Guided::running, m.rapid = egm::Rapid::running;
+  m.force = {10, 0, -5, 0.1, 0.2, 0.3};
+  std::array<std::uint8_t, egm::longest> out{};
+  const auto size = print(m, out);
+  std::vector<std::uint8_t> bytes(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size));
+  bytes.insert(bytes.end(), {0xa5, 6, 1, 2, 3, 4, 0xa0, 6, 0x80, 1});  // fields 100: four bytes, a number
+  egm::RobotMessage back;
+  REQUIRE(parse(bytes, back));
+  CHECK((back.guided == egm::Guided::running && back.motors == egm::Motors::on && back.has_force));
+  CHECK(back.force == m.force);
+  CHECK(back.planned == m.planned);
+  std::vector<std::uint8_t> packed{0x0a, 2, 8, 5, 0x12, 60, 0x0a, 58, 0x0a, 56};  // seven, packed
+  packed.resize(packed.size() + 56);
+  REQUIRE(parse(packed, back));
+  CHECK(back.joints == 7);
+  const double nan = std::nan("");
+  std::memcpy(packed.data() + 10, &nan, 8);
+  CHECK_FALSE(parse(packed, back));
+}
+
+TEST_CASE("EGM: cut, damaged and random bytes do no harm, and what is read is finite") {
+  egm::RobotMessage m{.number = 1, .joints = 6};
+  m.has_planned = m.has_force = true, m.guided = egm::Guided::running;
+  std::array<std::uint8_t, egm::longest> out{};
+  const auto size = print(m, out);
+  const std::vector<std::uint8_t> good(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size));
+  std::mt19937 rng(5);
+  std::size_t read = 0;
+  for (int k = 0; k < 200'000; ++k) {
+    const auto bytes = damaged(good, rng);
+    egm::RobotMessage robot;
+    egm::SensorMessage sensor;
+    if (parse(bytes, robot)) {
+      ++read;
+      for (const double q : robot.feedback) REQUIRE(std::isfinite(q));
+      for (const double f : robot.force) REQUIRE(std::isfinite(f));
+    }
+    if (parse(bytes, sensor))
+      for (const double q : sensor.planned) REQUIRE(std::isfinite(q));
+  }
+  CHECK(read > 1000);
+  for (std::size_t n = 0; n < size; ++n) {
+    egm::RobotMessage robot;
+    static_cast<void>(parse({good.data(), n}, robot));
+  }
 }
