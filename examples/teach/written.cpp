@@ -32,9 +32,11 @@ class Reader {
       Item item{Item::What::step, at, {}, {}};
       if (s.border != no_border && s.no != nowhere) {
         item.what = Item::What::branch;
-        const bool both = read(s.done, until, item.first) && read(s.no, until, item.second);
+        const std::uint8_t meet = join(s.done, s.no, until);
+        if (!read(s.done, meet, item.first) || !read(s.no, meet, item.second)) return false;
         out.push_back(item);
-        return both;
+        at = meet;
+        continue;
       }
       if (s.no != nowhere && s.no != ask_person) {
         item.what = Item::What::loop;
@@ -50,6 +52,20 @@ class Reader {
   }
 
  private:
+  /// The step behind `at`: behind a loop, if it is one.
+  [[nodiscard]] std::uint8_t behind(std::uint8_t at) const {
+    const Step& s = t_.steps[at];
+    return s.border == no_border && s.no != nowhere && s.no != ask_person ? s.no : s.done;
+  }
+  /// Where two ways meet again, `until` at the latest.
+  [[nodiscard]] std::uint8_t join(std::uint8_t a, std::uint8_t b, std::uint8_t until) const {
+    std::array<bool, max_steps> on_first{};
+    for (; a != until && a < t_.size && !on_first[a]; a = behind(a)) on_first[a] = true;
+    for (std::uint8_t steps = 0; b != until && b < t_.size && steps < t_.size; b = behind(b), ++steps)
+      if (on_first[b]) return b;
+    return until;
+  }
+
   const Task& t_;
   std::array<bool, max_steps> read_{};
 };

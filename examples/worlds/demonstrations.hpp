@@ -99,7 +99,7 @@ template <std::size_t C>
     if (!follows({"find"}) || at >= t.size) return false;
     const TaughtPlace place = t.places[t.steps[at].place];
     const auto p = place.X_MH.origin();
-    const double middle = mark == thing::box ? 0.03 : 0.03;
+    constexpr double middle = 0.03;  // of box and bin
     return place.mark == mark && std::hypot(p.x - middle, p.y) < 0.04 && std::abs(p.z - 0.06) < 0.04 &&
            follows({"put", "release"}) && at == 0;
   };

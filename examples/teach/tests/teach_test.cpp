@@ -75,6 +75,27 @@ TEST_CASE("teach: shown once, learnt, read back, and run among 24 new oranges at
   CHECK_FALSE(check(loaded.task).any());
 }
 
+TEST_CASE("teach: a branch whose ways meet again is read back, drawn and written with what follows") {
+  using namespace skinctl;
+  teach::NamedTask named;
+  named.classes.names = {{1, "orange"}, {2, "cup"}};
+  auto& t = named.task;
+  const auto add = [&](Step s) { t.steps[t.size++] = s; };
+  add(step_of<activity::Take>({.role = 1, .done = 1}));
+  add(step_of<activity::Squeeze>({.role = 1, .done = 2, .no = 3, .border = 0}));
+  add(step_of<activity::Release>({.role = 1, .done = 4}));
+  add(step_of<activity::Release>({.role = 1, .done = 4}));
+  add(step_of<activity::Take>({.role = 2, .done = finish}));
+  t.border_count = 1, t.borders[0] = 700;
+  CHECK(teach::to_text(named) ==
+        "take the orange\nsqueeze the orange where it is\nif it is 700 N/m or harder:\n"
+        "  put the orange down where it is\nsofter than 700 N/m:\n  put the orange down where it is\n"
+        "take the cup\n");
+  const std::string xml = teach::to_xml(named);
+  CHECK(xml.find("</IfThenElse>") < xml.find("role=\"cup\""));
+  CHECK(has(teach::to_svg(named), "cup"));
+}
+
 TEST_CASE("teach: other tasks, more people, and words while somebody shows") {
   const Folder folder;
   for (const char* task : {"pancake", "sandwich"}) {
