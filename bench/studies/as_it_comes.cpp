@@ -1,7 +1,7 @@
-// A UR5 as it comes: robots that are not as declared, in scenes with hands, walls and goals. Nobody touches it
-// and it moves by no more than its gap; a touch is pressed no harder than by the same robot declared truly;
-// whatever else happens has its reason.
-// `as_it_comes [cases [first seed [folder [dead band in rad]]]]`, or `as_it_comes case SEED` for one of them, cycle by cycle.
+// A UR5 as it comes: robots that are not as declared, in scenes with hands, walls and goals. Nobody touches
+// it and it moves by no more than its gap; a touch is pressed no harder than by the same robot declared
+// truly; whatever else happens has its reason. `as_it_comes [cases [first seed [folder [dead band in
+// rad]]]]`, or `as_it_comes case SEED` for one of them, cycle by cycle.
 //
 // A case: encoders off by up to 0.1 rad, a lag of 0 to 50 ms where 8 are declared (one or two in a row), servos
 // of 500 N m/rad to rigid with and without integral, friction of up to 20 % of the largest torques, encoder

@@ -14,9 +14,9 @@
 
 namespace adapters {
 
-/// A `RobotDriver` for six joints by position. Each datagram has one answer, within the cycle; of those that waited
-/// together only the newest, unless the controller counts answers. Nothing is sent unasked, and nothing waits longer than
-/// one and a half periods.
+/// A `RobotDriver` for six joints by position. Each datagram has one answer, within the cycle; of those that
+/// waited together only the newest, unless the controller counts answers. Nothing is sent unasked, and
+/// nothing waits longer than one and a half periods.
 template <ClockProtocol P>
 class ClockedDriver {
  public:

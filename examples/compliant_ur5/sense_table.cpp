@@ -1,4 +1,5 @@
-// ur5_senses: what the arm of the main job feels by its skin, by the sensor in its wrist and by its motors, side by side.
+// ur5_senses: what the arm of the main job feels by its skin, by the sensor in its wrist and by its motors,
+// side by side.
 //
 //   ur5_senses [position | velocity]
 #include <cstdio>

@@ -158,9 +158,9 @@ struct Settings {
   std::vector<Goal> task;
 };
 
-/// Reads the tables `[run]`, `[control]`, `[torque]`, `[wrist_control]`, `[motor_control]`, `[skin]` and `[[goal]]` of a scenario; others are the simulation's.
-/// Throws `skinctl::ConfigurationError` with file and line for unknown keys of its own tables and wrong
-/// types.
+/// Reads the tables `[run]`, `[control]`, `[torque]`, `[wrist_control]`, `[motor_control]`, `[skin]` and
+/// `[[goal]]` of a scenario; others are the simulation's. Throws `skinctl::ConfigurationError` with file and
+/// line for unknown keys of its own tables and wrong types.
 void read_scenario(const std::string& file, Settings& settings);
 
 }  // namespace compliant_ur5

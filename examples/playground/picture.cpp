@@ -1,14 +1,13 @@
-// The first picture of README.md: `playground_picture FILE` writes a moving SVG of the arm that gives way beside the same
-// arm that does not, under the same finger. What moves is computed by the playground's core.
+// The first picture of README.md: `playground_picture FILE` writes a moving SVG of the arm that gives way
+// beside the same arm that does not, under the same finger. What moves is computed by the playground's core.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include "examples/playground/playground.hpp"
-#include "examples/support/exit.hpp"
-#include "examples/support/output_file.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "examples/support/ur5_shape.hpp"
 #include "skinctl/core/contract.hpp"

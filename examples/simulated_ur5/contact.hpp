@@ -91,11 +91,11 @@ class ContactWorld {
   /// Moves the fingers to time `t` [s after the scenario's start] and presses them on the arm; `h` is the
   /// step.
   void advance(double t, double h, const Links& links);
-  /// Puts the led finger of touch `i` in front of a place of `link` (its frame), before a new touch; `cell` is an index,
-  /// or `no_cell`: a plane. It allocates nothing.
+  /// Puts the led finger of touch `i` in front of a place of `link` (its frame), before a new touch; `cell`
+  /// is an index, or `no_cell`: a plane. It allocates nothing.
   void place(std::size_t i, std::size_t link, Vec3 point, Vec3 normal, std::size_t cell);
-  /// How far it is beyond the surface at which it was placed, along the inward normal, and beside its line (base's frame)
-  /// [m].
+  /// How far it is beyond the surface at which it was placed, along the inward normal, and beside its line
+  /// (base's frame) [m].
   void lead(std::size_t i, double way, Vec3 aside);
   /// Takes it away until it is placed again.
   void lift(std::size_t i);

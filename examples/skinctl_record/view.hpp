@@ -6,7 +6,8 @@
 
 namespace skinctl_record {
 
-/// Serves the live page with the recording `path` on 127.0.0.1 until a signal ends it; its address is printed. Exit code 0.
+/// Serves the live page with the recording `path` on 127.0.0.1 until a signal ends it; its address is
+/// printed. Exit code 0.
 /// @param port  0: any.
 int view(const std::string& path, std::uint16_t port);
 

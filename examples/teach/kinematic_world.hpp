@@ -24,8 +24,9 @@ struct RunResult {
   bool finished = false;
 };
 
-/// Runs a task among `count` things of each class that is taken in a loop, one of each other, and one of each landmark, at random
-/// places: the hand moves at 0.5 m/s, one take in ten fails. `tell` says each step that begins.
+/// Runs a task among `count` things of each class that is taken in a loop, one of each other, and one of each
+/// landmark, at random places: the hand moves at 0.5 m/s, one take in ten fails. `tell` says each step that
+/// begins.
 [[nodiscard]] RunResult run(const NamedTask& task, int count, std::uint64_t seed, double pace, bool tell,
                             const std::atomic<bool>& stopped);
 

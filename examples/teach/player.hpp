@@ -13,7 +13,8 @@ inline constexpr skinctl::ToolUse uses[] = {
     {skinctl::testing::thing::bottle, skinctl::testing::thing::pan, "pour"},
     {skinctl::testing::thing::spatula, skinctl::testing::thing::pan, "turn over"}};
 
-/// Calls `each(time, word, since)` for every new word by what the person means. Pictures arrive 60 ms after they were taken.
+/// Calls `each(time, word, since)` for every new word by what the person means. Pictures arrive 60 ms after
+/// they were taken.
 template <class Each>
 void play(const Recording& recording, Each&& each) {
   using namespace skinctl;

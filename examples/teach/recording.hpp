@@ -19,10 +19,11 @@ struct Recording {
   skinctl::Demonstration<> shown;
 };
 
-/// Writes it: lines `thing CLASS NAME [container]`, `hand TIME X Y Z RX RY RZ FORCE OPENING`, `seen TIME THING X Y Z RX RY RZ`; seconds,
-/// metres, rotation vectors, newtons; OPENING -1: not measured.
+/// Writes it: lines `thing CLASS NAME [container]`, `hand TIME X Y Z RX RY RZ FORCE OPENING`, `seen TIME
+/// THING X Y Z RX RY RZ`; seconds, metres, rotation vectors, newtons; OPENING -1: not measured.
 void write(const Recording& recording, const std::string& file);
-/// Reads it. Throws `std::runtime_error` with the number of the line that is wrong; at most 64 things and a million lines.
+/// Reads it. Throws `std::runtime_error` with the number of the line that is wrong; at most 64 things and a
+/// million lines.
 [[nodiscard]] Recording read(const std::string& file);
 
 }  // namespace teach

@@ -14,10 +14,11 @@ struct NamedTask {
   Classes classes;
 };
 
-/// The task as JSON: steps by the names of their activities, edges by number or "finish", "ask", "nowhere"; places in metres, with
-/// rotation vectors; borders [N/m].
+/// The task as JSON: steps by the names of their activities, edges by number or "finish", "ask", "nowhere";
+/// places in metres, with rotation vectors; borders [N/m].
 [[nodiscard]] std::string to_json(const NamedTask& task);
-/// Reads it back. Throws `std::runtime_error` for what is no task of this form, or one that `check` refuses; at most 1 MB.
+/// Reads it back. Throws `std::runtime_error` for what is no task of this form, or one that `check` refuses;
+/// at most 1 MB.
 [[nodiscard]] NamedTask from_json(const std::string& json);
 /// From a file.
 [[nodiscard]] NamedTask load(const std::string& file);

@@ -1,4 +1,5 @@
-// Recordings of simulated people who pack oranges, by kind of person and of sensing; and whether a learnt task is theirs.
+// Recordings of simulated people who pack oranges, by kind of person and of sensing; and whether a learnt
+// task is theirs.
 #pragma once
 
 #include <functional>
@@ -82,8 +83,9 @@ inline constexpr double hard_orange = 5000, soft_orange = 3000;
   return out;
 }
 
-/// Whether a task packs as was shown: oranges until none is left; taken and squeezed; the harder ones into the box, the others
-/// into the bin, with a border between the two kinds, where the people let go to within 40 mm. Walks the graph.
+/// Whether a task packs as was shown: oranges until none is left; taken and squeezed; the harder ones into
+/// the box, the others into the bin, with a border between the two kinds, where the people let go to within
+/// 40 mm. Walks the graph.
 template <std::size_t C>
 [[nodiscard]] bool packs(const TaughtTask<C>& t) {
   std::uint8_t at = 0;
@@ -182,7 +184,8 @@ struct Kind {
   act.rest(1);
   return shown(run, {}, seed * 10 + 2, {hard_orange, soft_orange});
 }
-/// Another task of the simulated kitchen, as any person shows it; `noise` of the hand by camera at 60 Hz [m], 0: of the robot.
+/// Another task of the simulated kitchen, as any person shows it; `noise` of the hand by camera at 60 Hz [m],
+/// 0: of the robot.
 [[nodiscard]] inline Demonstration<> kitchen_shown(LedTask task, std::uint64_t seed, double tremor = 0,
                                                    double noise = 0) {
   auto random = seeded(seed);

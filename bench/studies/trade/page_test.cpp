@@ -1,5 +1,5 @@
-// The page of the trade study: in a browser it gives the answers that its rows give; its tables are those of bench/results.
-// Ends with 77 (ctest: skipped) where there is no Chromium and everything else passed.
+// The page of the trade study: in a browser it gives the answers that its rows give; its tables are those of
+// bench/results. Ends with 77 (ctest: skipped) where there is no Chromium and everything else passed.
 //
 // Promise: the page of the trade study answers both questions as its rows do, and `fast` costs 2.5 times
 // less than `balanced` in all four scenes

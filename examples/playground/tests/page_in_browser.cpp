@@ -1,7 +1,7 @@
-// Presses the arm of the playground's page in headless Chromium, from its file: the pointer, keys, a finger on a
-// screen; how far it gives way, how much harder the rigid arm is pressed, switches, sliders, no error of a script. Prints
-// what the page weighs and how long it takes. Ends with 77 (ctest: skipped) without Chromium. `--keep FOLDER` leaves
-// screenshots behind.
+// Presses the arm of the playground's page in headless Chromium, from its file: the pointer, keys, a finger
+// on a screen; how far it gives way, how much harder the rigid arm is pressed, switches, sliders, no error of
+// a script. Prints what the page weighs and how long it takes. Ends with 77 (ctest: skipped) without
+// Chromium. `--keep FOLDER` leaves screenshots behind.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 

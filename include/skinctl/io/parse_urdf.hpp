@@ -26,7 +26,8 @@ namespace detail {
 /// - a joint whose parent or child link is unknown; a link on two joints; a loop; more than one base;
 /// - a type other than revolute, continuous, prismatic, fixed; an axis without direction;
 /// - a negative mass; a `total_mass` that is not above the masses in the file;
-/// - a principal moment of inertia below -1/10 of the largest (moments that violate the triangle inequality, or that do not matter:
+/// - a principal moment of inertia below -1/10 of the largest (moments that violate the triangle inequality,
+///   or that do not matter:
 ///   `Urdf::warnings`);
 /// - a value that is not a finite number;
 /// - options that name a link or joint that does not exist, a tip that the base does not carry, a locked

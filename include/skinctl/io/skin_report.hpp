@@ -81,8 +81,8 @@ inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
   return out;
 }
 
-/// As JSON:
-/// `{"cells": 260, "usable": 258, "faults": {"stuck": 2, ...}, "unexplained": 0, "unhealthy": [{"id": 7, "link": 2, "faults": ["stuck"], "mask": 1, "rest": 0.06, "unexplained": false}, ...]}`.
+/// As JSON: `{"cells": 260, "usable": 258, "faults": {"stuck": 2, ...}, "unexplained": 0, "unhealthy":
+/// [{"id": 7, "link": 2, "faults": ["stuck"], "mask": 1, "rest": 0.06, "unexplained": false}, ...]}`.
 [[nodiscard]] SKINCTL_COLD inline std::string as_json(const SkinReport& report) {
   std::string out =
       formatted("{\"cells\": %zu, \"usable\": %zu, \"faults\": {", report.cells.size(), report.usable);

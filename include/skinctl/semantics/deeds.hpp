@@ -27,13 +27,12 @@ enum class Verb : std::uint8_t { take, squeeze, use, release };
 template <Frame W = World>
 struct Deed {
   Verb verb = Verb::take;
-  ObjectClass role = 0;  ///< class of the object in hand
-  ObjectClass mark = 0;  ///< class of the landmark that it is done at; 0: the world
-  Nanoseconds time{};    ///< begin
-  double sigma = 0;      ///< deviation of the hand's position while it stood [m]
-  double felt = 0;       ///< of a squeeze [N/m]; NaN: not known
-  std::vector<TaughtPlace>
-      places;  ///< the hand in the world, then in the frame of each landmark, nearest first
+  ObjectClass role = 0;             ///< class of the object in hand
+  ObjectClass mark = 0;             ///< class of the landmark that it is done at; 0: the world
+  Nanoseconds time{};               ///< begin
+  double sigma = 0;                 ///< deviation of the hand's position while it stood [m]
+  double felt = 0;                  ///< of a squeeze [N/m]; NaN: not known
+  std::vector<TaughtPlace> places;  ///< the hand in the world, then in each landmark's frame, nearest first
   [[nodiscard]] TaughtPlace at(ObjectClass wanted) const noexcept {
     for (const auto& p : places)
       if (p.mark == wanted) return p;
@@ -260,13 +259,11 @@ class DeedReader {
       if (inside(i, centre)) at.push_back(d_.hand[i].X_WH);
     out.push_back(deed(Verb::use, thing, time(centre), at));
   }
-
   const Demonstration<W>& d_;
   DeedSettings s_;
   Segments segments_;
   std::vector<Known> known_;
 };
-
 inline constexpr Nanoseconds shortest_sample = 100us;  ///< more samples than that make no better recording
 
 /// Whether all numbers are finite, times rise, by 0.1 ms or more, and objects exist.
@@ -300,5 +297,4 @@ template <Frame W = World>
   if (!detail::is_recording(shown)) return {{}, Refusal::not_a_recording, {}};
   return detail::DeedReader<W>(shown, settings).read();
 }
-
 SKINCTL_END_NAMESPACE

@@ -20,9 +20,13 @@ inline constexpr L constant_law{};
 template <class L>
 concept CopiesAsConstant =
     requires { typename std::bool_constant<(static_cast<void>(L(constant_law<L>)), true)>; };
+/// Whether its copy constructor is `constexpr`: what the expression itself has made may be copied.
+template <class L>
+concept CopiesWhatItMade =
+    requires { typename std::bool_constant<(static_cast<void>(L(static_cast<const L&>(L{}))), true)>; };
 /// A law with a mutable member. Found by Clang, where `L{}` is a constant expression: GCC 12 copies it whole.
 template <class L>
-concept HasMutableMember = ConstantByDefault<L> && std::is_copy_constructible_v<L> && !CopiesAsConstant<L>;
+concept HasMutableMember = ConstantByDefault<L> && CopiesWhatItMade<L> && !CopiesAsConstant<L>;
 
 template <std::size_t>
 struct AnyField {
@@ -42,7 +46,7 @@ constexpr bool has_pointer_among(std::index_sequence<Field...>) {
   return (is_pointer_behind<M>(std::make_index_sequence<Field>()) || ...);
 }
 /// A Memory with a pointer: replayed or copied, it would point to what is no longer so. Found among the first
-/// 16 fields of an aggregate.
+/// 16 fields of an aggregate, not within another one that hides it (a view).
 template <class M>
 concept HasPointerField =
     std::is_aggregate_v<M> && !std::is_empty_v<M> && has_pointer_among<M>(std::make_index_sequence<16>());

@@ -233,8 +233,9 @@ class TrustCore : public TrustFrames<S> {
     }
   }
   /// Says how far cells are trusted, and shares one lone force between what is not: as many as there are give
-  /// a joint no more than one alone may. A cell that lives is still the body that was witnessed. A cell that is pressed and shows no life counts by the way that it
-  /// has got; all these together at most `LifeSettings::force`, less their damping.
+  /// a joint no more than one alone may. A cell that lives is still the body that was witnessed. A cell that
+  /// is pressed and shows no life counts by the way that it has got; all these together at most
+  /// `LifeSettings::force`, less their damping.
   void trust(Memory& m) const noexcept {
     find_pushing(m);
     typename Life::Bits lifeless{};
