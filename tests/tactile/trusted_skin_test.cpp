@@ -9,9 +9,9 @@
 // Tried: UR5, 260 cells, untouched: 10 %, 30 % (study) and all of them stuck, saturated or noisy from one
 // sample to the next: 12 mm at most, blinking 40; pairs and patches of 9, whose cells stream or send
 // changes, from the start or later: 15 mm. A trembling finger that slides to a rim, where one cell feels it,
-// keeps 0.8 of its push. Stuck or creeping with the noise of a sound sensor, untouched,
-// touched elsewhere or there by hands that are springs: 30 mm, creeping 75. In the main job a pair: 30 mm
-// at most, and a finger on it meets no more than on silent cells. A push that neither moves nor trembles
+// keeps 0.8 of its push; a rim cell beside a push that lives is not masked. Stuck or creeping with the
+// noise of a sound sensor, untouched, touched elsewhere or there by hands that are springs: 30 mm, creeping
+// 75. In the main job a pair: 30 mm at most, and a finger on it meets no more than on silent cells. A push that neither moves nor trembles
 // counts 8 mm of way and 30 N at most. Hands of 400 and 8000 N/m that tremble by 2 % push as on a skin
 // that believes everything, within 15 %, and mask nobody; a touch that rises in 2 ms loses 5 % of half a
 // second's impulse. Also: `sensing/cell_life_test.cpp`, `examples/compliant_ur5/tests/main_job_test.cpp`,
@@ -228,6 +228,56 @@ TEST_CASE(
     CAPTURE(tremor);
     if (tremor > 0) CHECK(share > 0.8);
     if (tremor == 0) CHECK(share < 0.6);  // what shows no life loses its witness
+  }
+}
+
+TEST_CASE(
+    "TrustedSkin: a cell at the rim of a touch that lives does not answer for the way that the touch gives") {
+  const ur5::Model model;
+  // A cell in the middle of the forearm, and its neighbour.
+  const auto touched = static_cast<std::size_t>(
+      std::find_if(places.begin(), places.end(), [](const CellPlace& c) { return c.link == 2; }) -
+      places.begin() + 30);
+  const std::size_t rim =
+      Trusted(base, fault_trust(SkinSignalSettings{}, places)).fill().graph().neighbours(touched)[0];
+  for (const bool alone : {false, true}) {  // the same reading, with and without the touch beside it
+    const Trusted trusted(base, fault_trust(SkinSignalSettings{}, places));
+    auto memory = trusted.start(0ns);
+    State<6> state{0ns, {}, {}};
+    state.q = {0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
+    // The turn of the elbow that gives way at the rim by a metre.
+    auto turned = state.q;
+    turned[2] += 1e-3;
+    const auto& place = places[rim];
+    const Xyz<double> normal = place.normal;
+    const skinctl::detail::InwardWay<ur5::Model, all_links(6), double> way(model, state.q, turned);
+    const auto metres = double(way(2, {float(place.place.x), float(place.place.y), float(place.place.z)},
+                                   {float(normal.x), float(normal.y), float(normal.z)})) /
+                        1e-3;
+    REQUIRE(std::abs(metres) > 0.05);
+    CellFaults found;  // of the cell at the rim
+    Normal noise(3);
+    for (Nanoseconds to = 8ms; to <= 1500ms; to += 8ms) {
+      const double t = seconds<double>(to);
+      std::vector<CellSample> samples;
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        double reading = 0.02;
+        if (i == touched && !alone && t > 0.3) reading += 0.8 + 0.002 * std::sin(50.3 * t);
+        if (i == rim && t > 0.7) reading += 0.07 + 0.01 * (t - 0.7);  // as the touch slides
+        CellSample s{.time = to - 4ms, .cell = static_cast<std::uint32_t>(i + 1)};
+        for (float& f : s.force) f = static_cast<float>(std::round(reading * 1024 + 0.7 * noise()) / 1024);
+        samples.push_back(s);
+      }
+      if (t > 0.7 && t < 1.1) state.q[2] += 0.008 * 0.06 / metres;  // 60 mm/s
+      state.time = to;
+      trusted.follow_robot(memory, model, state);
+      Plain::Wrenches w;
+      trusted.receive(memory, samples, to - 8ms, to, 1, &w);
+      found |= trusted.faults(memory, rim);
+    }
+    CAPTURE(alone);
+    CHECK(found.has(CellFault::quiet) == alone);
+    CHECK_FALSE(trusted.faults(memory, touched).any());
   }
 }
 

@@ -166,6 +166,8 @@ TEST_CASE("main job: all interfaces at their rates give way alike") {
       REQUIRE(log.touches.size() == 1);
       CHECK(log.touches[0].deflection > 0.02);
       CHECK(log.touches[0].return_error < 0.003);
+      // A finger that slides has rims: no healthy cell there is found to be quiet, and masked for 10 s.
+      CHECK(fact(log, "cells that report") == "260 of 260 cells report");
       touches.push_back(log.touches[0]);
     }
   }

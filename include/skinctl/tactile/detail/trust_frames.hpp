@@ -197,8 +197,17 @@ class TrustFrames : public TrustTables<S> {
     const InwardWay<M, S::Wrenches::links, T> way(model, before, now);
     Life::each(giving, [&](std::size_t i) {
       const float inwards = way(S::Wrenches::slot(cell_[i].link), cell_[i].place, cell_[i].normal);
-      life_.give(m.life, i, inwards, inwards / seconds<float>(since));
+      life_.give(m.life, i, own_share(m, i) * inwards, inwards / seconds<float>(since));
     });
+  }
+  /// The share of a way that pushed cell `i` answers for: its force beside that of neighbours that live. At
+  /// the rim of a touch a place gives way to the touch, not to what its own cell feels of it.
+  [[nodiscard]] float own_share(const Memory& m, std::size_t i) const noexcept {
+    const float own = above(m, i);
+    float all = own;
+    for (const std::size_t n : near(i))
+      if (Life::in(m.life.lives, n) && counts(m, n)) all += above(m, n);
+    return own > 0 ? own / all : 1.0f;
   }
 
   /// The least push on the middle of cell `i` that cell `j` notices, as a reading of `i`; infinite: none.
