@@ -1,5 +1,9 @@
 // Promise: a clock that leaps, once or for good, stops the scene for two cycles
 // Tried: 200 ms to 30 years, forth and back, with and without the skin's, every interface
+//
+// Promise: stamps in another unit than nanoseconds are named within a second
+// Tried: micro- and milliseconds in the place of nanoseconds, every interface; five times as many cycles as
+// declared are not
 
 #include <doctest/doctest.h>
 
@@ -72,6 +76,19 @@ Seen run(Clock&& clock, bool samples_leap) {
 }
 
 template <Interface I>
+void check_units() {
+  for (const std::int64_t unit : {1000, 1'000'000}) {  // microseconds, milliseconds
+    CAPTURE(unit);
+    const auto seen = run<I>([&](int, Nanoseconds t) { return 1h + Nanoseconds(t.count() / unit); }, true);
+    CHECK(seen.at_end.has(Reason::interval_too_short));
+  }
+  // Once the clock is right, nothing is reported any more; nor of a loop that runs faster than it says.
+  const auto mended = run<I>([](int k, Nanoseconds t) { return k < 300 ? 1h + t / 1000 : 1h + t; }, true);
+  CHECK_FALSE(mended.at_end.has(Reason::interval_too_short));
+  CHECK_FALSE(run<I>([](int, Nanoseconds t) { return t / 5; }, true).at_end.has(Reason::interval_too_short));
+}
+
+template <Interface I>
 void check_all() {
   const auto right = [](int, Nanoseconds t) { return t; };
   const double yields = run<I>(right, false).yielded;
@@ -102,4 +119,10 @@ TEST_CASE("cycle: one stamp far ahead, or back, does not stop the scene for good
   check_all<Interface::position>();
   check_all<Interface::velocity>();
   check_all<Interface::torque>();
+}
+
+TEST_CASE("cycle: stamps in another unit than nanoseconds are named") {
+  check_units<Interface::position>();
+  check_units<Interface::velocity>();
+  check_units<Interface::torque>();
 }

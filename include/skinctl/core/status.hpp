@@ -70,6 +70,7 @@ enum class Reason : std::uint8_t {
   skin_stopped,
   start_refused,
   push_without_life,
+  interval_too_short,
   count
 };
 

@@ -154,6 +154,9 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
      WayBack::on_request, "the robot does not stand where it was started: nothing is commanded"},
     {Reason::push_without_life, "push_without_life", FaultFinder::skin, Reaction::fade, Reaction::fade,
      WayBack::by_itself, "a push without life, as of a bias: what it reads counts as rest"},
+    {Reason::interval_too_short, "interval_too_short", FaultFinder::resolver, Reaction::report,
+     Reaction::report, WayBack::by_itself,
+     "cycles last less than 1 % of the period: are stamps nanoseconds?"},
 }};
 static_assert(
     [] {

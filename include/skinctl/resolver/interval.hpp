@@ -61,5 +61,16 @@ inline constexpr Nanoseconds no_time = Nanoseconds::min();
   return interval.status.has(Reason::time_backwards) && is_plausible(interval.seen) ? interval.seen : no_time;
 }
 
+/// Takes the length of an interval. A hundred in a row below a hundredth of the period: the clock counts in
+/// another unit (microseconds, milliseconds), or the robot's hardly runs.
+[[nodiscard]] SKINCTL_INLINE Status note_length(std::uint8_t& in_a_row, const Interval& interval,
+                                                Nanoseconds period) noexcept {
+  constexpr int of_period = 100;
+  constexpr std::uint8_t enough = 100;
+  const bool is_short = (interval.to - interval.from) * of_period < period;
+  in_a_row = is_short ? static_cast<std::uint8_t>(in_a_row + (in_a_row < 255)) : std::uint8_t(0);
+  return in_a_row >= enough ? Status(Reason::interval_too_short) : Status{};
+}
+
 }  // namespace detail
 SKINCTL_END_NAMESPACE

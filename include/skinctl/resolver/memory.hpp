@@ -87,6 +87,7 @@ struct ResolverMemory {
   static constexpr bool one_group = std::tuple_size_v<Groups> == 1 && Sets::Driven::count == 0;
   bool started = false;
   bool stop = false;                  ///< a stop was requested
+  std::uint8_t short_intervals = 0;   ///< number of those that were too short, one after the other, up to 255
   Nanoseconds time{};                 ///< the end of the last interval
   Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
   Nanoseconds carried{};              ///< time by which cycles came too soon, up to a period

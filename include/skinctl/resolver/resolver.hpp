@@ -182,6 +182,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     m.time = interval.to;
     const Nanoseconds left = interval.to - interval.from + interval.carried - interval.given(this->period_);
     m.carried = left < this->period_ ? left : this->period_;
+    out.status |= detail::note_length(m.short_intervals, interval, this->period_);
     each([&](auto k) {
       auto& group = m.template group<k.value>();
       group.time = m.time;
