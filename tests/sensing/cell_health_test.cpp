@@ -271,6 +271,35 @@ TEST_CASE("CellHealth: a cell that sends changes only is not noisy because of th
   CHECK(noisy(2, 40, 6) > 4000);
 }
 
+TEST_CASE("CellHealth: a cell that is let go, and then sends keep-alives only, is not noisy") {
+  const SensorNoise noise{.force = 1.5f, .rest = 20};
+  for (const double size : {10.0, 30.0, 100.0, 500.0})
+    for (const Nanoseconds alive : {20ms, 40ms, 100ms, 200ms})
+      for (const double falls : {1.0, 3.0, 10.0}) {  // samples until it is let go
+        const Health health({.equal_messages = 0}, std::span(&noise, 1));
+        auto m = std::make_unique<Health::Memory>();
+        Sensed cell(1.5);
+        Nanoseconds sent{};
+        int found = 0;
+        for (Nanoseconds t = 4ms; t <= 12s; t += 4ms) {
+          const std::int64_t tick = t / 4ms, of = tick % 300;  // pressed for 0.6 s of each 1.2 s
+          cell.force =
+              20 + size * std::clamp(std::min(double(of) / 10, (150 - double(of)) / falls), 0.0, 1.0);
+          const CellSample s = cell.at(t);
+          if (of < 150 + 3 || t - sent >= alive) {
+            health.take(*m, 5, s);
+            sent = t;
+          }
+          health.scan(*m, t, [](std::size_t) { return Health::Witness{.moved = true, .touched = true}; });
+          found += Health::faults(*m, 5).has(CellFault::noisy) ? 1 : 0;
+        }
+        CAPTURE(size);
+        CAPTURE(alive.count());
+        CAPTURE(falls);
+        CHECK(found == 0);
+      }
+}
+
 TEST_CASE(
     "CellHealth: masks fade in within 50 ms, out within 250 after 2 s without finding, 10 s if it blinked") {
   for (const bool blinks : {false, true}) {
@@ -330,7 +359,9 @@ TEST_CASE("CellHealth: the scan's statistics are those of a cell alone, computed
       double x = 0;
       for (const float f : sample.force) x += 1024.0 * double(f);
       if (!k.heard) k.x = x, k.heard = true, k.gap = s;  // the first sample has no predecessor
-      const double d = x - k.x, a = d * per, b = (d - k.d) * per, share = std::min(k.gap / 0.2, 1.0);
+      const bool silent = k.gap > std::max(0.03, 3 * s);
+      const double d = x - k.x, dd = silent ? 2 * std::min(std::abs(d), std::abs(k.d)) : d - k.d;
+      const double a = d * per, b = dd * per, share = std::min(k.gap / 0.2, 1.0);
       k.first += share * (a * a - k.first), k.second += share * (b * b - k.second);
       k.capped += share * ((d * k.d < 0 ? std::min(b * b, 256.0) : 0.0) - k.capped);
       if (std::abs(a) > 6) k.still = 0;

@@ -186,6 +186,7 @@ class CellHealth {
     k.dt = seconds<float>(dt), k.leak = std::exp(-k.dt), k.saturated = seconds<float>(s_.saturated_for);
     // What a cell that sends changes has not sent has not moved.
     if (s_.delta > 0) k.per_gap = 0;
+    k.follows = std::max(k.follows, 3 * k.dt);  // of slow sensors, too
     k.rise = k.dt / seconds<float>(s_.fade_in), k.fall = k.dt / seconds<float>(s_.fade_out);
     for (std::size_t b = 0; 16 * b < count; ++b) {
       const detail::HealthBits bits = detail::frame_scan(m.row[b], limits_[b], k, m.fresh[b], m.at_top[b]);

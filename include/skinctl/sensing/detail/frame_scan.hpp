@@ -45,6 +45,7 @@ struct HealthStep {
   float dt = 0, leak = 1, rise = 0, fall = 0;  ///< of the jumps' count, and of the masks
   float saturated = 0.2f;
   float per_gap = 1 / 0.006f;  ///< how much more a cell may move in a longer gap [1/s]
+  float follows = 0.03f;       ///< longest time between samples that follow each other [s]
 };
 
 /// A bit for each of 16 cells.
@@ -76,20 +77,22 @@ struct ForceChange {
 };
 /// The statistics of the forces in lanes from `i` on, and what they show.
 ///
-/// Differences `d` of samples that follow each other and their differences `dd` are averaged over 0.2 s:
-/// `first = <d^2>`, `second = <dd^2>`, `capped = <min(dd^2, 256)>`, where the force turns, in units of
-/// sigma^2. White noise gives 2, 6, 5.3; a jump does not turn, and what trembles turns seldom.
+/// Differences `d` of samples and their differences `dd` are averaged over 0.2 s: `first = <d^2>`,
+/// `second = <dd^2>`, `capped = <min(dd^2, 256)>`, where the force turns, in units of sigma^2. White noise
+/// gives 2, 6, 5.3; a jump does not turn, and what trembles turns seldom. Across a silence, `dd` is twice the
+/// smaller of both differences: a cell that was let go and then sends keep-alives does not turn with them.
 template <class L>
 [[nodiscard]] SKINCTL_INLINE ForceChange<L> force_change(HealthRow& r, const HealthLimitsRow& c,
                                                          std::size_t i,
                                                          const LaneMask<float, L::lanes>& fresh, const L& gap,
-                                                         const L& slow) noexcept {
+                                                         const L& slow, const L& follows) noexcept {
   const auto get = [i](const HealthRow::Row& row) SKINCTL_INLINE_LAMBDA { return L::load(row.data() + i); };
   const L zero(0.0f), share = min(gap * L(5.0f), L(1.0f));
   const L force = get(r.force), before = get(r.change), per = get(c.per_sigma), jump = get(c.jump);
   ForceChange<L> out;
   out.d = select(fresh, force - get(r.last), zero);
-  const L d = out.d, a = d * per, b = (d - before) * per, aa = a * a, bb = b * b;
+  const L d = out.d, a = d * per, both = min(abs(d), abs(before));
+  const L b = select(gap > follows, both + both, abs(d - before)) * per, aa = a * a, bb = b * b;
   const L first = get(r.first), second = get(r.second), capped = get(r.capped);
   const L turns = select(a * before < zero, min(bb, L(256.0f)), zero);
   const L now_first = select(fresh, first + share * (aa - first), first);
@@ -125,7 +128,7 @@ SKINCTL_INLINE HealthBits frame_scan(HealthRow& r, const HealthLimitsRow& c, con
     const L dt(k.dt), zero(0.0f), one(1.0f);
     const auto fresh = lanes_of(spoke >> i);
     const L gap = get(r.gap) + dt, slow = max(gap * L(k.per_gap), one);
-    const ForceChange<L> now = force_change(r, c, i, fresh, gap, slow);
+    const ForceChange<L> now = force_change(r, c, i, fresh, gap, slow, L(k.follows));
 
     const L p = get(r.proximity), dp = select(fresh, abs(p - get(r.last_proximity)), zero);
     const auto p_moved = (dp > get(c.proximity)) & (dp <= L(0.3f) * slow);
