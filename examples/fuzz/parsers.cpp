@@ -18,6 +18,7 @@
 #include "examples/adapters/skin/any_skin.hpp"
 #include "examples/adapters/skin/datagram.hpp"
 #include "examples/adapters/skin/icub_can.hpp"
+#include "examples/adapters/skin/papill_array.hpp"
 #include "examples/adapters/skin/ros1.hpp"
 #include "examples/adapters/skin/xela.hpp"
 #include "examples/adapters/ur5/rtde.hpp"
@@ -116,6 +117,12 @@ void any_skin(Bytes bytes) {
     parser.take(piece, [](const adapters::skin::AnySkinPacket&) {});
     return true;
   });
+}
+void papill_array(Bytes bytes) {
+  adapters::skin::PapillArrayParser parser;
+  adapters::skin::PapillArrayPacket packet;
+  for (const std::uint8_t byte : bytes) parser.take(byte);
+  static_cast<void>(adapters::skin::parse_papill_array(bytes, packet));
 }
 void xela(Bytes bytes) {
   adapters::skin::XelaMessage message;
@@ -256,6 +263,7 @@ constexpr std::array all{Parser{"rtde_answers", rtde_answers},
                          Parser{"ros1", ros1},
                          Parser{"icub", icub},
                          Parser{"any_skin", any_skin},
+                         Parser{"papill_array", papill_array},
                          Parser{"xela", xela},
                          Parser{"allegro_can", allegro_can},
                          Parser{"allegro_udp", allegro_udp},

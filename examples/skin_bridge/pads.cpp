@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "examples/adapters/skin/any_skin.hpp"
+#include "examples/adapters/skin/papill_array.hpp"
 #include "examples/adapters/skin/xela.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
 
@@ -24,11 +25,24 @@ unsigned long long number(std::uint64_t n) {
   return n;
 }
 
+/// A device's clock, followed.
+class DeviceClock {
+ public:
+  /// When it was `sent`, by this computer's clock, which shows `t`.
+  Nanoseconds stamp(Nanoseconds sent, Nanoseconds t) {
+    static_cast<void>(clock_.hear(heard_, sent, t));
+    return skinctl::ClockOffset::ready(heard_) ? std::min(skinctl::ClockOffset::stamp(heard_, sent), t) : t;
+  }
+
+ private:
+  skinctl::ClockOffset clock_{{.gather = 0ns}};
+  skinctl::ClockOffset::Memory heard_;
+};
+
 template <XelaKind Kind>
 Exit pass_xela(XelaClient& client, const Passing& p) {
   XelaSamples<Kind> samples;
-  const skinctl::ClockOffset clock({.gather = 0ns});
-  skinctl::ClockOffset::Memory heard;
+  DeviceClock clock;
   bool empty = false;
   while (!p.ended()) {
     const XelaMessage* message = client.next(Clock::now() + 4ms);
@@ -41,12 +55,8 @@ Exit pass_xela(XelaClient& client, const Passing& p) {
       return Exit::lost;
     }
     const auto t = now();
-    auto time = t;
-    if (message->time > 0) {
-      const Nanoseconds sent(static_cast<std::int64_t>(1e9 * message->time));
-      static_cast<void>(clock.hear(heard, sent, t));
-      if (skinctl::ClockOffset::ready(heard)) time = std::min(skinctl::ClockOffset::stamp(heard, sent), t);
-    }
+    const bool told = message->time > 0;
+    const auto time = told ? clock.stamp(Nanoseconds(static_cast<std::int64_t>(1e9 * message->time)), t) : t;
     const auto some = samples.of(*message, time);
     if (some.empty() && !message->modules.empty() && !empty) {
       std::fprintf(stderr, "skin_bridge: no module tells forces: `xela:` passes their counts on\n");
@@ -86,6 +96,33 @@ Exit from_xela(const std::string& host, std::uint16_t port, bool forces, const P
   if (client.counts().lost > 0)
     std::fprintf(stderr, "skin_bridge: %llu messages of XELA's server were lost\n",
                  number(client.counts().lost));
+  return exit;
+}
+
+Exit from_papill_array(const std::string& device, bool bias, const Passing& p) {
+  PapillArrayLine line(device, 500, bias);
+  PapillArraySamples samples;
+  DeviceClock clock;
+  Exit exit = Exit::interrupted;
+  while (!p.ended()) {
+    const PapillArrayPacket* packet = line.next(Clock::now() + 4ms);
+    p.count.messages = line.counts().packets;
+    if (packet == nullptr) {
+      if (!line.closed()) continue;
+      std::fprintf(stderr, "skin_bridge: %s: the line has ended\n", device.c_str());
+      exit = Exit::lost;
+      break;
+    }
+    const auto t = now();
+    constexpr std::uint64_t far = std::uint64_t(1) << 50;  // 35 years
+    const Nanoseconds sent(static_cast<std::int64_t>(1000 * (packet->microseconds % far)));
+    const auto some = samples.of(*packet, clock.stamp(sent, t));
+    p.count.samples += some.size();
+    if (!some.empty()) p.to.send<PapillArray>(some, t);
+  }
+  if (line.counts().dropped > 0)
+    std::fprintf(stderr, "skin_bridge: %s: %llu bytes belonged to no packet\n", device.c_str(),
+                 number(line.counts().dropped));
   return exit;
 }
 

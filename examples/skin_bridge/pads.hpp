@@ -27,4 +27,8 @@ examples::job::Exit from_any_skin(const std::string& device, std::uint32_t cell,
 examples::job::Exit from_xela(const std::string& host, std::uint16_t port, bool forces,
                               const Passing& passing);
 
+/// A PapillArray's controller, as cells of kind `PapillArray`, 500 packets a second. Stamps follow the
+/// controller's clock. `lost` where the line ends.
+examples::job::Exit from_papill_array(const std::string& device, bool bias, const Passing& passing);
+
 }  // namespace skin_bridge

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Pads of other makers, played by Python, and a receiver in Python at the other end of skin_bridge.
 
-pad_peers.py PATH/skin_bridge    an AnySkin at a pseudo terminal (struct), XELA's server (websockets, json)
+pad_peers.py PATH/skin_bridge    an AnySkin and a PapillArray at pseudo terminals (struct), XELA's server
+                                  (websockets, json)
 """
 import asyncio
 import json
@@ -101,6 +102,60 @@ def any_skin():
     os.close(far)
 
 
+def papill_array():
+    readings = [("%s %s" % (what, axis), -50, 50) for what in ("force", "deflection") for axis in "xyz"]
+    kind = fingerprint("papill-array", readings)
+    near, far = os.openpty()
+    tty.setraw(far)
+    here = receiver()
+    job = bridge("papill-array:" + os.ttyname(far), here, "--bias", "--seconds", "2")
+    asked = b""
+    while not asked.endswith(b"z\n"):
+        asked += os.read(near, 16)
+    check(asked == b"f500\nz\n", "the rate and the bias are asked for: %r" % asked)
+
+    def offsets(first, sizes):
+        return b"".join(struct.pack("<I", first + sum(sizes[:k])) for k in range(len(sizes)))
+
+    pillars = [9, 4]
+
+    def force(k, sensor, pillar, i):
+        return 0.25 * i + 0.5 * pillar - 2 * sensor + k / 128
+
+    for k in range(200):
+        hub = struct.pack("<IQ", k, 77000000 + 2000 * k)
+        sensors = []
+        for s, n in enumerate(pillars):
+            entries = [struct.pack("<H6f", 2, *[force(k, s, p, i) for i in range(6)]) for p in range(n)]
+            sensors.append(struct.pack("<H", n) + offsets(2 + 4 * n, [len(e) for e in entries]) + b"".join(entries))
+        block = struct.pack("<H", 2) + offsets(10, [len(s) for s in sensors]) + b"".join(sensors)
+        slip = b"\xaa\xbb\xcc\xdd\x55\x66\x77\x88"  # a block that nobody reads, full of marks
+        begin = 1 + 3 * 6
+        index = struct.pack("<HIHIHI", 1, begin, 3, begin + 12, 7, begin + 12 + len(block))
+        data = b"\x04" + index + hub + block + slip
+        data += struct.pack("<H", sum(data) & 0xffff)
+        packet = b"\x55\x66\x77\x88" + data + b"\xaa\xbb\xcc\xdd"
+        if k == 100:
+            packet = packet[:60] + packet[61:]  # a byte is lost
+        os.write(near, packet[:k])
+        os.write(near, packet[k:])
+        time.sleep(0.002)
+    got = 0
+    while got < 199 * 13:
+        for cell, _, measured, _, x in samples(here.recv(2048), kind, 6)[1]:
+            k, i = divmod(got, 13)
+            sensor, pillar = (0, i) if i < 9 else (1, i - 9)
+            k += k >= 100
+            check(cell == 128 * sensor + pillar and measured == 1, "pillar %d of sensor %d" % (pillar, sensor))
+            check(list(x) == [force(k, sensor, pillar, j) for j in range(6)], "forces of packet %d" % k)
+            got += 1
+    said, _ = job.communicate()
+    check(job.returncode == 0 and "199 messages, 2587 samples, 0 refused" in said, said)
+    print("PapillArray: %d pillars, written by struct and a pseudo terminal, came through" % got)
+    os.close(near)
+    os.close(far)
+
+
 def xela(websockets):
     kind_counts = fingerprint("xela-counts", [("x", 0, 65535), ("y", 0, 65535), ("z", 0, 65535)])
     kind_forces = fingerprint("xela-forces", [("x", -30, 30), ("y", -30, 30), ("z", -30, 30)])
@@ -171,6 +226,7 @@ def xela(websockets):
 
 
 any_skin()
+papill_array()
 try:
     import websockets
 except ImportError:
