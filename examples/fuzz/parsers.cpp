@@ -20,6 +20,7 @@
 #include "examples/adapters/skin/icub_can.hpp"
 #include "examples/adapters/skin/papill_array.hpp"
 #include "examples/adapters/skin/ros1.hpp"
+#include "examples/adapters/skin/serial_datagrams.hpp"
 #include "examples/adapters/skin/xela.hpp"
 #include "examples/adapters/ur5/rtde.hpp"
 #include "examples/simulated_gripper/device.hpp"
@@ -101,6 +102,11 @@ void urscript(Bytes bytes) {
   static_cast<void>(simulated_ur5::urscript::compile(text(bytes), {}, code));
 }
 void skin_datagram(Bytes bytes) {
+  adapters::skin::SerialDatagrams line;
+  in_pieces(bytes, [&](Bytes piece) {
+    line.take(piece, [](Bytes) {});
+    return true;
+  });
   adapters::skin::Datagram d;
   if (!adapters::skin::parse(bytes, d) || !d.is<skinctl::Hexagon>()) return;
   for (std::size_t i = 0; i < d.count(); ++i)

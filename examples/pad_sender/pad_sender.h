@@ -1,6 +1,7 @@
 /* A pad of your own as a skin: C99 for a microcontroller, without allocation or operating system. It
  * reads the channels of each cell, keeps what the protocol asks of a sender, and writes datagrams of
- * version 3 (../adapters/skin/PROTOCOL.md) into a buffer that your UDP or serial line sends.
+ * version 3 (../adapters/skin/PROTOCOL.md) into a buffer that your UDP or serial line sends. At the other
+ * end of a serial line `skin_bridge --from datagrams:/dev/ttyACM0 --to udp:127.0.0.1:50100` makes UDP of it.
  *
  *     static skin_pad pad;
  *     skin_pad_start(&pad, &settings);

@@ -1,11 +1,17 @@
 #include "examples/skin_bridge/pads.hpp"
 
+#include <poll.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 
+#include "examples/adapters/serial.hpp"
 #include "examples/adapters/skin/any_skin.hpp"
 #include "examples/adapters/skin/papill_array.hpp"
+#include "examples/adapters/skin/serial_datagrams.hpp"
 #include "examples/adapters/skin/xela.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
 
@@ -123,6 +129,34 @@ Exit from_papill_array(const std::string& device, bool bias, const Passing& p) {
   if (line.counts().dropped > 0)
     std::fprintf(stderr, "skin_bridge: %s: %llu bytes belonged to no packet\n", device.c_str(),
                  number(line.counts().dropped));
+  return exit;
+}
+
+Exit from_datagram_line(const std::string& device, unsigned speed, adapters::UdpSocket& to, Counters& count,
+                        const std::function<bool()>& ended) {
+  const auto line = adapters::open_serial(device, speed);
+  SerialDatagrams found;
+  std::array<std::uint8_t, 4096> bytes;
+  Exit exit = Exit::interrupted;
+  while (!ended()) {
+    if (!adapters::can::wait_for(line.get(), POLLIN, Clock::now() + 4ms)) continue;
+    const auto n = ::read(line.get(), bytes.data(), bytes.size());
+    if (n < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) continue;
+    if (n <= 0) {
+      std::fprintf(stderr, "skin_bridge: %s: the line has ended\n", device.c_str());
+      exit = Exit::lost;
+      break;
+    }
+    found.take(std::span(bytes).first(static_cast<std::size_t>(n)), [&](std::span<const std::uint8_t> whole) {
+      Datagram datagram;
+      if (parse(whole, datagram)) count.samples += datagram.count();
+      ++count.messages;
+      static_cast<void>(to.send(whole));
+    });
+  }
+  if (found.counts().dropped > 0)
+    std::fprintf(stderr, "skin_bridge: %s: %llu bytes belonged to no datagram\n", device.c_str(),
+                 number(found.counts().dropped));
   return exit;
 }
 

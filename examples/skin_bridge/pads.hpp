@@ -6,6 +6,7 @@
 #include <string>
 
 #include "examples/adapters/skin/sender.hpp"
+#include "examples/adapters/udp.hpp"
 #include "examples/support/exit.hpp"
 
 namespace skin_bridge {
@@ -30,5 +31,10 @@ examples::job::Exit from_xela(const std::string& host, std::uint16_t port, bool 
 /// A PapillArray's controller, as cells of kind `PapillArray`, 500 packets a second. Stamps follow the
 /// controller's clock. `lost` where the line ends.
 examples::job::Exit from_papill_array(const std::string& device, bool bias, const Passing& passing);
+
+/// A line with skin datagrams of any kind, each of which is sent to `to` as it is. `lost` where the line
+/// ends.
+examples::job::Exit from_datagram_line(const std::string& device, unsigned speed, adapters::UdpSocket& to,
+                                       Counters& count, const std::function<bool()>& ended);
 
 }  // namespace skin_bridge

@@ -18,7 +18,9 @@
 #include <vector>
 
 #include "examples/adapters/skin/datagram.hpp"
+#include "examples/adapters/skin/serial_datagrams.hpp"
 #include "skinctl/sensing/unrest.hpp"
+#include "skinctl/testing/random.hpp"
 
 namespace {
 
@@ -46,6 +48,13 @@ std::string output_of(const std::string& command) {
   while (const std::size_t n = std::fread(chunk.data(), 1, chunk.size(), pipe)) out.append(chunk.data(), n);
   CHECK(WEXITSTATUS(::pclose(pipe)) == 0);
   return out;
+}
+/// The bytes of a line `d ...` of what the pad prints.
+std::vector<std::uint8_t> bytes_of(const std::string& line) {
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t k = 2; k + 1 < line.size() && line[k] > ' '; k += 2)
+    bytes.push_back(static_cast<std::uint8_t>(std::stoi(line.substr(k, 2), nullptr, 16)));
+  return bytes;
 }
 float value(std::size_t channel, unsigned count) {
   const float x = std::min(static_cast<float>(count), full);
@@ -76,9 +85,7 @@ void check_pad(const std::string& printed) {
       continue;
     }
     REQUIRE(line[0] == 'd');
-    std::vector<std::uint8_t> bytes;
-    for (std::size_t k = 2; k + 1 < line.size() && line[k] > ' '; k += 2)
-      bytes.push_back(static_cast<std::uint8_t>(std::stoi(line.substr(k, 2), nullptr, 16)));
+    const auto bytes = bytes_of(line);
     Datagram datagram;
     REQUIRE(parse(bytes, datagram));
     CHECK(datagram.is<HomeMade>());
@@ -137,4 +144,57 @@ TEST_CASE("pad_sender: datagrams say what was measured, on this machine and on a
 #else
   MESSAGE("SKIPPED on a Cortex-M: no compiler or emulator for it");
 #endif
+}
+
+TEST_CASE("pad_sender: on a serial line its datagrams are found again behind damage") {
+  std::vector<std::vector<std::uint8_t>> sent;
+  std::istringstream lines(output_of(PAD_HERE));
+  for (std::string line; std::getline(lines, line);)
+    if (line[0] == 'd') sent.push_back(bytes_of(line));
+  REQUIRE(sent.size() > 200);
+  auto random = skinctl::testing::seeded(1);
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  std::size_t hit = 0, kept = 0, others = 0;
+  for (int run = 0; run < 500; ++run) {
+    SerialDatagrams found;
+    std::vector<const std::vector<std::uint8_t>*> whole;
+    std::vector<std::vector<std::uint8_t>> got;
+    std::size_t bytes = 0;
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+      auto wire = sent[i];
+      if (run > 0 && i > 0 && below(8) == 0) {
+        const std::size_t at = below(wire.size()), kind = below(3);
+        if (kind == 0)
+          wire.erase(wire.begin() + std::ptrdiff_t(at),
+                     wire.begin() + std::ptrdiff_t(at + 1 + below(wire.size() - at)));
+        if (kind == 1) wire.insert(wire.begin() + std::ptrdiff_t(at), static_cast<std::uint8_t>(random()));
+        if (kind == 2)
+          wire[below(std::min<std::size_t>(wire.size(), 8))] ^= static_cast<std::uint8_t>(1 + below(255));
+      }
+      wire == sent[i] ? whole.push_back(&sent[i]) : void(++hit);
+      bytes += wire.size();
+      for (std::size_t at = 0; at < wire.size();) {
+        const std::size_t n = std::min(1 + below(100), wire.size() - at);
+        found.take(std::span(wire).subspan(at, n),
+                   [&](auto datagram) { got.emplace_back(datagram.begin(), datagram.end()); });
+        at += n;
+      }
+    }
+    std::size_t next = 0, taken = 0;
+    for (const auto& g : got) {
+      taken += g.size();
+      const auto at =
+          std::find_if(whole.begin() + std::ptrdiff_t(next), whole.end(), [&](auto* w) { return *w == g; });
+      at == whole.end() ? void(++others) : void(next = static_cast<std::size_t>(at - whole.begin()) + 1);
+      kept += at == whole.end() ? 0u : 1u;
+    }
+    REQUIRE(found.counts().dropped + taken <= bytes);
+    REQUIRE(bytes - found.counts().dropped - taken < largest);
+    REQUIRE(next <= whole.size());
+    if (run == 0) REQUIRE(got == sent);
+  }
+  const std::size_t written = 500 * sent.size();
+  MESSAGE(written, " datagrams, ", hit, " of them hit: ", kept, " whole ones found, ", others, " others");
+  CHECK(kept + hit <= written);
+  CHECK(kept > (written - hit) * 99 / 100);  // the last ones may be held back behind a damaged length
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Pads of other makers, played by Python, and a receiver in Python at the other end of skin_bridge.
 
-pad_peers.py PATH/skin_bridge    an AnySkin and a PapillArray at pseudo terminals (struct), XELA's server
+pad_peers.py PATH/skin_bridge    an AnySkin, a PapillArray, a home-made pad at pseudo terminals (struct), XELA's server
                                   (websockets, json)
 """
 import asyncio
@@ -156,6 +156,30 @@ def papill_array():
     os.close(far)
 
 
+def home_made():
+    kind = fingerprint("home-made", [("pressure", 0, 1)])
+    near, far = os.openpty()
+    tty.setraw(far)
+    here = receiver()
+    job = bridge("datagrams:" + os.ttyname(far), here, "--seconds", "1.5", "--baud", "921600")
+    time.sleep(0.5)
+    sent = []
+    for k in range(100):
+        data = struct.pack("<4sHHIqHHI", b"SKIN", 3, k % 5, k, 10**9 + 10**6 * k, 0, 1, kind)
+        data += b"".join(struct.pack("<IqHHf", i, 10**9 + 10**6 * k - 5, 1, 300, i / 8 + k / 1024)
+                         for i in range(k % 5))
+        sent.append(data)
+        os.write(near, data[:k % 20] + (data[k % 20:] if k != 50 else b""))
+        time.sleep(0.002)
+    del sent[50]
+    check([here.recv(2048) for _ in sent] == sent, "99 datagrams as they were written")
+    said, _ = job.communicate()
+    check(job.returncode == 0 and "99 messages, 200 samples" in said and "10 bytes" in said, said)
+    print("a home-made pad: %d datagrams, written by struct and a pseudo terminal, came through" % len(sent))
+    os.close(near)
+    os.close(far)
+
+
 def xela(websockets):
     kind_counts = fingerprint("xela-counts", [("x", 0, 65535), ("y", 0, 65535), ("z", 0, 65535)])
     kind_forces = fingerprint("xela-forces", [("x", -30, 30), ("y", -30, 30), ("z", -30, 30)])
@@ -227,6 +251,7 @@ def xela(websockets):
 
 any_skin()
 papill_array()
+home_made()
 try:
     import websockets
 except ImportError:
