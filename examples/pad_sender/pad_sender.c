@@ -105,7 +105,8 @@ size_t skin_pad_write(skin_pad* pad, int64_t now, uint8_t* buffer) {
       at = put(at, bits_of(x == pad->s.full ? r->max : r->min + pad->scale[c] * (float)x), 4);
       cell->sent[c] = cell->last[c];
     }
-    cell->squares = 0, cell->measured = cell->differences = cell->due = 0;
+    cell->squares = 0;
+    cell->measured = cell->differences = cell->due = 0;
     ++count;
   }
   memcpy(buffer, "SKIN", 4);

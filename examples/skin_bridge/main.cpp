@@ -258,6 +258,12 @@ job::Exit run(const Options& o) {
     skinctl::refuse("--to '" + o.to + "': expected udp:HOST:PORT or bag:FILE");
   }
   const auto pad = [&]() -> skin_bridge::Passing { return {*sender, count, ended}; };
+  const auto line_of_pads = [&](const std::string& line) {
+    if (!o.key_file.empty()) skinctl::refuse("--key: a pad at a serial line seals nothing, and is not asked");
+    const auto [host, port] = host_and_port(*after(o.to, "udp:"), "--to udp:");
+    auto socket = UdpSocket::to(host, port);
+    return skin_bridge::from_datagram_line(line, o.baud, socket, count, ended);
+  };
   const auto xela = [&](const std::string& at, bool forces) {
     const auto [host, port] =
         host_and_port(at.find(':') == std::string::npos ? at + ":5000" : at, "--from xela:");
@@ -276,13 +282,7 @@ job::Exit run(const Options& o) {
   else if (const auto line = after(o.from, "any-skin:"))
     exit = skin_bridge::from_any_skin(*line, o.cell, pad());
   else if (const auto pads = after(o.from, "datagrams:"))
-    exit = [&] {
-      if (!o.key_file.empty())
-        skinctl::refuse("--key: a pad at a serial line seals nothing, and is not asked");
-      const auto [host, port] = host_and_port(*after(o.to, "udp:"), "--to udp:");
-      auto socket = UdpSocket::to(host, port);
-      return skin_bridge::from_datagram_line(*pads, o.baud, socket, count, ended);
-    }();
+    exit = line_of_pads(*pads);
   else if (const auto controller = after(o.from, "papill-array:"))
     exit = skin_bridge::from_papill_array(*controller, o.bias, pad());
   else if (const auto counts = after(o.from, "xela:"))
