@@ -15,9 +15,13 @@
 #include "examples/adapters/gripper/robotiq.hpp"
 #include "examples/adapters/ros1/tcpros.hpp"
 #include "examples/adapters/ros1/xml_rpc.hpp"
+#include "examples/adapters/skin/any_skin.hpp"
 #include "examples/adapters/skin/datagram.hpp"
 #include "examples/adapters/skin/icub_can.hpp"
+#include "examples/adapters/skin/papill_array.hpp"
 #include "examples/adapters/skin/ros1.hpp"
+#include "examples/adapters/skin/serial_datagrams.hpp"
+#include "examples/adapters/skin/xela.hpp"
 #include "examples/adapters/ur5/rtde.hpp"
 #include "examples/simulated_gripper/device.hpp"
 #include "examples/simulated_ur5/controller.hpp"
@@ -98,6 +102,11 @@ void urscript(Bytes bytes) {
   static_cast<void>(simulated_ur5::urscript::compile(text(bytes), {}, code));
 }
 void skin_datagram(Bytes bytes) {
+  adapters::skin::SerialDatagrams line;
+  in_pieces(bytes, [&](Bytes piece) {
+    line.take(piece, [](Bytes) {});
+    return true;
+  });
   adapters::skin::Datagram d;
   if (!adapters::skin::parse(bytes, d) || !d.is<skinctl::Hexagon>()) return;
   for (std::size_t i = 0; i < d.count(); ++i)
@@ -107,6 +116,27 @@ void skin_datagram(Bytes bytes) {
 void ros1(Bytes bytes) {
   std::vector<skinctl::CellSample> samples;
   adapters::skin::parse_ros1(bytes, samples);
+}
+void any_skin(Bytes bytes) {
+  adapters::skin::AnySkinParser parser;
+  in_pieces(bytes, [&](Bytes piece) {
+    parser.take(piece, [](const adapters::skin::AnySkinPacket&) {});
+    return true;
+  });
+}
+void papill_array(Bytes bytes) {
+  adapters::skin::PapillArrayParser parser;
+  adapters::skin::PapillArrayPacket packet;
+  for (const std::uint8_t byte : bytes) parser.take(byte);
+  static_cast<void>(adapters::skin::parse_papill_array(bytes, packet));
+}
+void xela(Bytes bytes) {
+  adapters::skin::XelaMessage message;
+  if (adapters::skin::parse_xela(text(bytes), message) != adapters::skin::XelaText::message) return;
+  adapters::skin::XelaSamples<adapters::skin::XelaCounts> counts;
+  adapters::skin::XelaSamples<adapters::skin::XelaForces> forces;
+  static_cast<void>(counts.of(message, {}));
+  static_cast<void>(forces.of(message, {}));
 }
 void icub(Bytes bytes) {
   if (bytes.size() < 2) return;
@@ -238,6 +268,9 @@ constexpr std::array all{Parser{"rtde_answers", rtde_answers},
                          Parser{"skin_datagram", skin_datagram},
                          Parser{"ros1", ros1},
                          Parser{"icub", icub},
+                         Parser{"any_skin", any_skin},
+                         Parser{"papill_array", papill_array},
+                         Parser{"xela", xela},
                          Parser{"allegro_can", allegro_can},
                          Parser{"allegro_udp", allegro_udp},
                          Parser{"modbus", modbus},

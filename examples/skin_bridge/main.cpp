@@ -1,5 +1,5 @@
-// skin_bridge: takes a skin from a ROS 1 topic or bag, from iCub's CAN or from datagrams, and passes it on as datagrams
-// or into a bag.
+// skin_bridge: takes a skin from a ROS 1 topic or bag, from iCub's CAN, from serial lines of an AnySkin or a
+// PapillArray, from XELA's server or from datagrams, and passes it on as datagrams or into a bag.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
@@ -15,6 +15,7 @@
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/skin/ros1.hpp"
 #include "examples/adapters/skin/sender.hpp"
+#include "examples/skin_bridge/pads.hpp"
 #include "examples/support/job.hpp"
 #include "examples/support/output_file.hpp"
 #include "skinctl/core/contract.hpp"
@@ -36,13 +37,14 @@ Nanoseconds now() {
   return Clock::now().time_since_epoch();
 }
 
-struct Counters {
-  std::uint64_t samples = 0, messages = 0, refused = 0;
-};
+using skin_bridge::Counters;
 
 struct Options {
   std::string from, to, topic, key_file, address;
   double speed = 1, seconds = 0;
+  std::uint32_t cell = 0;
+  unsigned baud = 115200;
+  bool bias = false;
   bool quiet = false, version_2 = false;
 };
 
@@ -159,7 +161,8 @@ job::Exit from_datagrams(const std::string& at, const Options& o, const Sink& si
   return job::Exit::interrupted;
 }
 
-/// Messages of a topic as they come; each publisher's clock is followed. Silence stays silence: no heartbeats.
+/// Messages of a topic as they come; each publisher's clock is followed. Silence stays silence: no
+/// heartbeats.
 job::Exit from_ros1(const std::string& at, const Options& o, const Sink& sink, Counters& count,
                     const std::function<bool()>& ended) {
   const auto [host, port] = host_and_port(at, "--from ros1:");
@@ -208,12 +211,15 @@ job::Exit from_ros1(const std::string& at, const Options& o, const Sink& sink, C
 }
 
 job::Exit run(const Options& o) {
+  for (const char* pad : {"any-skin:", "datagrams:", "papill-array:", "xela:", "xela-forces:"})
+    if (o.from.starts_with(pad) && o.to.starts_with("bag:"))
+      skinctl::refuse("--to '" + o.to + "': a bag holds hexagons; other kinds are passed on as datagrams");
   const job::StopSignals signals;
   job::Progress progress(o.quiet);
   const auto start = Clock::now();
   Counters count;
   bool over = false;
-  const auto ended = [&] {
+  const std::function<bool()> ended = [&] {
     const double t = std::chrono::duration<double>(Clock::now() - start).count();
     if (progress.due(t))
       progress.show("%8.1f s  %llu messages, %llu samples", t,
@@ -251,6 +257,18 @@ job::Exit run(const Options& o) {
   } else {
     skinctl::refuse("--to '" + o.to + "': expected udp:HOST:PORT or bag:FILE");
   }
+  const auto pad = [&]() -> skin_bridge::Passing { return {*sender, count, ended}; };
+  const auto line_of_pads = [&](const std::string& line) {
+    if (!o.key_file.empty()) skinctl::refuse("--key: a pad at a serial line seals nothing, and is not asked");
+    const auto [host, port] = host_and_port(*after(o.to, "udp:"), "--to udp:");
+    auto socket = UdpSocket::to(host, port);
+    return skin_bridge::from_datagram_line(line, o.baud, socket, count, ended);
+  };
+  const auto xela = [&](const std::string& at, bool forces) {
+    const auto [host, port] =
+        host_and_port(at.find(':') == std::string::npos ? at + ":5000" : at, "--from xela:");
+    return skin_bridge::from_xela(host, port, forces, pad());
+  };
   job::Exit exit = job::Exit::fine;
   if (const auto bag = after(o.from, "bag:"))
     exit = from_bag(*bag, o, sink, count, ended);
@@ -261,10 +279,21 @@ job::Exit run(const Options& o) {
     exit = from_datagrams(*port, o, sink, count, ended);
   else if (const auto master = after(o.from, "ros1:"))
     exit = from_ros1(*master, o, sink, count, ended);
+  else if (const auto line = after(o.from, "any-skin:"))
+    exit = skin_bridge::from_any_skin(*line, o.cell, pad());
+  else if (const auto pads = after(o.from, "datagrams:"))
+    exit = line_of_pads(*pads);
+  else if (const auto controller = after(o.from, "papill-array:"))
+    exit = skin_bridge::from_papill_array(*controller, o.bias, pad());
+  else if (const auto counts = after(o.from, "xela:"))
+    exit = xela(*counts, false);
+  else if (const auto forces = after(o.from, "xela-forces:"))
+    exit = xela(*forces, true);
   else
-    skinctl::refuse(
-        "--from '" + o.from +
-        "': expected ros1:[HOST:]PORT, bag:FILE, icub:INTERFACE, icub:/dev/TTY or udp:[HOST:]PORT");
+    skinctl::refuse("--from '" + o.from +
+                    "': expected ros1:[HOST:]PORT, bag:FILE, icub:INTERFACE, icub:/dev/TTY, "
+                    "any-skin:/dev/TTY, papill-array:/dev/TTY, datagrams:/dev/TTY, "
+                    "xela:HOST[:PORT], xela-forces:HOST[:PORT] or udp:[HOST:]PORT");
   if (writer) writer->close();
   progress.clear();
   if (asks && sender->asked() == 0)
@@ -286,7 +315,11 @@ int main(int argc, char** argv) {
   app.add_option(
          "--from", o.from,
          "ros1:[HOST:]PORT (a topic of ROS 1: its master, 11311), bag:FILE (ROS 1), icub:INTERFACE or "
-         "icub:/dev/TTY (taxels on CAN, by an slcan adapter) or udp:[HOST:]PORT (datagrams)")
+         "icub:/dev/TTY (taxels on CAN, by an slcan adapter), any-skin:/dev/TTY (a pad of magnetometers), "
+         "papill-array:/dev/TTY (a controller's pillars), datagrams:/dev/TTY (those of a pad of your own), "
+         "xela:HOST[:PORT] or xela-forces:HOST[:PORT] (the "
+         "maker's server, 5000: taxels by counts, or by forces where it tells them) or udp:[HOST:]PORT "
+         "(datagrams)")
       ->required();
   app.add_option("--to", o.to, "udp:HOST:PORT (datagrams) or bag:FILE (ROS 1)")->required();
   app.add_option(
@@ -294,6 +327,9 @@ int main(int argc, char** argv) {
       "of ROS 1, default /skin; of a bag that is read, default every topic of type SkinCellDataArray");
   app.add_option("--address", o.address,
                  "of this computer for the nodes of ROS 1; default: the one on the way to the master");
+  app.add_flag("--bias", o.bias, "of papill-array: takes a new zero, for which nothing may touch it for 2 s");
+  app.add_option("--baud", o.baud, "of a line with datagrams [bits/s]")->capture_default_str();
+  app.add_option("--cell", o.cell, "of any-skin: id of the pad in its samples")->capture_default_str();
   app.add_option("--key", o.key_file, "file with the key of sealed datagrams")->check(CLI::ExistingFile);
   app.add_flag("--version-2", o.version_2,
                "takes sealed datagrams of version 2 too, whose recordings cannot be told from the skin");

@@ -7,11 +7,12 @@
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+
+#include "examples/adapters/serial.hpp"
 
 namespace adapters::can {
 namespace {
@@ -192,16 +193,7 @@ std::optional<Frame> SlcanCodec::line() noexcept {
 }
 
 SlcanLink SlcanLink::open(const std::string& device) {
-  Descriptor fd(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (fd.get() < 0) fail("serial line '" + device + "'");
-  termios settings{};
-  if (::tcgetattr(fd.get(), &settings) < 0) fail("'" + device + "' is no serial line");
-  ::cfmakeraw(&settings);
-  settings.c_cflag |= CLOCAL | CREAD;
-  ::cfsetspeed(&settings, B1000000);
-  if (::tcsetattr(fd.get(), TCSANOW, &settings) < 0) fail("serial line '" + device + "'");
-  ::tcflush(fd.get(), TCIOFLUSH);
-  SlcanLink link(std::move(fd));
+  SlcanLink link(open_serial(device, 1'000'000));
   // Closed first: an adapter that was left open refuses to change its speed.
   constexpr std::string_view set_up = "\rC\rS8\rO\r";
   if (!link.write_all({set_up.data(), set_up.size()}, Timeout(500)))

@@ -301,6 +301,13 @@ TEST_CASE("skin_bridge: what cannot be has words and an exit code") {
         {"--from ros1:1 --to udp:1", 1, "cannot reach the ROS master"},
         {"--from ros1:11311 --topic skin --to udp:1", 2, "ROS 1: topic 'skin'"},
         {"--from udp:0 --to udp:99999", 2, "expected HOST:PORT"},
+        {"--from any-skin:/nowhere --to udp:1", 1, "serial line '/nowhere'"},
+        {"--from papill-array:/dev/null --to udp:1", 1, "serial line '/dev/null': it is none"},
+        {"--from datagrams:/dev/null --to udp:1", 1, "serial line '/dev/null': it is none"},
+        {"--from datagrams:/nowhere --to udp:1 --baud 57600", 1, "no speed of 57600"},
+        {"--from any-skin:/dev/null --to bag:/nowhere", 2, "a bag holds hexagons"},
+        {"--from xela:127.0.0.1:9 --to udp:1", 1, "XELA's server at 127.0.0.1:9: connect: "},
+        {"--from xela-forces:127.0.0.1:x --to udp:1", 2, "expected HOST:PORT"},
         {"--from icub:nocan0 --to udp:1", 1, "CAN"},
         {"--from icub:/nowhere --to udp:1", 1, "/nowhere"}}) {
     Program bridge(arguments);
