@@ -64,3 +64,19 @@ TEST_CASE("README: a region that does not end, or never began, is refused") {
   CHECK_THROWS_WITH(static_cast<void>(marked_regions("int a;\n// [/readme:a]\n")),
                     "readme region ends that never began: a");
 }
+
+TEST_CASE("Pages: a program has the heading, the line and the printed text that stand around it") {
+  const auto blocks = shown_programs(
+      "# Page\n```cpp\n# not a heading\n```\n## Push it\n```sh\nls\n```\n```cpp\nint a;\n```\nIt "
+      "prints\n```text\n1\n2\n```\n");
+  REQUIRE(blocks.size() == 2);
+  CHECK(blocks[0].heading == "Page");
+  CHECK(blocks[0].line == 3);
+  CHECK(blocks[0].printed.empty());
+  CHECK(blocks[1].heading == "Push it");
+  CHECK(blocks[1].line == 10);
+  CHECK(blocks[1].code == "int a;\n");
+  CHECK(blocks[1].printed == "1\n2\n");
+  CHECK_THROWS_WITH(static_cast<void>(shown_programs("```text\n1\n```\n")),
+                    "a block of text without a program: line 1");
+}
