@@ -18,7 +18,7 @@ struct ShownBlock {
 };
 
 /// The blocks of `cpp` of a Markdown text, in order. A block of `text` belongs to the block of `cpp` before it; throws
-/// `std::runtime_error` where there is none, or has one already.
+/// `std::runtime_error` where there is none, or where it has one already.
 [[nodiscard]] std::vector<ShownBlock> shown_programs(const std::string& markdown);
 
 /// Name and text of the regions of a source between `// [readme:NAME]` and `// [/readme:NAME]`, without the
