@@ -1,8 +1,8 @@
 // not sanitized: it reads the tree, and runs nothing of the library
 //
 // Promise: the pages say what the code does
-// Tried: code blocks of the README, the tutorial block by block, every link, the table of faults. Also:
-// `pages_test.cpp`, `fault_table_test.cpp`), `ctest -R repository/tutorial`
+// Tried: code blocks of the README, the tutorial and the how-tos block by block, every link, the table of faults. Also:
+// `pages_test.cpp`, `fault_table_test.cpp`), `ctest -R repository/tutorial`, `ctest -R repository/how_to`
 
 #include <doctest/doctest.h>
 
@@ -63,4 +63,20 @@ TEST_CASE("README: a region that does not end, or never began, is refused") {
                     "readme region without an end: a");
   CHECK_THROWS_WITH(static_cast<void>(marked_regions("int a;\n// [/readme:a]\n")),
                     "readme region ends that never began: a");
+}
+
+TEST_CASE("Pages: a program has the heading, the line and the printed text that stand around it") {
+  const auto blocks = shown_programs(
+      "# Page\n```cpp\n# not a heading\n```\n## Push it\n```sh\nls\n```\n```cpp\nint a;\n```\nIt "
+      "prints\n```text\n1\n2\n```\n");
+  REQUIRE(blocks.size() == 2);
+  CHECK(blocks[0].heading == "Page");
+  CHECK(blocks[0].line == 3);
+  CHECK(blocks[0].printed.empty());
+  CHECK(blocks[1].heading == "Push it");
+  CHECK(blocks[1].line == 10);
+  CHECK(blocks[1].code == "int a;\n");
+  CHECK(blocks[1].printed == "1\n2\n");
+  CHECK_THROWS_WITH(static_cast<void>(shown_programs("```text\n1\n```\n")),
+                    "a block of text without a program: line 1");
 }

@@ -41,6 +41,30 @@ std::vector<std::string> cpp_blocks(const std::string& markdown) {
   return blocks;
 }
 
+std::vector<ShownBlock> shown_programs(const std::string& markdown) {
+  std::vector<ShownBlock> blocks;
+  std::istringstream text(markdown);
+  std::string heading, fence;
+  std::size_t number = 0;
+  for (std::string line; std::getline(text, line);) {
+    ++number;
+    if (fence.empty()) {
+      if (line.rfind("```", 0) == 0) fence = line;
+      if (line.rfind('#', 0) == 0) heading = trimmed(line.substr(line.find_first_not_of('#')));
+      if (fence == "```cpp") blocks.push_back({heading, number + 1, "", ""});
+      if (fence == "```text" && (blocks.empty() || !blocks.back().printed.empty()))
+        throw std::runtime_error("a block of text without a program: line " + std::to_string(number));
+    } else if (line == "```") {
+      fence.clear();
+    } else if (fence == "```cpp") {
+      blocks.back().code += line + "\n";
+    } else if (fence == "```text") {
+      blocks.back().printed += line + "\n";
+    }
+  }
+  return blocks;
+}
+
 std::map<std::string, std::string> marked_regions(const std::string& source) {
   std::map<std::string, std::string> regions;
   std::map<std::string, std::vector<std::string>> open;

@@ -15,8 +15,8 @@ struct CapsulePair {
 /// Capsules, and which of them stay clear of each other: a part of `Cycle::with` (see `ClearanceLimits`).
 struct Clearance {
   using Kind = Clearance;
-  std::vector<LinkCapsule> capsules;
-  std::vector<CapsulePair> pairs;
+  std::vector<LinkCapsule> capsules = {};
+  std::vector<CapsulePair> pairs = {};
   double margin = 0.02;  ///< of the surfaces [m]
   double reach = 1.5;    ///< largest distance of a capsule's point from any joint axis before it [m]
 };
