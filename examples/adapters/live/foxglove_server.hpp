@@ -59,9 +59,9 @@ struct ServerOptions {
                        << 20;  ///< bytes that may wait for one client; more are dropped and counted
   std::size_t clients =
       32;  ///< streams at once; a newcomer takes the place of the oldest that subscribes to nothing
-  std::map<std::string, PageFile> files;  ///< by path, "/" for the page
-  std::map<std::string, std::string>
-      folders;  ///< "/three/": the folder of this computer whose files are served there
+  std::map<std::string, PageFile> files = {};  ///< by path, "/" for the page
+  std::map<std::string, std::string> folders =
+      {};  ///< "/three/": the folder of this computer whose files are served there
 };
 
 struct ServerStatistics {

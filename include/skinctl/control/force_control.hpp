@@ -35,7 +35,8 @@ struct ForceSettings {
   T max_travel = T(0.3);     ///< largest travel of the tool along the direction, either way [m]
   Nanoseconds lag = 10ms;    ///< of the two lags that smooth the speed
   /// The part of the contact's own torque that the law compensates: 1 on a torque interface, where the
-  /// contact pushes the controlled robot itself; 0 for a virtual robot, which does not feel the contact.
+  /// contact pushes the controlled robot itself, and where the same touch is in the sum; 0 for a virtual
+  /// robot that does not feel the contact otherwise.
   T carried = T(0);
 };
 
