@@ -1,8 +1,10 @@
 #include "examples/adapters/serial.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <termios.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -35,6 +37,19 @@ can::Descriptor open_serial(const std::string& device, unsigned speed) {
   static_cast<void>(::ioctl(fd.get(), TIOCMBIS, &ready));
   ::tcflush(fd.get(), TCIFLUSH);
   return fd;
+}
+
+Read read_some(const can::Descriptor& line, std::span<std::uint8_t> into, std::size_t& count,
+               can::Deadline deadline) noexcept {
+  count = 0;
+  for (;;) {
+    const auto n = ::read(line.get(), into.data(), into.size());
+    if (n > 0) return count = static_cast<std::size_t>(n), Read::some;
+    if (n == 0) return Read::closed;
+    if (errno == EINTR) continue;
+    if (errno != EAGAIN && errno != EWOULDBLOCK) return Read::closed;
+    if (!can::wait_for(line.get(), POLLIN, deadline)) return Read::nothing;
+  }
 }
 
 }  // namespace adapters

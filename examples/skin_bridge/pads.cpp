@@ -1,10 +1,6 @@
 #include "examples/skin_bridge/pads.hpp"
 
-#include <poll.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cstdio>
 
@@ -139,15 +135,13 @@ Exit from_datagram_line(const std::string& device, unsigned speed, adapters::Udp
   std::array<std::uint8_t, 4096> bytes;
   Exit exit = Exit::interrupted;
   while (!ended()) {
-    if (!adapters::can::wait_for(line.get(), POLLIN, Clock::now() + 4ms)) continue;
-    const auto n = ::read(line.get(), bytes.data(), bytes.size());
-    if (n < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) continue;
-    if (n <= 0) {
+    std::size_t n = 0;
+    if (adapters::read_some(line, bytes, n, Clock::now() + 4ms) == adapters::Read::closed) {
       std::fprintf(stderr, "skin_bridge: %s: the line has ended\n", device.c_str());
       exit = Exit::lost;
       break;
     }
-    found.take(std::span(bytes).first(static_cast<std::size_t>(n)), [&](std::span<const std::uint8_t> whole) {
+    found.take(std::span(bytes).first(n), [&](std::span<const std::uint8_t> whole) {
       Datagram datagram;
       if (parse(whole, datagram)) count.samples += datagram.count();
       ++count.messages;

@@ -203,23 +203,18 @@ SlcanLink SlcanLink::open(const std::string& device) {
 }
 
 Read SlcanLink::read(Frame& frame, Deadline deadline) noexcept {
-  for (;;) {
+  for (bool looked = false;; looked = true) {
     while (at_ < end_) {
       if (const auto whole = codec_.take(buffer_[at_++])) {
         frame = *whole;
         return Read::some;
       }
     }
-    const auto n = ::read(fd_.get(), buffer_.data(), buffer_.size());
-    if (n > 0) {
-      at_ = 0;
-      end_ = static_cast<std::size_t>(n);
-      continue;
-    }
-    if (n == 0) return Read::closed;
-    if (errno == EINTR) continue;
-    if (errno != EAGAIN && errno != EWOULDBLOCK) return Read::closed;
-    if (!wait_for(fd_.get(), POLLIN, deadline)) return Read::nothing;
+    if (looked && Clock::now() >= deadline) return Read::nothing;  // whatever it floods us with
+    at_ = 0;
+    const Read read =
+        read_some(fd_, {reinterpret_cast<std::uint8_t*>(buffer_.data()), buffer_.size()}, end_, deadline);
+    if (read != Read::some) return read;
   }
 }
 

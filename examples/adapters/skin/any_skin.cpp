@@ -1,11 +1,7 @@
 #include "examples/adapters/skin/any_skin.hpp"
 
-#include <poll.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cmath>
 
 #include "examples/adapters/serial.hpp"
@@ -54,17 +50,15 @@ AnySkinLine::AnySkinLine(const std::string& device, std::uint32_t cell, unsigned
 
 bool AnySkinLine::read(can::Deadline deadline) noexcept {
   std::array<std::uint8_t, 4096> bytes;
-  while (count_ == 0 && !closed_) {
-    if (!can::wait_for(fd_.get(), POLLIN, deadline)) return false;
+  for (bool looked = false; count_ == 0 && !closed_; looked = true) {
+    if (looked && std::chrono::steady_clock::now() >= deadline) break;  // whatever it floods us with
     // No more bytes than packets that there is room for.
-    const auto n =
-        ::read(fd_.get(), bytes.data(), std::min(bytes.size(), (max_packets - 1) * AnySkinParser::size));
-    if (n < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) continue;
-    if (n <= 0) {
-      closed_ = true;
-      return false;
-    }
-    parser_.take(std::span(bytes).first(static_cast<std::size_t>(n)), [this](const AnySkinPacket& packet) {
+    const auto room = std::span(bytes).first(std::min(bytes.size(), (max_packets - 1) * AnySkinParser::size));
+    std::size_t n = 0;
+    const Read read = read_some(fd_, room, n, deadline);
+    closed_ = read == Read::closed;
+    if (read != Read::some) return false;
+    parser_.take(room.first(n), [this](const AnySkinPacket& packet) {
       Sample& s = samples_[count_++];
       s = {.cell = cell_, .readings = packet};
       unrest_.measure(memory_, s), unrest_.tell(memory_, s);

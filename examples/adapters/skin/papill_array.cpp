@@ -1,11 +1,9 @@
 #include "examples/adapters/skin/papill_array.hpp"
 
-#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <concepts>
 #include <optional>
 #include <utility>
@@ -219,15 +217,14 @@ PapillArrayLine::PapillArrayLine(const std::string& device, unsigned rate, bool 
 }
 
 const PapillArrayPacket* PapillArrayLine::next(can::Deadline deadline) noexcept {
-  while (!closed_) {
+  for (bool looked = false; !closed_; looked = true) {
     while (at_ < end_)
       if (parser_.take(bytes_[at_++])) return &parser_.packet();
-    if (!can::wait_for(fd_.get(), POLLIN, deadline)) return nullptr;
-    const auto n = ::read(fd_.get(), bytes_.data(), bytes_.size());
-    if (n < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) continue;
-    closed_ = n <= 0;
-    at_ = 0, end_ = closed_ ? 0 : static_cast<std::size_t>(n);
-    if (std::chrono::steady_clock::now() >= deadline && at_ == end_) return nullptr;
+    if (looked && std::chrono::steady_clock::now() >= deadline) return nullptr;  // whatever it floods us with
+    at_ = 0;
+    const Read read = read_some(fd_, bytes_, end_, deadline);
+    closed_ = read == Read::closed;
+    if (read != Read::some) return nullptr;
   }
   return nullptr;
 }

@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <thread>
 #include <vector>
@@ -201,4 +202,28 @@ TEST_CASE("PapillArray: a controller at a pseudo terminal is asked for its rate,
   terminal.fd.close();
   CHECK(line.next(std::chrono::steady_clock::now() + 5s) == nullptr);
   CHECK(line.closed());
+}
+
+TEST_CASE("PapillArray, AnySkin: a line that is flooded with nonsense is left at the deadline") {
+  simulated_pads::Terminal pillars, chips;
+  PapillArrayLine line(pillars.name, 500);
+  AnySkinLine pad(chips.name);
+  std::atomic<bool> ended = false;
+  const Bytes nonsense(4096, 'x');
+  std::vector<std::jthread> floods;
+  for (const auto* terminal : {&pillars, &chips}) {
+    REQUIRE(::fcntl(terminal->fd.get(), F_SETFL, O_RDWR | O_NONBLOCK) == 0);
+    floods.emplace_back([&, fd = terminal->fd.get()] {
+      while (!ended) static_cast<void>(!::write(fd, nonsense.data(), nonsense.size()));
+    });
+  }
+  for (int k = 0; k < 50; ++k) {  // for ever, if the deadline counted only where nothing has come
+    CHECK(line.next(std::chrono::steady_clock::now() + 2ms) == nullptr);
+    CHECK(pad.poll(std::chrono::steady_clock::now() + 2ms, [] { return 1s; }).empty());
+  }
+  ended = true;
+  CHECK(line.counts().dropped > 4096);
+  CHECK(pad.counts().dropped > 4096);
+  CHECK_FALSE(line.closed());
+  CHECK_FALSE(pad.closed());
 }
