@@ -28,6 +28,7 @@ class CanHand {
     period_ = std::chrono::milliseconds(options.period());
     set_ = PositionSet(period_);
     begun_ = Clock::now();
+    judged_ = false;
     write_or_throw(servo(false, options.hand));
     Introduction who;
     who.info = ask_for<Info>(message::info, "information");
@@ -81,7 +82,10 @@ class CanHand {
     return Heard::silent;
   }
 
+  /// Torques. Nothing is sent before a set of positions was plausible: to a hand of another generation the same
+  /// bytes are other torques.
   bool send(const std::array<std::int16_t, 16>& value) noexcept {
+    if (!judged_) return true;
     for (unsigned f = 0; f < 4; ++f)
       if (!link_.write(
               torque(f, {value[4 * f], value[4 * f + 1], value[4 * f + 2], value[4 * f + 3]}, options_.hand),

@@ -123,19 +123,23 @@ TEST_CASE("Driver: a hand of another generation than declared gets no torque") {
     auto c = quick(is);
     c.hardware = hardware;
     SimulatedHand hand(c);
-    Driver driver(CanHand(hand.pair()), options(declared), patient);
     std::string why;
-    try {
-      driver.connect();
-      skinctl::State<16> state;
-      for (int k = 0; k < 50 && driver.wait(state) != Heard::lost; ++k) driver.send(command({}));
-      why = driver.error();
-    } catch (const ConnectionError& e) {
-      why = e.what();
-      CHECK_FALSE(hand.snapshot().servo);
+    {
+      Driver driver(CanHand(hand.pair()), options(declared), patient);
+      try {
+        driver.connect();
+        skinctl::State<16> state;
+        for (int k = 0; k < 50 && driver.wait(state) != Heard::lost; ++k) driver.send(command({}));
+        why = driver.error();
+      } catch (const ConnectionError& e) {
+        why = e.what();
+        CHECK_FALSE(hand.snapshot().servo);
+      }
     }
     CHECK_MESSAGE(why.find(words) != std::string::npos, why);
+    std::this_thread::sleep_for(30ms);  // the hand has heard the driver's last words by then
     CHECK(hand.snapshot().torques == 0);
+    CHECK_FALSE(hand.snapshot().servo);
   };
   refused(Generation::v4, -1, Generation::v5, "this is a V4 (hardware version 0x0401), a V5 was expected");
   refused(Generation::v5, -1, Generation::v4, "this is a V5 (hardware version 0x0501), a V4 was expected");
