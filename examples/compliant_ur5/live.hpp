@@ -3,8 +3,10 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "examples/adapters/live/live_view.hpp"
+#include "examples/compliant_ur5/pointer.hpp"
 #include "examples/compliant_ur5/recorder.hpp"
 #include "examples/live_page/page.hpp"
 
@@ -15,7 +17,9 @@ template <class Scene>
 class LivePage {
  public:
   /// Throws `adapters::live::ServerError` where the port is taken.
-  LivePage(const Settings& s, const std::vector<adapters::live::WeightRange>& weights) {
+  /// @param simulated  the robot that the page's pointer presses, which lives longer; null: a real one.
+  LivePage(const Settings& s, const std::vector<adapters::live::WeightRange>& weights,
+           simulated_ur5::SimulatedUr5* simulated) {
     if (!s.live) return;
     adapters::live::ServerOptions options;
     options.port = s.live_port;
@@ -23,8 +27,9 @@ class LivePage {
     options.name = "compliant_ur5";
     live_page::put_page(options);
     server_ = std::make_unique<adapters::live::FoxgloveServer>(std::move(options));
-    view_ =
-        std::make_unique<adapters::live::LiveView<Scene>>(*server_, requests_, run_description(s), weights);
+    const auto run = run_description(s);
+    view_ = std::make_unique<adapters::live::LiveView<Scene>>(*server_, requests_, run, weights);
+    if (simulated != nullptr) server_->add(pointer_.emplace(*simulated, run.frames).inlet());
     server_->start();
     std::printf("live: %s%s\n", server_->url().c_str(), s.allow_control ? ", control allowed" : "");
     std::fflush(stdout);
@@ -48,6 +53,7 @@ class LivePage {
 
  private:
   adapters::live::Requests requests_;
+  std::optional<Pointer> pointer_;
   std::unique_ptr<adapters::live::FoxgloveServer> server_;
   std::unique_ptr<adapters::live::LiveView<Scene>> view_;
 };

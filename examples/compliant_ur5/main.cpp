@@ -104,7 +104,7 @@ int run(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_flag("--live", s.live,
                "serve a page on this computer that shows robot, cells, contacts and torques while it runs; "
-               "at real-time pace");
+               "at real-time pace, until it is stopped; a simulated robot is pressed by the pointer");
   app.add_option("--live-port", s.live_port, "of the page (0: any)")->capture_default_str();
   app.add_flag("--allow-control", s.allow_control, "who sees the page may resume; stop is always allowed");
   app.add_option("--report", s.report, "HTML report with plots (empty: none)");
@@ -139,6 +139,7 @@ int run(int argc, char** argv) {
                                {s.skin, s.simulated_skin, s.skin_key, s.scenario, s.touch_profile, s.replay});
   if (!robot.empty()) s.robot = robot;
   if (s.live && app.count("--speed") == 0) s.speed = 1;
+  s.until_stopped = s.live && s.cycles == 0;
   if (interface == "velocity") s.interface = skinctl::Interface::velocity;
   if (sense == "wrist") s.sense = compliant_ur5::Sense::wrist;
   if (sense == "motors") s.sense = compliant_ur5::Sense::motors;
@@ -159,7 +160,7 @@ int run(int argc, char** argv) {
     compliant_ur5::Settings rigid = s;
     rigid.rigid = rigid.quiet = true;
     rigid.record.clear();
-    rigid.live = false;
+    rigid.live = rigid.until_stopped = false;
     compliant_ur5::RunLog stiff;
     const auto other = compliant_ur5::run(rigid, signals.asked(), stiff);
     if (other == compliant_ur5::Outcome::fine) {

@@ -256,11 +256,13 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   if constexpr (!by_skin) reader.check(driver);
   TouchObserver observer(by_skin ? observed_cells(skin_patches(s)) : std::vector<ObservedCell>{},
                          s.newtons_per_reading, s.rest_reading);
-  const std::uint64_t planned = s.cycles != 0 ? s.cycles : static_cast<std::uint64_t>(s.duration * s.rate);
-  log.entries.reserve(planned);
+  // Of a run without an end the report shows the first round of the task.
+  const std::uint64_t round = s.cycles != 0 ? s.cycles : static_cast<std::uint64_t>(s.duration * s.rate);
+  log.entries.reserve(round);
   const auto memory = std::make_unique<typename Scene::Memory>();
   using Weight = WeightLimits;
-  LivePage<Scene> live(s, {{1, Weight::least_task, Weight::most}, {1, Weight::least_skin, Weight::most}});
+  LivePage<Scene> live(s, {{1, Weight::least_task, Weight::most}, {1, Weight::least_skin, Weight::most}},
+                       simulation.get());
   JobRecorder<Scene> recording(s, live.consumers());
 
   const auto limit = limits(s);
@@ -275,6 +277,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   }();
   Nanoseconds first{}, braking_since{};
   std::size_t next_goal = 0;
+  double round_began = 0;  // [s]
   Largest largest;
   JointVelocity<6> last_velocity;
   Nanoseconds last_time{};
@@ -333,7 +336,9 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     } else if (input.now - braking_since > 500ms) {
       return false;
     }
-    if (next_goal < s.task.size() && t >= s.task[next_goal].at) {
+    if (s.until_stopped && simulation && next_goal == s.task.size() && t - round_began >= s.duration)
+      next_goal = 0, round_began = t;
+    if (next_goal < s.task.size() && t - round_began >= s.task[next_goal].at) {
       input.goal = typename Scene::Goal{.goal = JointGoal<6>{JointPosition<6>(s.task[next_goal].q),
                                                              nanoseconds(s.task[next_goal].duration)}};
       ++next_goal;
@@ -409,7 +414,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     }
   }
   LoopOptions options;
-  options.cycles = planned;
+  options.cycles = s.until_stopped ? 0 : round;
   options.period = period;
   options.stop = &stop;
   NoSkin no_cells;

@@ -137,6 +137,7 @@ struct Settings {
   bool compare = true;           ///< simulated: run the scenario rigid as well
   bool quiet = false;
   bool live = false;                         ///< a page shows the run while it runs
+  bool until_stopped = false;                ///< no number of cycles; a simulated robot begins its task anew
   std::uint16_t live_port = 8765;            ///< of the page; 0: any
   bool allow_control = false;                ///< who sees the page may resume
   std::string record, replay, report, json;  ///< files; empty: none

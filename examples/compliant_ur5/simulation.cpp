@@ -69,6 +69,10 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
                   {"robot's lag", text("%.1f ms", 1000 * arm.lag)}};
   if (s.interface == Interface::position)
     log.scenario.push_back({"lookahead of servoj", text("%.1f ms", 1000 * adapters::ur5::servoj_lookahead)});
+  if (s.live) {
+    config.controller.touches.push_back(simulated_ur5::LedFinger::touch());
+    config.controller.touches.back().name = "pointer";
+  }
   auto robot = std::make_unique<simulated_ur5::SimulatedUr5>(std::move(config));
   robot->start();
   return robot;

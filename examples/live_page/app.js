@@ -55,7 +55,7 @@ const effect = list => list.reduce((most, r) => { const e = reasons[r]?.effect |
 function doing(status, joints, newtons) {
   const e = effect(status.reasons);
   if (e === 'stop') return 'stopped';
-  if (e === 'brake' || e === 'fade') return 'braking';
+  if (e === 'brake') return 'braking';
   if (newtons > 1) return 'giving way';
   if (e === 'hold' || e === 'wait') return 'waiting';
   return joints && joints.velocity && joints.velocity.some(v => Math.abs(v) > 0.005) ? 'moving' : 'at rest';
@@ -95,7 +95,8 @@ function show() {
       lines($('time'), stages.map((s, k) => ({k, name: s, points: part('/skinctl/status', v => v.times_us[s])})), from, to, now, 'µs', 0);
     }
     if (status) {
-      const contacts = t.at('/skin/contacts', now), word = doing(status, joints, contacts ? total(contacts) : 0);
+      const contacts = t.at('/skin/contacts', now), newtons = contacts ? total(contacts) : 0, word = doing(status, joints, newtons);
+      showFinger(newtons);
       $('state').textContent = word, $('state').className = 'state' + (/stopped|braking/.test(word) ? ' bad' : '');
       $('reasons').textContent = status.reasons.length ? status.reasons.map(reason).join('; ') : 'nothing limited, nothing held';
       strip($('events'), part('/skinctl/status', v => v.reasons).filter(([, r]) => r.length).map(([s, r]) => [s, effect(r)]), from, to);
@@ -202,9 +203,70 @@ function parameters(list) {
   }
 }
 
+const finger_topic = '/simulation/finger';
+/// The pointer as a finger on a robot that is simulated. What it does is sent while it presses; a silent page's finger leaves.
+const finger = {offered: false, spot: null, aside: [0, 0, 0], aim: null, by: null};
+function press(x, y, by) {
+  if (!finger.offered || finger.spot || !state.view || !state.live || state.file) return false;
+  const spot = state.view.pick(x, y);
+  if (!spot) return false;
+  Object.assign(finger, {spot, by, aside: [0, 0, 0], number: 1 + Math.floor(1e9 * Math.random())});
+  state.view.controls.enabled = false;
+  point();
+  return true;
+}
+function release() {
+  if (!finger.spot) return;
+  finger.spot = finger.by = null;
+  state.view.controls.enabled = true;
+  state.stream.publish(finger_topic, {press: 0});
+}
+function point() {
+  if (!finger.spot) return;
+  const {link, p, n} = finger.spot;
+  state.stream.publish(finger_topic, {press: finger.number, link, point: p, normal: n, stiffness: 3000, travel: 1e-3 * Number($('travel').value), aside: finger.aside});
+}
+function pointers() {
+  const canvas = $('robot'), clip = e => { const b = canvas.getBoundingClientRect(); return [2 * (e.clientX - b.left) / b.width - 1, 1 - 2 * (e.clientY - b.top) / b.height]; };
+  canvas.addEventListener('pointerdown', e => {
+    finger.aim = null;
+    if (e.button === 0 && press(...clip(e), e.pointerId)) canvas.setPointerCapture(e.pointerId);
+  }, true);
+  canvas.addEventListener('pointermove', e => {
+    if (finger.by === e.pointerId) finger.aside = state.view.beside(...clip(e), finger.spot.at);
+    else if (finger.offered && !finger.spot && state.view) canvas.classList.toggle('over', Boolean(state.view.pick(...clip(e))));
+  });
+  for (const end of ['pointerup', 'pointercancel', 'lostpointercapture']) canvas.addEventListener(end, e => { if (finger.by === e.pointerId) release(); });
+  const arrows = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]};
+  canvas.addEventListener('keydown', e => {
+    if (!finger.offered || !(arrows[e.key] || e.key === ' ')) return;
+    e.preventDefault();
+    finger.aim = finger.aim || [0, 0];
+    if (arrows[e.key] && !finger.spot) finger.aim = finger.aim.map((v, i) => Math.min(0.98, Math.max(-0.98, v + 0.02 * arrows[e.key][i])));
+    if (e.key === ' ' && !e.repeat) press(...finger.aim, 'key');
+  });
+  canvas.addEventListener('keyup', e => { if (e.key === ' ' && finger.by === 'key') release(); });
+  canvas.addEventListener('blur', () => { finger.aim = null; if (finger.by === 'key') release(); });
+  $('travel').addEventListener('input', () => { $('travel-mm').textContent = `${$('travel').value} mm`; });
+}
+/// Sends and draws the finger, and says what it feels.
+function showFinger(newtons) {
+  if (!finger.offered || !state.view) return;
+  if (finger.spot) {
+    point();
+    finger.peak = Math.max(finger.peak || 0, newtons);
+    $('pressed').textContent = `Felt: ${newtons.toFixed(1)} N, at most ${finger.peak.toFixed(1)} N`;
+  } else {
+    finger.peak = 0;
+  }
+  const aimed = finger.aim && !finger.spot ? state.view.pick(...finger.aim) : null;
+  state.view.point(finger.spot || aimed, finger.spot ? 0 : 0.03);
+}
+
 async function open(file) {
   const buffer = await file.arrayBuffer();
   if (state.stream) state.stream.on.message = () => {};
+  release(), finger.offered = false, $('finger').hidden = true;
   document.body.classList.remove('old');
   state.timeline = new Timeline(Infinity), state.live = false, state.errors = 0, state.file = file.name;
   const result = readMcap(buffer, feed);
@@ -234,7 +296,8 @@ RobotView.create($('robot')).then(view => {
 if (location.protocol.startsWith('http') && !new URLSearchParams(location.search).has('file')) {
   state.stream = new Stream(`ws://${location.host}/`, topics, {
     state: chip, channels: () => {}, message: feed, status: text => answer(text, false), ended: text => { state.ended = text; },
-    services: () => {}, parameters, control});
+    services: () => {}, parameters, control, facts: facts => { finger.offered = 'takes ' + finger_topic in facts, $('finger').hidden = !finger.offered; }});
+  pointers();
 } else {
   chip('open an .mcap file', false);
 }

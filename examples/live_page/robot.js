@@ -35,6 +35,15 @@ export function onKnown({shapes, fixed}, known) {
   });
 }
 
+/// The points of two segments {a, b} that are nearest to each other: one on each.
+function nearestOf(one, two) {
+  const u = one.b.clone().sub(one.a), v = two.b.clone().sub(two.a), w = one.a.clone().sub(two.a), a = u.dot(u), b = u.dot(v), c = v.dot(v), d = u.dot(w), e = v.dot(w);
+  const cut = x => Math.min(1, Math.max(0, x)), det = a * c - b * b;
+  let s = det > 1e-9 * a * c ? cut((b * e - c * d) / det) : 0.5, t = c > 0 ? cut((b * s + e) / c) : 0;
+  s = a > 0 ? cut((b * t - d) / a) : 0;
+  return [one.a.clone().addScaledVector(u, s), two.a.clone().addScaledVector(v, t)];
+}
+
 export class RobotView {
   static async create(canvas) {
     const THREE = await import('three');
@@ -71,6 +80,14 @@ export class RobotView {
       arrow.visible = false;
       this.scene.add(arrow), this.arrows.push(arrow);
     }
+    this.joints = [];  // what fills the gaps between the tubes of neighbours
+    this.ray = new THREE.Raycaster();
+    this.finger = new THREE.Group();  // along y, its tip in the origin
+    const skin = new THREE.MeshLambertMaterial({color: 0xe3a008}), round = new THREE.Mesh(new THREE.SphereGeometry(0.012, 20, 12), skin), long = new THREE.Mesh(new THREE.CylinderGeometry(0.012, 0.015, 0.12, 20), skin);
+    round.position.y = 0.012, long.position.y = 0.072;
+    this.finger.add(round, long);
+    this.finger.visible = false;
+    this.scene.add(this.finger);
     this.moved = true;
   }
   group(link) {
@@ -90,6 +107,7 @@ export class RobotView {
       else {
         const tube = new T.Group();  // three's cylinders stand along y, those of a URDF along z
         const [r, l] = s.size;
+        this.tubes = (this.tubes || new Map()).set(s.link, {from: new T.Vector3(0, 0, -l / 2), to: new T.Vector3(0, 0, l / 2), r, X: new T.Matrix4().compose(new T.Vector3(...s.X.p), new T.Quaternion(...s.X.q), new T.Vector3(1, 1, 1))});
         tube.add(new T.Mesh(new T.CylinderGeometry(r, r, l, 28), material));
         if (s.kind === 'capsule') for (const y of [-l / 2, l / 2]) { const m = new T.Mesh(new T.SphereGeometry(r, 24, 12), material); m.position.y = y; tube.add(m); }
         tube.rotation.x = Math.PI / 2;
@@ -171,8 +189,28 @@ export class RobotView {
       this.camera.position.copy(middle).add(new T.Vector3(0.62, -0.66, 0.42).multiplyScalar(far));
       this.controls.update();
     }
+    this.close(list.map(f => f.child));
     (this.links || []).forEach((name, i) => { const m = this.frames.get(name); if (m) this.matrices[i].copy(m); });
     this.moved = true;
+  }
+  /// Fills the gaps between the tubes of links that follow each other, where these are nearest.
+  close(names) {
+    const T = this.THREE, tubes = names.filter(n => this.tubes && this.tubes.has(n)).map(n => {
+      const t = this.tubes.get(n), X = new T.Matrix4().multiplyMatrices(this.frames.get(n), t.X);
+      return {a: t.from.clone().applyMatrix4(X), b: t.to.clone().applyMatrix4(X), r: t.r};
+    });
+    for (let i = 0; i + 1 < tubes.length; ++i) {
+      const [p, q] = nearestOf(tubes[i], tubes[i + 1]), r = 0.9 * Math.min(tubes[i].r, tubes[i + 1].r), way = q.clone().sub(p), far = way.length();
+      let joint = this.joints[i];
+      if (!joint) {
+        joint = this.joints[i] = new T.Mesh(new T.CylinderGeometry(1, 1, 1, 24), new T.MeshLambertMaterial({color: 0x838c96}));
+        this.scene.add(joint);
+      }
+      joint.visible = far > 1e-3;
+      if (!joint.visible) continue;
+      joint.position.copy(p).add(q).multiplyScalar(0.5), joint.scale.set(r, far, r);
+      joint.quaternion.setFromUnitVectors(new T.Vector3(0, 1, 0), way.divideScalar(far));
+    }
   }
   /// `full` is the force of a cell that is fully coloured [N].
   readings(cloud, full = 3) {
@@ -201,6 +239,38 @@ export class RobotView {
       arrow.head.position.y = -0.02, arrow.shaft.position.y = -0.03 - long / 2, arrow.shaft.scale.y = long;
     });
     this.moved = true;
+  }
+  /// Where a place of the picture, [-1, 1] to the right and up, meets the robot: {link, p, n} in the frame of the link, and `at` in
+  /// the base's; null: beside it.
+  pick(x, y) {
+    const T = this.THREE, meshes = [];
+    this.ray.setFromCamera({x, y}, this.camera);
+    for (const [link, g] of this.shapes) {
+      g.updateMatrixWorld(true);
+      g.traverse(o => { if (o.isMesh) o.userData.link = link, meshes.push(o); });
+    }
+    const hit = this.ray.intersectObjects(meshes)[0], frame = hit && this.frames.get(hit.object.userData.link);
+    if (!frame) return null;
+    const back = new T.Matrix4(), n = hit.face.normal.clone().transformDirection(hit.object.matrixWorld);
+    back.invert ? back.copy(frame).invert() : back.getInverse(frame);
+    return {link: hit.object.userData.link, p: hit.point.clone().applyMatrix4(back).toArray(), n: n.transformDirection(back).toArray(), at: hit.point};
+  }
+  /// From `at` to where a place of the picture is in the plane of `at` that faces the camera [m], at most 0.3 m.
+  beside(x, y, at) {
+    const T = this.THREE, plane = new T.Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new T.Vector3()), at);
+    this.ray.setFromCamera({x, y}, this.camera);
+    const there = this.ray.ray.intersectPlane(plane, new T.Vector3());
+    return there ? there.sub(at).clampLength(0, 0.3).toArray() : [0, 0, 0];
+  }
+  /// The finger on a place of a link, as `pick` gives it; `way` before the surface [m]; null: it is gone.
+  point(spot, way = 0) {
+    const T = this.THREE, frame = spot && this.frames.get(spot.link);
+    this.moved = this.moved || this.finger.visible || Boolean(frame);
+    this.finger.visible = Boolean(frame);
+    if (!frame) return;
+    const n = new T.Vector3(...spot.n).transformDirection(frame);
+    this.finger.position.set(...spot.p).applyMatrix4(frame).addScaledVector(n, way);
+    this.finger.quaternion.setFromUnitVectors(new T.Vector3(0, 1, 0), n);
   }
   /// Draws if anything has moved.
   draw(background) {

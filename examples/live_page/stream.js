@@ -1,8 +1,8 @@
 // The Foxglove WebSocket protocol from a page's side: topics, services and parameters of a running job.
 export class Stream {
-  /// on: {state(text, good), channels(list), message(topic, type, seconds, bytes), status(text), ended(text), services(set), parameters(list), control(bool)}
+  /// on: {state(text, good), channels(list), message(topic, type, seconds, bytes), status(text), ended(text), services(set), parameters(list), control(bool), facts({name: text})}
   constructor(url, wanted, on) {
-    Object.assign(this, {url, wanted, on, byId: new Map(), services: new Map(), calls: new Map(), next: 1, wait: 500});
+    Object.assign(this, {url, wanted, on, byId: new Map(), services: new Map(), calls: new Map(), sinks: new Map(), next: 1, wait: 500});
     this.open();
   }
   open() {
@@ -13,7 +13,7 @@ export class Stream {
     socket.onclose = () => {
       this.on.state('no connection; trying again', false);
       for (const done of this.calls.values()) done({done: false, words: 'the connection is gone'});
-      this.calls.clear(), this.byId.clear(), this.services.clear();
+      this.calls.clear(), this.byId.clear(), this.services.clear(), this.sinks.clear();
       setTimeout(() => this.open(), this.wait = Math.min(2 * this.wait, 8000));
     };
   }
@@ -22,6 +22,7 @@ export class Stream {
     if (m.op === 'serverInfo') {
       const facts = this.facts = m.metadata || {};
       this.on.control(facts.control === 'allowed');
+      if (this.on.facts) this.on.facts(facts);
       if ((m.capabilities || []).includes('parameters')) {
         this.send({op: 'getParameters', parameterNames: [], id: 'all'});
         this.send({op: 'subscribeParameterUpdates', parameterNames: []});
@@ -68,6 +69,18 @@ export class Stream {
     bytes.set([99, 100, 114, 0, 1, 0, 0, 0], 13);
     this.socket.send(bytes);
     return new Promise(done => this.calls.set(call, done));
+  }
+  /// A message in JSON to a topic that the job takes; without a connection it is lost.
+  publish(topic, message) {
+    if (this.socket.readyState !== 1) return;
+    let id = this.sinks.get(topic);
+    if (id === undefined) {
+      this.sinks.set(topic, id = this.next++);
+      this.send({op: 'advertise', channels: [{id, topic, encoding: 'json', schemaName: ''}]});
+    }
+    const text = new TextEncoder().encode(JSON.stringify(message)), bytes = new Uint8Array(5 + text.length);
+    bytes[0] = 1, new DataView(bytes.buffer).setUint32(1, id, true), bytes.set(text, 5);
+    this.socket.send(bytes);
   }
   set(name, value) { this.send({op: 'setParameters', parameters: [{name, value}], id: 'set'}); }
 }

@@ -46,7 +46,6 @@ class ArmsBy final : public Arms {
     Body body;
     typename Scene::Input input;
     TaskState task;
-    FingerMotion motion;
     skinctl::WrenchSample wrench;
     skinctl::JointPosition<6> target;
     skinctl::Status status;
@@ -83,23 +82,13 @@ class ArmsBy final : public Arms {
       if (!(std::abs(point[i]) < 10) || !(std::abs(normal[i]) < 10)) return;
     const Vec3 p{point[0], point[1], point[2]}, n{normal[0], normal[1], normal[2]};
     link_ = std::min<std::size_t>(link, 5), point_ = p;
-    constexpr double patch = 0.03;  // farther from a cell there is no skin
-    std::size_t nearest = simulated_ur5::ContactWorld::no_cell;
-    double least = patch;
-    const auto& cells = ours_.body.cells();
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const double far = simulated_ur5::norm(cells[i].position - p);
-      if (cells[i].link == link_ && dot(cells[i].normal, n) > 0.3 && far < least) least = far, nearest = i;
-    }
+    const std::size_t nearest = simulated_ur5::LedFinger::cell_at(ours_.body.cells(), link_, p, n);
     rigid_.body.begin_like(ours_.body);
     std::memcpy(static_cast<void*>(rigid_.memory.get()), ours_.memory.get(), sizeof *ours_.memory);
     rigid_.task = ours_.task;
-    for (Half* half : {&ours_, &rigid_}) {
-      half->body.press(link_, p, n, nearest);
-      half->motion = {.present = true, .pressing = true, .way = -Body::gap, .aside = {}};
-    }
+    for (Half* half : {&ours_, &rigid_}) half->body.press(link_, p, n, nearest);
   }
-  void release() noexcept override { ours_.motion.pressing = rigid_.motion.pressing = false; }
+  void release() noexcept override { ours_.body.release(), rigid_.body.release(); }
 
   void hurt(bool on) override {
     std::vector<std::pair<double, std::uint32_t>> near;
@@ -174,7 +163,7 @@ class ArmsBy final : public Arms {
   }
   /// One cycle of one arm; false: its controller stopped it.
   bool step(Half& h, const Finger& led, bool goes) noexcept {
-    const bool fine = h.body.step(h.motion, led);
+    const bool fine = h.body.step(led);
     auto& in = h.input;
     in.measured = h.body.state();
     in.now = in.measured.time;
@@ -254,7 +243,7 @@ class ArmsBy final : public Arms {
     v.places = static_cast<double>(settings_.task.size());
     v.place = static_cast<double>((ours_.task.next + settings_.task.size() - 1) % settings_.task.size() + 1);
     v.resting = ours_.task.rested > 0 ? 1 : 0;
-    v.touching = ours_.motion.present ? 1 : 0, v.ended = ended_ ? 1 : 0;
+    v.touching = ours_.body.finger().present() ? 1 : 0, v.ended = ended_ ? 1 : 0;
     v.felt_mass = felt_, v.lightest = lightest_;
     v.away = 0;
     for (std::size_t i = 0; i < 6; ++i) {

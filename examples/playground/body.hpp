@@ -1,7 +1,6 @@
 // The simulated arm of the playground: drives, skin, wrist sensor and finger, without a controller's protocols.
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
 #include "examples/adapters/ur5/program.hpp"
@@ -10,6 +9,7 @@
 #include "examples/simulated_ur5/arm.hpp"
 #include "examples/simulated_ur5/contact.hpp"
 #include "examples/simulated_ur5/force_sensor.hpp"
+#include "examples/simulated_ur5/led_finger.hpp"
 #include "skinctl/core/command.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 
@@ -18,19 +18,9 @@ namespace playground {
 using simulated_ur5::Joints;
 using simulated_ur5::Vec3;
 
-/// How a led finger moves.
-struct FingerMotion {
-  bool present = false, pressing = false;
-  double way = 0;  ///< beyond the surface [m]
-  Vec3 aside;      ///< [m]
-};
-
 /// What `simulated_ur5::Controller` moves between two of its states, moved by commands alone.
 class Body {
  public:
-  static constexpr double gap = 0.02, approach = 0.1, retreat = 0.4,
-                          drag = 0.3;  ///< of the finger [m], [m/s]
-
   Body(const simulated_ur5::ArmConfig& arm, simulated_ur5::Nanoseconds cycle,
        std::vector<simulated_ur5::SkinCell> cells, const simulated_ur5::SkinConfig& skin)
       : cycle_(cycle),
@@ -38,7 +28,7 @@ class Body {
         skin_config_(skin),
         skin_(cells, skin, 1),
         sensor_(simulated_ur5::ForceSensorConfig{}),
-        world_({led_finger()}, cells, skin.proximity_distance) {
+        world_({simulated_ur5::LedFinger::touch()}, cells, skin.proximity_distance) {
     samples_.reserve(4 * cells.size());
   }
 
@@ -49,13 +39,14 @@ class Body {
   void send(const skinctl::TorqueCommand<6>& c) noexcept { arm_.torque(joints(c.torque), viscous, coulomb); }
 
   /// One cycle of the controller; false: it stopped the arm, as it was told what no such arm does.
-  bool step(FingerMotion& motion, const Finger& led) noexcept {
+  bool step(const Finger& led) noexcept {
     using namespace simulated_ur5;
     const bool fine = arm_.plan(1) == Violation::none;
     samples_.clear();
     const double h = seconds(plant_step);
+    const LedFinger::Wish wish{led.stiffness, 1e-3 * led.travel, {led.aside[0], led.aside[1], led.aside[2]}};
     for (Nanoseconds t{}; t < cycle_; t += plant_step) {
-      lead(motion, led, h);
+      finger_.step(world_, 0, wish, h);
       arm_.advance(world_.load());
       now_ += plant_step;
       links_ = forward_kinematics(arm_.q());
@@ -94,8 +85,9 @@ class Body {
   /// From now on this arm is where the other is, and moves like it.
   void begin_like(const Body& other) noexcept { arm_ = other.arm_, links_ = other.links_; }
   void press(std::size_t link, Vec3 point, Vec3 normal, std::size_t cell) noexcept {
-    world_.place(0, link, point, normal, cell);
+    finger_.press(world_, 0, link, point, normal, cell);
   }
+  void release() noexcept { finger_.release(); }
   /// Cells that are silent, and cells that stick from now on; both empty: all are whole.
   void hurt(const std::vector<std::uint32_t>& dead, const std::vector<std::uint32_t>& stuck) {
     skin_config_.faults.clear();
@@ -108,43 +100,26 @@ class Body {
 
   [[nodiscard]] const simulated_ur5::Arm& arm() const noexcept { return arm_; }
   [[nodiscard]] const simulated_ur5::Links& links() const noexcept { return links_; }
+  [[nodiscard]] const simulated_ur5::LedFinger& finger() const noexcept { return finger_; }
   [[nodiscard]] const simulated_ur5::ContactWorld& world() const noexcept { return world_; }
   [[nodiscard]] const std::vector<simulated_ur5::SkinCell>& cells() const noexcept { return skin_.cells(); }
 
   Joints viscous{}, coulomb{};  ///< shares of friction that the controller compensates, by torque
 
  private:
-  static simulated_ur5::Touch led_finger() {
-    simulated_ur5::Touch t;
-    t.led = true;
-    t.gap = gap;
-    t.tremor = 0.02;
-    return t;
-  }
   template <class V>
   static Joints joints(const V& v) noexcept {
     Joints out{};
     for (std::size_t i = 0; i < 6; ++i) out[i] = v[i];
     return out;
   }
-  void lead(FingerMotion& m, const Finger& led, double h) noexcept {
-    if (!m.present) return world_.lift(0);
-    world_.set_stiffness(0, led.stiffness);
-    const double goal = m.pressing ? 1e-3 * led.travel : -2 * gap;
-    m.way += std::clamp(goal - m.way, -retreat * h, approach * h);
-    if (!m.pressing && m.way <= goal) m.present = false;
-    const Vec3 off = Vec3{led.aside[0], led.aside[1], led.aside[2]} - m.aside;
-    const double far = simulated_ur5::norm(off);
-    if (far > 0) m.aside = m.aside + std::min(1.0, drag * h / far) * off;
-    world_.lead(0, m.way, m.aside);
-  }
-
   simulated_ur5::Nanoseconds cycle_, now_{};
   simulated_ur5::Arm arm_;
   simulated_ur5::SkinConfig skin_config_;
   simulated_ur5::Skin skin_;
   simulated_ur5::ForceSensor sensor_;
   simulated_ur5::ContactWorld world_;
+  simulated_ur5::LedFinger finger_;
   simulated_ur5::Links links_ = simulated_ur5::forward_kinematics(arm_.q());
   std::vector<skinctl::CellSample> samples_;
 };

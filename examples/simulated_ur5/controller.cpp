@@ -67,6 +67,8 @@ Controller::Controller(ControllerConfig config)
   tool_before_ = tool_before_that_ = tool.origin;
   stop_for_safety_ = [this](const std::string& why, std::int32_t code) { protective_stop(why, code); };
   if (!on_notice) on_notice = [](const Notice&) {};
+  for (std::size_t i = config_.touches.size(); i-- > 0;)
+    if (config_.touches[i].led) led_touch_ = i;
   if (config_.scenario_at_boot) start_scenario();
   publish();
 }
@@ -86,10 +88,21 @@ double Controller::scenario_time() const {
   return scenario_runs_ ? seconds(now_ - scenario_start_) : -1;
 }
 
+void Controller::press(std::size_t link, Vec3 point, Vec3 normal) {
+  if (!led_touch_ || !scenario_runs_) return;
+  led_at_ = now_;
+  finger_.press(world_, *led_touch_, link, point, normal,
+                LedFinger::cell_at(config_.cells, link, point, normal));
+}
+void Controller::lead_finger(const LedFinger::Wish& wish) {
+  wish_ = wish, led_at_ = now_;
+}
+
 void Controller::start_scenario() {
   scenario_runs_ = true;
   scenario_start_ = now_;
   world_.restart();
+  finger_ = {};
   // From here on everything is a function of the seed and the commands, whenever the client came.
   arm_.reseed(config_.seed);
   skin_.restart(config_.seed + 1);
@@ -219,12 +232,14 @@ void Controller::step() {
 
   const double h = seconds(plant_step);
   double largest = 0;
+  if (finger_.pressing() && now_ - led_at_ > 500'000'000) finger_.release();
   Joints load = load_at(forward_kinematics(arm_.q()));
   for (Nanoseconds t{}; t < cycle(); t += plant_step) {
     arm_.advance(load);
     now_ += plant_step;
     const Links links = forward_kinematics(arm_.q());
     if (scenario_runs_) {
+      if (led_touch_) finger_.step(world_, *led_touch_, wish_, h);
       world_.advance(seconds(now_ - scenario_start_), h, links);
       largest = std::max(largest, world_.largest_force());
     }

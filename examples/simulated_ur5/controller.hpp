@@ -10,6 +10,7 @@
 
 #include "examples/simulated_ur5/contact.hpp"
 #include "examples/simulated_ur5/force_sensor.hpp"
+#include "examples/simulated_ur5/led_finger.hpp"
 #include "examples/simulated_ur5/notice.hpp"
 #include "examples/simulated_ur5/skin.hpp"
 #include "examples/simulated_ur5/state.hpp"
@@ -68,6 +69,11 @@ class Controller {
   const ControllerConfig& config() const { return config_; }
   Version version() const { return config_.version.value_or(version_of(config_.series)); }
   Skin& skin() { return skin_; }
+  /// The finger of the first touch that is `led` comes to a place of `link` (its frame), once the scenario runs;
+  /// without such a touch nothing happens. It leaves when nobody has said for 0.5 s how it is led.
+  void press(std::size_t link, Vec3 point, Vec3 normal);
+  void lead_finger(const LedFinger::Wish& wish);
+  void release_finger() { finger_.release(); }
   /// Seconds since the scenario's start, or -1.
   double scenario_time() const;
 
@@ -182,6 +188,12 @@ class Controller {
   Nanoseconds scenario_start_{};
   Nanoseconds next_skin_tick_{};
   Vec3 tool_before_, tool_before_that_;
+
+  // The finger that somebody leads.
+  std::optional<std::size_t> led_touch_;
+  LedFinger finger_;
+  LedFinger::Wish wish_;
+  Nanoseconds led_at_{};
 };
 
 }  // namespace simulated_ur5

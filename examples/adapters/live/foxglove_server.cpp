@@ -1,5 +1,6 @@
 #include "examples/adapters/live/foxglove_server.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -122,6 +123,7 @@ struct FoxgloveServer::Impl {
   std::vector<Shared> latest;  // of latched channels; the server's thread only
   std::vector<Service> services;
   std::vector<Parameter> parameters;
+  std::vector<Inlet> inlets;
   std::set<std::shared_ptr<Client>> clients;
   std::uint64_t accepted = 0;  ///< connections until now
   std::atomic<std::uint64_t> connected{0}, sent{0}, dropped{0}, refused{0}, nonsense{0};
@@ -173,7 +175,7 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
   /// Whether a newcomer is more important: a stream that subscribes to nothing, or a request that is not
   /// whole yet.
   [[nodiscard]] bool gives_way(bool streams) const {
-    return streams ? open_ && subscriptions_.empty() : !asked_;
+    return streams ? open_ && subscriptions_.empty() && publications_.empty() : !asked_;
   }
   void leave() {
     if (open_) {
@@ -181,6 +183,8 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
       server_.connected.fetch_sub(1);
       for (const auto& [id, channel] : subscriptions_) server_.subscribers[channel].fetch_sub(1);
       subscriptions_.clear();
+      for (const auto& [id, inlet] : publications_) server_.inlets[inlet].left();
+      publications_.clear();
     }
     close();
     server_.clients.erase(shared_from_this());
@@ -279,13 +283,16 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
     json capabilities = json::array({"services"});
     if (!server_.parameters.empty())
       capabilities.insert(capabilities.end(), {"parameters", "parametersSubscribe"});
+    if (!server_.inlets.empty()) capabilities.push_back("clientPublish");
     json metadata = {{"control", control ? "allowed" : "refused"}};
     for (const Parameter& p : server_.parameters)  // the protocol has no ranges
       metadata["range of " + p.name] = json::array({p.lower, p.upper}).dump();
+    for (const Inlet& i : server_.inlets)
+      metadata["takes " + i.topic] = "json";  // nor names of what it takes
     say({{"op", "serverInfo"},
          {"name", server_.options.name},
          {"capabilities", capabilities},
-         {"supportedEncodings", {"cdr"}},
+         {"supportedEncodings", {"cdr", "json"}},
          {"metadata", metadata}});
     json topics = json::array();
     for (std::size_t i = 0; i < server_.channels.size(); ++i) {
@@ -353,6 +360,11 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
         return say(out);
       }
       if (op == "setParameters") return set_parameters(m);
+      if (op == "advertise") return publishes(m.at("channels"));
+      if (op == "unadvertise") {
+        for (const json& id : m.at("channelIds")) publishes_no_more(id_of(id));
+        return;
+      }
       if (op == "subscribeParameterUpdates" || op == "unsubscribeParameterUpdates") {
         const json& names = m.at("parameterNames");
         const bool on = op == "subscribeParameterUpdates";
@@ -402,6 +414,35 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
     server_.subscribers[found->second].fetch_sub(1);
     subscriptions_.erase(found);
   }
+  void publishes(const json& channels) {
+    for (const json& c : channels) {
+      const auto id = id_of(c.at("id"));
+      const auto topic = c.at("topic").get<std::string>();
+      const auto& inlets = server_.inlets;
+      const auto found =
+          std::find_if(inlets.begin(), inlets.end(), [&](const Inlet& i) { return i.topic == topic; });
+      if (found == inlets.end() || c.at("encoding") != "json" || publications_.count(id) > 0 ||
+          publications_.size() >= most_subscriptions) {
+        complain("topic " + topic.substr(0, 40) + " cannot be published to as channel " + std::to_string(id));
+        continue;
+      }
+      publications_[id] = static_cast<std::size_t>(found - inlets.begin());
+    }
+  }
+  void publishes_no_more(std::uint32_t id) {
+    const auto found = publications_.find(id);
+    if (found == publications_.end()) return complain("no channel " + std::to_string(id));
+    server_.inlets[found->second].left();
+    publications_.erase(found);
+  }
+  void published(std::span<const unsigned char> b) {
+    const auto found =
+        b.size() < 5 ? publications_.end() : publications_.find(number_at<std::uint32_t>(b, 1));
+    if (found == publications_.end()) return complain("a message on a channel that was not advertised");
+    const Inlet& inlet = server_.inlets[found->second];
+    if (!inlet.take({reinterpret_cast<const char*>(b.data()) + 5, b.size() - 5}))
+      complain("a message on " + inlet.topic + " was not understood");
+  }
   void set_parameters(const json& m) {
     json names = json::array();
     for (const json& p : m.at("parameters")) {
@@ -428,7 +469,9 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
       say({{"op", "parameterValues"}, {"parameters", server_.parameters_json(&names)}, {"id", m["id"]}});
   }
   void binary(std::span<const unsigned char> b) {
-    if (b.size() < 13 || b[0] != 2) return complain("a binary message that is no service call");
+    if (!b.empty() && b[0] == 1) return published(b);
+    if (b.size() < 13 || b[0] != 2)
+      return complain("a binary message that is no service call and no message");
     const auto service = number_at<std::uint32_t>(b, 1), call = number_at<std::uint32_t>(b, 5),
                length = number_at<std::uint32_t>(b, 9);
     const auto fails = [&](const std::string& words) {
@@ -477,6 +520,7 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
   std::optional<http::request_parser<http::string_body>> parser_;
   std::optional<http::response<http::string_body>> reply_;
   std::map<std::uint32_t, std::uint32_t> subscriptions_;
+  std::map<std::uint32_t, std::size_t> publications_;  ///< to which inlet
   std::set<std::string> parameters_;
   bool all_parameters_ = false, open_ = false;
   bool asked_ = false;  ///< its request is whole
@@ -559,6 +603,9 @@ void FoxgloveServer::add(Service service) {
 }
 void FoxgloveServer::add(Parameter parameter) {
   impl_->parameters.push_back(std::move(parameter));
+}
+void FoxgloveServer::add(Inlet inlet) {
+  impl_->inlets.push_back(std::move(inlet));
 }
 
 void FoxgloveServer::start() {

@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "skinctl/core/time.hpp"
@@ -41,6 +42,13 @@ struct Service {
   std::string name;                ///< "/skinctl/stop"
   bool controls = true;            ///< refused without `allow_control`
   std::function<Answer()> called;  ///< in the server's thread
+};
+
+/// A topic that clients publish to, as JSON (the protocol's `clientPublish`).
+struct Inlet {
+  std::string topic;                           ///< "/simulation/finger"
+  std::function<bool(std::string_view)> take;  ///< in the server's thread; false: not understood
+  std::function<void()> left;                  ///< who published has gone, or has said that it is done
 };
 
 /// A number that clients see, and set where control is allowed.
@@ -98,6 +106,7 @@ class FoxgloveServer {
   std::uint32_t add(Channel channel);
   void add(Service service);
   void add(Parameter parameter);
+  void add(Inlet inlet);
 
   void start();
   /// A message for those who subscribe its channel; the bytes are copied. From one thread at a time.

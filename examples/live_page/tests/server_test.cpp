@@ -201,6 +201,72 @@ TEST_CASE("FoxgloveServer: services and parameters, with and without consent") {
   }
 }
 
+TEST_CASE("FoxgloveServer: clients publish to the topics that the job takes, and to no other") {
+  ServerOptions o;
+  FoxgloveServer server(std::move(o));
+  std::atomic<int> taken{0}, refused{0}, left{0};
+  server.add(Inlet{"/finger", [&](std::string_view m) { return ++(m == "{}" ? taken : refused), m == "{}"; },
+                   [&] { ++left; }});
+  server.start();
+  const std::string host = "127.0.0.1:" + std::to_string(server.port());
+  const auto connected = [&] {
+    auto c = std::make_unique<Client>(server.port());
+    REQUIRE(c->send(Client::get("/", host, Client::upgrade("foxglove.websocket.v1"))));
+    REQUIRE(c->reply().find("101") != std::string::npos);
+    const json info = c->text("serverInfo");
+    CHECK(info["metadata"]["takes /finger"] == "json");
+    CHECK(info["capabilities"].dump().find("clientPublish") != std::string::npos);
+    return c;
+  };
+  const auto until = [](auto&& what) {
+    for (int k = 0; k < 400 && !what(); ++k) std::this_thread::sleep_for(10ms);
+    return what();
+  };
+  const auto message = [](std::uint32_t id, const std::string& text) {
+    std::string out = "\1";
+    for (unsigned k = 0; k < 4; ++k) out += static_cast<char>(id >> 8 * k & 0xff);
+    return out + text;
+  };
+  auto c = connected();
+  const auto advertise = [](std::uint32_t id, const char* topic, const char* encoding) {
+    return json{{"op", "advertise"},
+                {"channels", {{{"id", id}, {"topic", topic}, {"encoding", encoding}, {"schemaName", ""}}}}};
+  };
+  const auto complains = [&] { return c->text("status")["message"].get<std::string>(); };
+  REQUIRE(c->frame(2, message(7, "{}")));  // before it is advertised
+  CHECK(complains() == "a message on a channel that was not advertised");
+  for (const auto& [topic, encoding] : {std::pair("/cmd_vel", "json"), {"/finger", "cdr"}}) {
+    REQUIRE(c->say(advertise(7, topic, encoding)));
+    CHECK(complains().find("cannot be published to") != std::string::npos);
+  }
+  REQUIRE(c->say(advertise(7, "/finger", "json")));
+  REQUIRE(c->say(advertise(7, "/finger", "json")));  // twice
+  CHECK(complains().find("cannot be published to") != std::string::npos);
+  REQUIRE(c->frame(2, message(7, "{}")));
+  REQUIRE(c->frame(2, message(8, "{}")));
+  CHECK(complains() == "a message on a channel that was not advertised");
+  CHECK(taken == 1);
+  for (const std::string bad : {"", "\1\7", "\1\7\0\0"}) {  // cut
+    REQUIRE(c->frame(2, bad));
+    CHECK(!complains().empty());
+  }
+  REQUIRE(c->frame(2, message(7, "nonsense")));
+  CHECK(complains() == "a message on /finger was not understood");
+  CHECK(refused == 1);
+  // Whoever goes takes its finger along, by words or without.
+  auto other = connected();
+  REQUIRE(other->say(advertise(1, "/finger", "json")));
+  REQUIRE(other->frame(2, message(1, "{}")));
+  CHECK(until([&] { return taken == 2; }));
+  CHECK(left == 0);
+  other.reset();
+  CHECK(until([&] { return left == 1; }));
+  REQUIRE(c->say({{"op", "unadvertise"}, {"channelIds", {7}}}));
+  CHECK(until([&] { return left == 2; }));
+  REQUIRE(c->say({{"op", "unadvertise"}, {"channelIds", {7}}}));
+  CHECK(complains() == "no channel 7");
+}
+
 TEST_CASE("FoxgloveServer: nonsense is answered or ends that client only, and the others hear everything") {
   Served s;
   const auto good = s.connected();
