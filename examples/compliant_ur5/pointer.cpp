@@ -1,6 +1,7 @@
 #include "examples/compliant_ur5/pointer.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -8,6 +9,7 @@
 namespace compliant_ur5 {
 namespace {
 
+using adapters::live::Answer;
 using nlohmann::json;
 using simulated_ur5::Vec3;
 
@@ -37,32 +39,36 @@ adapters::live::Inlet Pointer::inlet() {
   return {topic, [this](std::string_view m) { return take(m); }, [this] { lift(); }};
 }
 
-bool Pointer::take(std::string_view message) {
+adapters::live::Answer Pointer::take(std::string_view message) {
   const json m = json::parse(message.begin(), message.end(), nullptr, false);
-  if (!m.is_object()) return false;
+  if (!m.is_object()) return {};
   const auto press = number(m, "press", 0, 1e15);
-  if (!press) return false;
-  if (*press == 0) return lift(), true;
+  if (!press) return {};
+  if (*press == 0) return lift(), Answer{true, {}};
   const auto stiffness = number(m, "stiffness", 10, 1e5), travel = number(m, "travel", 0, 0.2);
   const auto point = three(m, "point", 2), normal = three(m, "normal", 2), aside = three(m, "aside", 0.5);
   const auto link = m.find("link");
   if (!stiffness || !travel || !point || !normal || !aside || link == m.end() || !link->is_string() ||
       !(norm(*normal) > 0.5))
-    return false;
+    return {};
   const auto frame = std::find_if(frames_.begin(), frames_.end(), [&](const auto& f) {
     return f.name == link->template get_ref<const std::string&>();
   });
-  if (frame == frames_.end()) return false;
+  if (frame == frames_.end()) return {};
   const skinctl::Xyz<double> p = frame->in_link.R * skinctl::Xyz<double>{point->x, point->y, point->z},
                              n = frame->in_link.R * skinctl::Xyz<double>{normal->x, normal->y, normal->z};
   const auto& at = frame->in_link.p;
   const bool begins = *press != press_;
   press_ = *press;
+  double force = 0;
   robot_.call([&](simulated_ur5::Controller& c) {
+    force = c.finger_force();
     if (begins) c.press(frame->link, {p.x + at.x, p.y + at.y, p.z + at.z}, {n.x, n.y, n.z});
     c.lead_finger({*stiffness, *travel, *aside});
   });
-  return true;
+  char words[32];
+  *std::to_chars(words, words + sizeof words - 1, force, std::chars_format::fixed, 1).ptr = '\0';
+  return {true, words};
 }
 
 void Pointer::lift() {

@@ -23,8 +23,9 @@ class Pointer {
       : robot_(robot), frames_(std::move(frames)) {}
 
   [[nodiscard]] adapters::live::Inlet inlet();
-  /// False: not understood, and nothing happens.
-  bool take(std::string_view message);
+  /// The answer is the force on the finger, which not every place of the arm feels [N]. Not done: not understood, and
+  /// nothing happens.
+  adapters::live::Answer take(std::string_view message);
   void lift();
 
  private:

@@ -210,7 +210,7 @@ function press(x, y, by) {
   if (!finger.offered || finger.spot || !state.view || !state.live || state.file) return false;
   const spot = state.view.pick(x, y);
   if (!spot) return false;
-  Object.assign(finger, {spot, by, aside: [0, 0, 0], number: 1 + Math.floor(1e9 * Math.random())});
+  Object.assign(finger, {spot, by, force: 0, peak: 0, aside: [0, 0, 0], number: 1 + Math.floor(1e9 * Math.random())});
   state.view.controls.enabled = false;
   point();
   return true;
@@ -254,10 +254,7 @@ function showFinger(newtons) {
   if (!finger.offered || !state.view) return;
   if (finger.spot) {
     point();
-    finger.peak = Math.max(finger.peak || 0, newtons);
-    $('pressed').textContent = `Felt: ${newtons.toFixed(1)} N, at most ${finger.peak.toFixed(1)} N`;
-  } else {
-    finger.peak = 0;
+    $('pressed').textContent = `On the finger: ${finger.force.toFixed(1)} N, at most ${finger.peak.toFixed(1)} N. The robot feels ${newtons.toFixed(1)} N.`;
   }
   const aimed = finger.aim && !finger.spot ? state.view.pick(...finger.aim) : null;
   state.view.point(finger.spot || aimed, finger.spot ? 0 : 0.03);
@@ -296,7 +293,8 @@ RobotView.create($('robot')).then(view => {
 if (location.protocol.startsWith('http') && !new URLSearchParams(location.search).has('file')) {
   state.stream = new Stream(`ws://${location.host}/`, topics, {
     state: chip, channels: () => {}, message: feed, status: text => answer(text, false), ended: text => { state.ended = text; },
-    services: () => {}, parameters, control, facts: facts => { finger.offered = 'takes ' + finger_topic in facts, $('finger').hidden = !finger.offered; }});
+    services: () => {}, parameters, control, told: (topic, text) => { if (topic === finger_topic && finger.spot) finger.force = Number(text), finger.peak = Math.max(finger.peak, finger.force); },
+    facts: facts => { finger.offered = 'takes ' + finger_topic in facts, $('finger').hidden = !finger.offered; }});
   pointers();
 } else {
   chip('open an .mcap file', false);

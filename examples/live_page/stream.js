@@ -1,6 +1,6 @@
 // The Foxglove WebSocket protocol from a page's side: topics, services and parameters of a running job.
 export class Stream {
-  /// on: {state(text, good), channels(list), message(topic, type, seconds, bytes), status(text), ended(text), services(set), parameters(list), control(bool), facts({name: text})}
+  /// on: {state(text, good), channels(list), message(topic, type, seconds, bytes), status(text), ended(text), services(set), parameters(list), control(bool), facts({name: text}), told(topic, text)}
   constructor(url, wanted, on) {
     Object.assign(this, {url, wanted, on, byId: new Map(), services: new Map(), calls: new Map(), sinks: new Map(), next: 1, wait: 500});
     this.open();
@@ -43,7 +43,9 @@ export class Stream {
     } else if (m.op === 'parameterValues') {
       this.on.parameters(m.parameters);
     } else if (m.op === 'status') {
-      m.id === 'ended' ? this.on.ended(m.message) : this.on.status(m.message);
+      if (m.id === 'ended') this.on.ended(m.message);
+      else if (this.sinks.has(m.id)) this.on.told(m.id, m.message);
+      else this.on.status(m.message);
     } else if (m.op === 'serviceCallFailure') {
       this.answer(m.callId, {done: false, words: m.message});
     }

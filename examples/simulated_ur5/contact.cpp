@@ -271,6 +271,7 @@ void ContactWorld::press(std::size_t i, double t, double h, const Links& links) 
     finger.way = way;
   }
   finger.tip = tip;
+  finger.force = force;
   approach(touch, links, tip);
   const Pose& pose = links.link[touch.link];
   if (force > 0) {
@@ -328,6 +329,7 @@ void ContactWorld::advance(double t, double h, const Links& links) {
   quiet_ = true;
   for (std::size_t i = 0; i < touches_.size(); ++i) {
     const double since = t - touches_[i].start;
+    fingers_[i].force = 0;
     if (touches_[i].led ? !fingers_[i].led : since < 0 || results_[i].ended) continue;
     if (!touches_[i].led && since >= touches_[i].duration()) {
       results_[i].ended = true;

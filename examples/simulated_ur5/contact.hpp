@@ -112,6 +112,8 @@ class ContactWorld {
   Vec3 tool_moment_about(Vec3 point) const { return tool_moment_ - cross(point, tool_force_); }  ///< [N m]
   Vec3 moment_about(Vec3 point) const { return moment_ - cross(point, force_); }                 ///< [N m]
   double largest_force() const { return largest_; }  ///< of a single finger [N]
+  /// On finger `i` at the last step [N].
+  double force_on(std::size_t i) const { return fingers_[i].force; }
   const SkinStimulus& stimulus() const { return stimulus_; }
   const std::vector<TouchResult>& results() const { return results_; }
   /// The end of a finger and the direction that it came from, in the base's frame, as of the last step.
@@ -127,6 +129,7 @@ class ContactWorld {
     Vec3 direction;       ///< outward normal then
     Vec3 tip;             ///< its end, base's frame
     double depth = 0;     ///< compression at the step before [m]
+    double force = 0;     ///< at the step before [N]
     double way = 0;       ///< distance travelled inward at the step before [m]
     bool led = false;     ///< somebody leads it now
     double led_way = 0;   ///< see `lead` [m]

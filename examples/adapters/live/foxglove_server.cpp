@@ -440,8 +440,10 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
         b.size() < 5 ? publications_.end() : publications_.find(number_at<std::uint32_t>(b, 1));
     if (found == publications_.end()) return complain("a message on a channel that was not advertised");
     const Inlet& inlet = server_.inlets[found->second];
-    if (!inlet.take({reinterpret_cast<const char*>(b.data()) + 5, b.size() - 5}))
-      complain("a message on " + inlet.topic + " was not understood");
+    const Answer answer = inlet.take({reinterpret_cast<const char*>(b.data()) + 5, b.size() - 5});
+    if (!answer.done) return complain("a message on " + inlet.topic + " was not understood");
+    if (!answer.words.empty())
+      say({{"op", "status"}, {"level", 0}, {"message", answer.words}, {"id", inlet.topic}});
   }
   void set_parameters(const json& m) {
     json names = json::array();

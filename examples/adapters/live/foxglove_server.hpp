@@ -46,9 +46,10 @@ struct Service {
 
 /// A topic that clients publish to, as JSON (the protocol's `clientPublish`).
 struct Inlet {
-  std::string topic;                           ///< "/simulation/finger"
-  std::function<bool(std::string_view)> take;  ///< in the server's thread; false: not understood
-  std::function<void()> left;                  ///< who published has gone, or has said that it is done
+  std::string topic;  ///< "/simulation/finger"
+  /// In the server's thread. Not done: not understood; words are said to who published, each in place of the last.
+  std::function<Answer(std::string_view)> take;
+  std::function<void()> left;  ///< who published has gone, or has said that it is done
 };
 
 /// A number that clients see, and set where control is allowed.

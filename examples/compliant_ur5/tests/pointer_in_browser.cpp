@@ -95,7 +95,7 @@ TEST_CASE("The live page of a simulated run: the pointer presses the arm, which 
   page.mouse("mousePressed", x, y);
   CHECK(page.until(felt + " > 5"));
   CHECK(page.until("document.getElementById('state').textContent === 'giving way'"));
-  CHECK(page.until("/^Felt: /.test(document.getElementById('pressed').textContent)"));
+  CHECK(page.until("/^On the finger: [1-9]/.test(document.getElementById('pressed').textContent)"));
   CHECK(page.evaluate("skinctl.view.finger.visible") == true);
   if (!keep.empty()) page.picture(keep / "live_page_pressed.png");
   page.mouse("mouseMoved", x + 40, y);

@@ -64,7 +64,7 @@ struct Bench {
   /// Half a second with a message every 24 ms.
   void led(const json& message) {
     for (int k = 0; k < 20; ++k) {
-      REQUIRE(pointer.take(message.dump()));
+      REQUIRE(pointer.take(message.dump()).done);
       steps(3);
     }
   }
@@ -81,9 +81,11 @@ TEST_CASE(
   Bench b;
   b.led(Bench::on_the_forearm(5));
   CHECK(b.result().cell == 145);
+  CHECK(std::stod(b.pointer.take(Bench::on_the_forearm(5).dump()).words) ==
+        doctest::Approx(b.force()).epsilon(0.01));
   CHECK(b.force() > 20);  // 10 mm into a spring of 3000 N/m, before an arm that holds still
   CHECK(b.force() < 31);
-  CHECK(b.pointer.take(R"({"press": 0})"));
+  CHECK(b.pointer.take(R"({"press": 0})").done);
   b.steps(60);
   CHECK(b.force() == 0);
   // A page that falls silent is no finger that stays.
@@ -94,7 +96,7 @@ TEST_CASE(
   // So it is with one that is closed.
   const auto inlet = b.pointer.inlet();
   for (int k = 0; k < 20; ++k) {
-    CHECK(inlet.take(Bench::on_the_forearm(7).dump()));
+    CHECK(inlet.take(Bench::on_the_forearm(7).dump()).done);
     b.steps(3);
   }
   CHECK(b.force() > 20);
@@ -133,12 +135,12 @@ TEST_CASE("Pointer: what is no finger does nothing") {
     m[name] = value;
     CAPTURE(name);
     CAPTURE(value.dump());
-    CHECK_FALSE(b.pointer.take(m.dump()));
+    CHECK_FALSE(b.pointer.take(m.dump()).done);
   };
   for (const char* name : {"press", "link", "point", "normal", "stiffness", "travel", "aside"}) {
     json m = good;
     m.erase(name);
-    CHECK_FALSE(b.pointer.take(m.dump()));
+    CHECK_FALSE(b.pointer.take(m.dump()).done);
     for (const json& value :
          {json(nullptr), json(true), json("7"), json(-1), json(1e300), json::array(), json::object(),
           json::array({0, 0}), json::array({0, "0", 0}), json::array({1e9, 0, 0})})
@@ -147,7 +149,7 @@ TEST_CASE("Pointer: what is no finger does nothing") {
   refused("normal", {0, 0, 0});
   refused("link", "base_link");
   for (const char* text : {"", "{", "[]", "7", "null", "{\"press\": 1e999}"})
-    CHECK_FALSE(b.pointer.take(text));
+    CHECK_FALSE(b.pointer.take(text).done);
   b.steps(60);
   CHECK(b.force() == 0);
   CHECK_FALSE(b.result().began);
@@ -165,7 +167,7 @@ TEST_CASE("Pointer: what is no finger does nothing") {
   CHECK(b.force() < 1e5);
   // A robot without a led finger, as every run that no page shows.
   Bench without(false);
-  CHECK(without.pointer.take(good.dump()));
+  CHECK(without.pointer.take(good.dump()).done);
   without.steps(60);
   CHECK(without.force() == 0);
 }

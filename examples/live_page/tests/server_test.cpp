@@ -205,7 +205,11 @@ TEST_CASE("FoxgloveServer: clients publish to the topics that the job takes, and
   ServerOptions o;
   FoxgloveServer server(std::move(o));
   std::atomic<int> taken{0}, refused{0}, left{0};
-  server.add(Inlet{"/finger", [&](std::string_view m) { return ++(m == "{}" ? taken : refused), m == "{}"; },
+  server.add(Inlet{"/finger",
+                   [&](std::string_view m) {
+                     ++(m == "{}" ? taken : refused);
+                     return Answer{m == "{}", "pressed"};
+                   },
                    [&] { ++left; }});
   server.start();
   const std::string host = "127.0.0.1:" + std::to_string(server.port());
@@ -243,6 +247,9 @@ TEST_CASE("FoxgloveServer: clients publish to the topics that the job takes, and
   REQUIRE(c->say(advertise(7, "/finger", "json")));  // twice
   CHECK(complains().find("cannot be published to") != std::string::npos);
   REQUIRE(c->frame(2, message(7, "{}")));
+  const json told = c->text("status");
+  CHECK(told["id"] == "/finger");
+  CHECK(told["message"] == "pressed");
   REQUIRE(c->frame(2, message(8, "{}")));
   CHECK(complains() == "a message on a channel that was not advertised");
   CHECK(taken == 1);
