@@ -192,6 +192,18 @@ inline double network_delay(const Settings& s, RunLog& log) {
   return beyond;
 }
 
+/// Words where this computer did not keep the pace, which then is the cause of what ended the run; else empty. So much
+/// is two periods, or the 20 ms after which a UR's program counts a command as missing.
+/// @param behind  farthest that the simulated robot was behind the clock [s of its time]; 0 for a real one.
+/// @param load    longest time from a state to its command, likewise.
+inline std::string too_slow(double behind, double load, double period) {
+  const double most = std::max(2 * period, 0.02);
+  if (std::max(behind, load) <= most) return {};
+  return "; this computer is too slow, or busy with something else: " +
+         (behind > load ? text("the simulated robot fell behind the clock by %.0f ms", 1000 * behind)
+                        : text("a cycle took %.0f ms", 1000 * load));
+}
+
 template <Interface I, Sense S>
 Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& log) {
   Settings s = given;
@@ -432,10 +444,13 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   log.touches = observer.touches();
   if constexpr (S == Sense::motors)  // where it was is not known
     for (TouchSummary& t : log.touches) t.link = -1, t.place.fill(std::nan(""));
+  double behind = 0;
   log.peak_force = 0;
   for (const auto& t : log.touches) log.peak_force = std::max(log.peak_force, t.peak_force);
   if (simulation) {
-    auto results = simulation->snapshot().touches;
+    const auto world = simulation->snapshot();
+    behind = world.behind;
+    auto results = world.touches;
     std::erase_if(results, [](const auto& r) { return !r.began; });
     std::sort(results.begin(), results.end(),
               [](const auto& a, const auto& b) { return a.first_contact < b.first_contact; });
@@ -516,6 +531,9 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     log.ending = row(ending).name;
     log.words = row(ending).words + (detail.empty() ? "" : ": " + detail);
   }
+  const double pace = s.robot ? 1 : s.speed;
+  if (outcome != Outcome::fine && outcome != Outcome::interrupted && outcome != Outcome::broken && pace > 0)
+    log.words += too_slow(pace * behind, pace * seconds<double>(report.load.max()), 1 / s.rate);
   live.end(log.words);
   if (outcome != Outcome::fine)
     std::fprintf(stderr, "\n%s: %s (exit code %d: %s)\n", ending == Ending::broken ? "failed" : "stopped",

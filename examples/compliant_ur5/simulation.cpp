@@ -32,6 +32,7 @@ std::unique_ptr<simulated_ur5::SimulatedUr5> start_simulation(const Settings& s,
   }
   config.ports = {0, 0, 0, 0, 0};  // any that are free
   config.speed = s.speed;
+  config.real_time = true;
   config.skin_host = s.skin_address;
   if (boost::asio::ip::make_address(s.skin_address).is_unspecified()) config.skin_host = "127.0.0.1";
   config.skin_port = skin_port;

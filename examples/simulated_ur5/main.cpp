@@ -78,6 +78,7 @@ int main(int argc, char** argv) {
   app.add_option("--secondary-port", config.ports.secondary)->capture_default_str();
   app.add_option("--realtime-port", config.ports.realtime)->capture_default_str();
   app.add_option("--dashboard-port", config.ports.dashboard)->capture_default_str();
+  config.real_time = true;
   app.add_option("--speed", config.speed, "times real time; 0: lock-step, as fast as commands come")
       ->capture_default_str();
   app.add_option("--patience", config.patience, "lock-step: longest wait for a command [s]")

@@ -22,6 +22,7 @@
 #include "examples/simulated_ur5/version.hpp"
 #include "examples/support/web_guard.hpp"
 #include "skinctl/core/contract.hpp"
+#include "skinctl/hardware/scheduling.hpp"
 
 namespace simulated_ur5 {
 namespace {
@@ -101,6 +102,7 @@ class SimulatedUr5::Network {
     next_ = Clock::now();
     schedule(pace());
     thread_ = std::thread([this] {
+      if (config_.real_time && !lock_step()) static_cast<void>(skinctl::request_real_time());
       io_.run();
       {
         // Calls that were posted before `ended_` is set still get their answer.
@@ -160,6 +162,7 @@ class SimulatedUr5::Network {
     s.contact_force = controller_.world().largest_force();
     s.skin_datagrams = skin_datagrams_;
     s.skin_samples = skin_samples_;
+    s.behind = std::chrono::duration<double>(behind_).count();
     return s;
   }
 
@@ -407,6 +410,7 @@ class SimulatedUr5::Network {
   void schedule(Clock::duration after) {
     next_ += after;
     const auto now = Clock::now();
+    if (!lock_step() && controller_.scenario_time() >= 0) behind_ = std::max(behind_, now - next_);
     // Far behind: the host was busy or asleep; that time is gone.
     if (now - next_ > std::chrono::milliseconds(250)) next_ = now;
     timer_.expires_at(next_);
@@ -572,6 +576,7 @@ class SimulatedUr5::Network {
   ScriptSockets script_sockets_;
 
   Clock::time_point next_;
+  Clock::duration behind_{};
   bool waiting_ = false, impatient_ = false, closing_ = false;
   int skipped_in_a_row_ = 0;
   std::int64_t cycles_since_state_ = 0;

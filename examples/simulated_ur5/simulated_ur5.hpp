@@ -37,6 +37,7 @@ struct Config {
   /// nobody to send data to, time passes at `idle_speed`.
   double speed = 1;
   double idle_speed = 1;
+  bool real_time = false;  ///< its thread asks for the priority of a control loop, if it goes by the clock
   /// Lock-step: how long an answer may take [s of real time]. Then simulated time goes on at `idle_speed`, so
   /// that the program's own read timeout decides, until the next message.
   double patience = 1;
@@ -64,6 +65,8 @@ struct Snapshot {
   double scenario_time = -1;
   double contact_force = 0;  ///< largest of the fingers now [N]
   std::uint64_t skin_datagrams = 0, skin_samples = 0;
+  double behind =
+      0;  ///< farthest behind the clock since the scenario's start, where this computer is busy [s]
 };
 
 /// Runs a `Controller` behind its protocols on a thread of its own. Thread-safe unless said otherwise.

@@ -107,6 +107,17 @@ TEST_CASE(
   CHECK(slow.out.find("--preset") != std::string::npos);
 }
 
+TEST_CASE("program: a computer that is too slow is named where the run ends for it") {
+  const Ran ran = run({"--speed", "100", "--cycles", "12500", "--quiet", "--report", ""});
+  if (ran.exit == 0) {
+    MESSAGE("this computer simulates a UR5 and its skin a hundred times faster than they are");
+  } else {
+    CHECK_MESSAGE(ran.out.find("; this computer is too slow, or busy with something else: ") !=
+                      std::string::npos,
+                  ran.out);
+  }
+}
+
 TEST_CASE("program: --help tells every exit code, --endings the table that the README shows") {
   const Ran help = run({"--help"});
   CHECK(help.exit == 0);
