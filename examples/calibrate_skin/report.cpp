@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "examples/support/report_style.hpp"
 #include "examples/support/text.hpp"
 #include "skinctl/calibration/turn.hpp"
 #include "skinctl/core/xml_text.hpp"
@@ -145,27 +146,34 @@ std::string table_of(const Json& unknown) {
 
 std::string report_of(const fs::path& folder) {
   std::string out =
-      "<!doctype html><html lang='en'><meta charset='utf-8'><title>Calibration of a skin</title><style>"
-      "body{font:16px/1.45 system-ui,sans-serif;max-width:1000px;margin:2rem auto;padding:0 1rem;color:#222}"
-      "svg{width:100%;max-height:420px;background:#fafafa;border:1px solid #ddd}"
-      "table{border-collapse:collapse;margin:.5rem 0}td,th{border:1px solid #ccc;padding:.25rem "
-      ".6rem;text-align:left}"
-      ".row{display:grid;grid-template-columns:1fr 1fr;gap:1rem}pre{background:#fafafa;border:1px solid "
-      "#ddd;padding:.6rem;overflow:auto}"
-      "</style><h1>Calibration of a skin</h1>";
+      "<!doctype html><html lang='en'><meta charset='utf-8'><meta name='viewport' "
+      "content='width=device-width'><title>Calibration of a skin</title><style>" +
+      std::string(examples::report_style) +
+      "section "
+      "svg{display:block;width:100%;max-height:420px;background:var(--page)}h3{font-size:1rem;margin:14px 0 "
+      "4px}"
+      "td,th{text-align:left;white-space:normal}.row{display:grid;grid-template-columns:repeat(auto-fit,"
+      "minmax(min(300px,100%),1fr));gap:14px}"
+      "</style><main><h1>Calibration of a skin</h1>";
   const auto said = [&](const Json& j) {
     return "<p>" + xml_text(j.at("said").get<std::string>()) + ".</p>";
+  };
+  bool open = false;
+  const auto part = [&](const char* title) {
+    out += std::string(std::exchange(open, true) ? "</section>" : "") + "<section><h2>" + title + "</h2>";
   };
   const auto done = [&](const char* file) { return fs::exists(folder / file); };
   if (done("network.json")) {
     const Json net = read_json(folder / "network.json");
-    out += "<h2>Network</h2>" + said(net) + tree_picture(net);
+    part("Network");
+    out += said(net) + tree_picture(net);
     for (const auto& c : net.at("complaints")) out += "<p>" + xml_text(c.get<std::string>()) + "</p>";
   }
   Json unknown = Json::array();
   if (done("shape.json")) {
     const Json shape = read_json(folder / "shape.json");
-    out += "<h2>Patches</h2>" + said(shape) +
+    part("Patches");
+    out += said(shape) +
            "<p>Each from two sides. Red: one standard deviation of each cell's place, 50 times as large. "
            "Dashed: not known.</p>";
     std::size_t single = 0;
@@ -198,7 +206,8 @@ std::string report_of(const fs::path& folder) {
   }
   if (done("lines.json")) {
     const Json motion = read_json(folder / "lines.json");
-    out += "<h2>Links and axes</h2>" + said(motion);
+    part("Links and axes");
+    out += said(motion);
     if (std::ifstream table(folder / "dh.txt"); table)
       out += "<pre>" + xml_text(std::string(std::istreambuf_iterator<char>(table), {})) + "</pre>";
     out += "<table><tr><th>axis</th><th>direction</th><th>to [deg]</th><th>to [mm]</th></tr>";
@@ -215,7 +224,8 @@ std::string report_of(const fs::path& folder) {
   }
   if (done("camera.json")) {
     const Json camera = read_json(folder / "camera.json");
-    out += "<h2>Patches on links</h2>" + said(camera) +
+    part("Patches on links");
+    out += said(camera) +
            "<table><tr><th>patch</th><th>lights that agree</th><th>place to [mm]</th><th>turn to "
            "[deg]</th><th>motion says [mm], [deg]</th></tr>";
     for (const auto& p : camera.at("patches")) {
@@ -236,7 +246,8 @@ std::string report_of(const fs::path& folder) {
   }
   if (done("masses.json")) {
     const Json masses = read_json(folder / "masses.json");
-    out += "<h2>Masses and friction</h2>" + said(masses);
+    part("Masses and friction");
+    out += said(masses);
     if (masses.contains("bodies")) {
       out +=
           "<table><tr><th>joint</th><th>mass of its link [kg]</th><th>viscous [N m s/rad]</th><th>dry [N "
@@ -271,9 +282,11 @@ std::string report_of(const fs::path& folder) {
   }
   if (done("result.json")) {
     const Json result = read_json(folder / "result.json");
-    out += "<h2>Result</h2>" + said(result) + "<p>Written to <code>skin.json</code>.</p>";
+    part("Result");
+    out += said(result) + "<p>Written to <code>skin.json</code>.</p>";
   }
-  return out + "<h2>What was not observable</h2>" + table_of(unknown) + "</html>\n";
+  part("What was not observable");
+  return out + table_of(unknown) + "</section></main></html>\n";
 }
 
 }  // namespace calibrate_skin

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "examples/compliant_allegro/run.hpp"
-#include "examples/compliant_ur5/report_style.hpp"
+#include "examples/support/report_style.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/core/xml_text.hpp"
 
@@ -84,9 +84,8 @@ std::string report(const RunLog& log) {
   std::string out =
       "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width,initial-scale=1\"><title>" +
-      skinctl::xml_text(log.title) + "</title><style>" + compliant_ur5::report_style +
-      plotting::plot_style() + "</style></head><body><main><p class=\"eyebrow\">" +
-      skinctl::xml_text(log.title) + "</p><h1>";
+      skinctl::xml_text(log.title) + "</title><style>" + examples::report_style + plotting::plot_style() +
+      "</style></head><body><main><p class=\"eyebrow\">" + skinctl::xml_text(log.title) + "</p><h1>";
   if (!log.reason.empty())
     out += "The run ended early: " + skinctl::xml_text(log.reason);
   else if (log.touches.empty())

@@ -18,7 +18,7 @@
 
 #include "examples/compliant_ur5/arm_picture.hpp"
 #include "examples/compliant_ur5/noted.hpp"
-#include "examples/compliant_ur5/report_style.hpp"
+#include "examples/support/report_style.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/core/xml_text.hpp"
 #include "skinctl/guard/faults.hpp"
@@ -674,7 +674,7 @@ std::string report(const RunLog& log) {
       "<!doctype html>\n<html lang=en><head><meta charset=utf-8>"
       "<meta name=viewport content=\"width=device-width,initial-scale=1\">"
       "<meta name=color-scheme content=\"light dark\"><link rel=icon href=\"data:,\"><title>" +
-      skinctl::xml_text(title) + "</title>\n<style>" + report_style + plotting::plot_style() +
+      skinctl::xml_text(title) + "</title>\n<style>" + examples::report_style + plotting::plot_style() +
       "</style></head>\n<body><main>\n";
   out += "<p class=eyebrow>" + skinctl::xml_text(title) +
          (log.entries.empty() ? "" : " \u00B7 " + seconds(duration(log))) + "</p>\n<h1>" +

@@ -117,7 +117,7 @@ function show() {
     if (state.live) $('scrub').value = 0;
     $('when').textContent = state.live ? 'now' : (now - t.last).toFixed(2) + ' s';
   }
-  if (state.view) state.view.draw(getComputedStyle(document.documentElement).getPropertyValue('--paper').trim() || '#fff');
+  if (state.view) state.view.draw(getComputedStyle(document.documentElement).getPropertyValue('--card').trim() || '#fff');
 }
 
 /// The median time between the last cycles [s].

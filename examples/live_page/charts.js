@@ -76,7 +76,7 @@ export function strip(canvas, events, t0, t1) {
   c.fillStyle = css('--line'), c.fillRect(left, h / 2, w - left - 4, 1);
   for (const [t, effect] of events) {
     const wide = Math.max(2, 0.1 / (t1 - t0) * (w - left - 4));
-    c.fillStyle = css(/stop|brake/.test(effect) ? '--red' : /report|refuse/.test(effect) ? '--soft' : '--c1');
+    c.fillStyle = css(/stop|brake/.test(effect) ? '--bad' : /report|refuse/.test(effect) ? '--soft' : '--c1');
     c.fillRect(left + (t - t0) / (t1 - t0) * (w - left - 4) - wide, 2, wide, h - 4);
   }
   canvas.setAttribute('aria-label', `${events.length} reports in the time shown`);

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "examples/support/report_style.hpp"
 #include "skinctl/guard/faults.hpp"
 
 namespace live_page {
@@ -33,6 +34,7 @@ void put_page(adapters::live::ServerOptions& options) {
     options.files[std::string("/") + name] = {"text/html; charset=utf-8", read(folder / name)};
   options.files["/"] = options.files["/index.html"];
   options.files["/style.css"] = {"text/css; charset=utf-8", read(folder / "style.css")};
+  options.files["/report.css"] = {"text/css; charset=utf-8", examples::report_style};
   for (const char* name : {"app.js", "cdr.js", "charts.js", "place.js", "replay.js", "robot.js", "skin.js",
                            "stream.js", "surface.js", "timeline.js"})
     options.files[std::string("/") + name] = {"text/javascript; charset=utf-8", read(folder / name)};

@@ -115,5 +115,5 @@ $('save').addEventListener('click', place.save);
 place.stream = new Stream(`ws://${location.host}/`, ['/robot_description', '/skin/layout', '/tf'], {
   state: (text, good) => { if (!good) $('link').textContent = text; }, channels: () => {}, message: feed, status: () => {}, services: () => {},
   parameters: () => {}, control: () => {}});
-const draw = () => { if (place.view) place.view.moved = true, place.view.draw(getComputedStyle(document.documentElement).getPropertyValue('--paper').trim() || '#fff'); requestAnimationFrame(draw); };
+const draw = () => { if (place.view) place.view.moved = true, place.view.draw(getComputedStyle(document.documentElement).getPropertyValue('--card').trim() || '#fff'); requestAnimationFrame(draw); };
 requestAnimationFrame(draw);

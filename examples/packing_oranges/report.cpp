@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "examples/packing_oranges/pictures.hpp"
+#include "examples/support/report_style.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "examples/support/text.hpp"
 #include "skinctl/core/xml_text.hpp"
@@ -111,15 +112,13 @@ std::string summary(const Outcome& o, const RunSettings& s) {
 std::string report(const Outcome& o, const RunSettings& s) {
   std::string page =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width\"><title>Packing oranges</title>\n<style>\n:root{color-scheme:light "
-      "dark}\n"
-      "body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;max-width:62rem;padding:0 1rem}\n"
-      "h2{margin:2.2rem 0 .4rem;font-size:1.15rem}figure{margin:0}svg{width:100%;height:auto}\n"
-      "pre{white-space:pre-wrap;border-left:3px solid #e8912d;padding-left:1rem}\n" +
-      plotting::plot_style() + picture_style() + "</style></head><body>\n<h1>Packing oranges</h1>\n<pre>" +
-      skinctl::xml_text(summary(o, s)) + "</pre>\n";
+      "content=\"width=device-width\"><title>Packing oranges</title>\n<style>\n" +
+      std::string(examples::report_style) + plotting::plot_style() + picture_style() +
+      "</style></head><body><main>\n<h1>Packing oranges</h1>\n<pre>" + skinctl::xml_text(summary(o, s)) +
+      "</pre>\n";
   const auto part = [&](const std::string& title, const std::string& words, const std::string& picture) {
-    page += "<h2>" + title + "</h2>\n<p>" + words + "</p>\n<figure>" + picture + "</figure>\n";
+    page += "<figure><figcaption><h2>" + title + "</h2>\n<p>" + words + "</p></figcaption>\n" + picture +
+            "</figure>\n";
   };
   part("Where the hands went", "From above, the first minute.", picture_from_above(o));
   part("What each arm did",
@@ -131,7 +130,7 @@ std::string report(const Outcome& o, const RunSettings& s) {
        "Blue: the force; brown: the opening in cm. The first oranges of the first arm; shaded: a person "
        "pushes the forearm.",
        picture_of_force(o));
-  return page + "</body></html>\n";
+  return page + "</main></body></html>\n";
 }
 
 }  // namespace packing

@@ -112,6 +112,8 @@ void ContactWorld::place(std::size_t i, std::size_t link, Vec3 point, Vec3 norma
   for (std::size_t k = 0; k < cells_.size(); ++k)
     if (cells_[k].link == touch.link && dot(cells_[k].normal, touch.normal) > 0.3)
       near_cells_[i].push_back(k);
+  for (std::size_t k = 0; k < touches_.size(); ++k)
+    if (!touches_[k].led) results_[k].ended = true;
   fingers_[i] = Finger{};
   fingers_[i].led = true;
   fingers_[i].led_way = -touch.gap;

@@ -9,6 +9,7 @@
 
 #include "bench/studies/trade/csv.hpp"
 #include "bench/studies/trade/page_text.hpp"
+#include "examples/support/report_style.hpp"
 
 namespace trade {
 namespace {
@@ -178,8 +179,8 @@ std::string page(const std::vector<Row>& rows, const std::vector<skinctl::bounds
              "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport "
              "content=\"width=device-width,initial-scale=1\"><title>skinctl: speed against "
              "accuracy</title>\n<style>") +
-         page_style + "</style>\n" + page_body + "<script>\nconst rows=" + data + ",\nproven=" + bounds +
-         ";\n" + page_script + "</script>\n</html>\n";
+         examples::report_style + own_style + "</style>\n" + page_body + "<script>\nconst rows=" + data +
+         ",\nproven=" + bounds + ";\n" + page_script + "</script>\n</html>\n";
 }
 void write_page(const std::vector<Row>& rows, const std::vector<skinctl::bounds::Bracket>& proven,
                 const std::string& file) {

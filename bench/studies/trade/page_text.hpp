@@ -3,25 +3,20 @@
 
 namespace trade {
 
-inline constexpr char page_style[] = R"css(
-:root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--ink:#1f2328;--soft:#57606a;--line:#d8dee4;--hot:#0969da;--ring:#bf5700}
-@media(prefers-color-scheme:dark){:root{--page:#0d1117;--card:#151b23;--ink:#e6edf3;--soft:#9da7b3;--line:#2d3540;--hot:#58a6ff;
---ring:#ffa657}}
-*{box-sizing:border-box}
-body{margin:0;background:var(--page);color:var(--ink);font:16px/1.5 system-ui,"Segoe UI",Roboto,"DejaVu Sans",sans-serif}
-main{max-width:980px;margin:0 auto;padding:24px 16px 48px}
-h1{font-size:1.7rem;margin:0 0 6px;line-height:1.25}h2{font-size:1.1rem;margin:0 0 8px}
-p{margin:0 0 10px;max-width:75ch;color:var(--soft)}
-section{margin:16px 0 0;padding:16px 18px;background:var(--card);border:1px solid var(--line);border-radius:10px}
+inline constexpr char own_style[] = R"css(
+/* Joined to the style of the reports. */
+:root{--ring:#bf5700}
+@media(prefers-color-scheme:dark){:root{--ring:#ffa657}}
+main{max-width:980px}
 label{display:inline-block;margin:0 14px 8px 0}
 input,select{font:inherit;padding:3px 6px;background:var(--page);color:var(--ink);border:1px solid var(--line);border-radius:6px;
 max-width:100%}
 input[type=number]{width:6.5em}
-.answer{margin:6px 0 0;padding:10px 12px;border-left:4px solid var(--hot);background:var(--page);border-radius:0 6px 6px 0;color:var(--ink);
+.answer{margin:6px 0 0;padding:10px 12px;border-left:4px solid var(--good);background:var(--page);border-radius:0 6px 6px 0;color:var(--ink);
 overflow-wrap:anywhere}
 svg{display:block;width:100%;height:auto}svg text{fill:var(--ink);font-size:13px}
-.grid{stroke:var(--line)}.dot{fill:var(--hot);opacity:.8}.dot.no{opacity:.3}.preset{fill:none;stroke:var(--ring);stroke-width:2.5}
-.front{fill:none;stroke:var(--hot);stroke-width:1.5}.name{font-weight:600}
+.grid{stroke:var(--line)}.dot{fill:var(--good);opacity:.8}.dot.no{opacity:.3}.preset{fill:none;stroke:var(--ring);stroke-width:2.5}
+.front{fill:none;stroke:var(--good);stroke-width:1.5}.name{font-weight:600}
 .scroll{overflow-x:auto}table{border-collapse:collapse;font-size:14px;font-variant-numeric:tabular-nums}
 th,td{padding:4px 9px;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}
 th:first-child,td:first-child,td.word,th.word{text-align:left}th{color:var(--soft);font-weight:500}

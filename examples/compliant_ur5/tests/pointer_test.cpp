@@ -127,6 +127,30 @@ TEST_CASE("Pointer: a frame that lies elsewhere on its link, and a drag to the s
   CHECK(b.force() == 0);
 }
 
+TEST_CASE("Pointer: touches by the clock end with the first press") {
+  auto c = Bench::config(true);
+  simulated_ur5::Touch scripted;
+  scripted.cell = 170, scripted.hold = 100;
+  c.controller.touches.push_back(scripted);
+  simulated_ur5::SimulatedUr5 robot(c);
+  Pointer pointer(robot, run_description(Settings{}).frames);
+  const auto force = [&](std::size_t i) {
+    double f = 0;
+    robot.call([&](Controller& u) {
+      for (int k = 0; k < 3; ++k) u.step();
+      f = u.world().force_on(i);
+    });
+    return f;
+  };
+  for (int k = 0; k < 40; ++k) force(1);
+  CHECK(force(1) > 20);
+  for (int k = 0; k < 20; ++k) {
+    REQUIRE(pointer.take(Bench::on_the_forearm(1).dump()).done);
+    CHECK(force(1) == 0);
+  }
+  CHECK(force(0) > 20);
+}
+
 TEST_CASE("Pointer: what is no finger does nothing") {
   Bench b;
   const json good = Bench::on_the_forearm(3);

@@ -1,7 +1,7 @@
-// Style sheet of the report.
+// Style sheet of all pages and reports: what a page needs beside it, it joins to it. Colours are variables, for light and dark.
 #pragma once
 
-namespace compliant_ur5 {
+namespace examples {
 
 inline constexpr char report_style[] = R"css(
 :root{color-scheme:light dark;--page:#f6f7f9;--card:#fff;--ink:#1f2328;--soft:#57606a;--line:#d8dee4;--good:#0969da;
@@ -53,6 +53,7 @@ figure input:focus-visible+label{outline:2px solid var(--good);outline-offset:2p
 .k0:not(:checked)~svg .curves .s0,.k1:not(:checked)~svg .curves .s1,.k2:not(:checked)~svg .curves .s2,
 .k3:not(:checked)~svg .curves .s3,.k4:not(:checked)~svg .curves .s4,.k5:not(:checked)~svg .curves .s5,
 .k6:not(:checked)~svg .curves .s6,.k7:not(:checked)~svg .curves .s7{display:none}
+pre{margin:10px 0 0;padding:10px 12px;overflow:auto;white-space:pre-wrap;background:var(--page);border:1px solid var(--line);border-radius:8px;font-size:13.5px}
 details{margin-top:10px}
 summary{cursor:pointer;color:var(--soft);font-size:14.5px;padding:4px 0}
 .grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(280px,100%),1fr));gap:14px;margin-top:10px}
@@ -90,4 +91,4 @@ table{font-size:13.5px}th,td{padding:6px 6px}
 @media print{body{background:#fff}section,figure,.tile{break-inside:avoid}}
 )css";
 
-}  // namespace compliant_ur5
+}  // namespace examples
