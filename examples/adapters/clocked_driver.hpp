@@ -106,7 +106,7 @@ class ClockedDriver {
   P protocol_;
   ClockOptions options_;
   std::optional<skinctl::VelocityEstimator<joints>> estimator_;
-  skinctl::VelocityEstimator<joints>::Memory velocity_;
+  typename skinctl::VelocityEstimator<joints>::Memory velocity_;
   ClockedStateOf<joints> newest_;
   ClockCounts counts_;
   Joints target_{};
@@ -192,11 +192,13 @@ void ClockedDriver<P>::connect() {
       skinctl::refuse(row(fault).words + std::string(": ") + protocol_.why());
     if (fault == ClockFault::stopped || fault == ClockFault::socket)
       throw ConnectionError(row(fault).words + std::string(": ") + protocol_.why());
+    if (fault == ClockFault::silent && *protocol_.why() != 0)  // it is there
+      throw ConnectionError("the controller takes no commands (" + protocol_.place() +
+                            "): " + protocol_.why());
     if (fault == ClockFault::silent)
-      throw ConnectionError(
-          std::string(row(ClockFault::unreachable).words) + " (" + protocol_.place() +
-          "): " + (*protocol_.why() != 0 ? protocol_.why() : row(ClockFault::unreachable).way_back) +
-          (counts_.nonsense > 0 ? " What came is none of this protocol." : ""));
+      throw ConnectionError(std::string(row(ClockFault::unreachable).words) + " (" + protocol_.place() +
+                            "): " + row(ClockFault::unreachable).way_back +
+                            (counts_.nonsense > 0 ? " What came is none of this protocol." : ""));
     if (fault != ClockFault::none || !s.takes) continue;
     if (heard == 0) {
       protocol_.socket().keep_peer();
@@ -219,8 +221,8 @@ void ClockedDriver<P>::connect() {
   late_at_start_ = late_at_ = newest_.late;
   cycle_ = window_at_ = 0;
   velocity_ = {};
-  estimator_.emplace(skinctl::VelocityEstimator<joints>::Settings{.period = protocol_.period(),
-                                                                  .longest = 20 * protocol_.period()});
+  estimator_.emplace(typename skinctl::VelocityEstimator<joints>::Settings{
+      .period = protocol_.period(), .longest = 20 * protocol_.period()});
   silent_ = 0;
   has_sample_ = false;
   running_ = true;
