@@ -49,6 +49,17 @@ void print(const RunLog& log) {
       log.load_max_us);
 }
 
+void print(const Found& found) {
+  std::printf("  delay %.1f ms, lag %.1f ms, both %.1f +- %.1f ms: --delay %.4f --lag %.4f\n",
+              1e3 * found.delay, 1e3 * found.lag, 1e3 * found.both, 1e3 * found.deviation, found.delay,
+              found.lag);
+  for (std::size_t i = 0; i < found.stiffness.size(); ++i)
+    if (found.stiffness[i] > 0)
+      std::printf("  spring of A%zu: %.0f N m/rad\n", i + 1, found.stiffness[i]);
+    else
+      std::printf("  spring of A%zu: not known, it was hardly pushed\n", i + 1);
+}
+
 int run(int argc, char** argv) {
   Settings s;
   CLI::App app{
@@ -77,6 +88,9 @@ int run(int argc, char** argv) {
          "--period", period,
          "RSI: 4 (#IPO_FAST) or 12 (#IPO); EGM: \\SampleRate; FRI: send period times receive multiplier [ms]")
       ->check(CLI::Range(1.0, 100.0));
+  app.add_flag(
+      "--identify", s.identify,
+      "the arm moves by 0.1 rad for 15 s: delay and lag; FRI: then push it, and its stiffness shows");
   app.add_flag("--relative", relative, "RSI: corrections for RSI_ON(#RELATIVE)");
   app.add_option("--max-correction", s.rsi.max_correction, "RSI: of AXISCORR and AXISCORRMON [deg]");
   const auto* stiffness =
@@ -129,13 +143,15 @@ int run(int argc, char** argv) {
   s.fri_controller.arm.stiffness = s.stiffness;
   s.fri_controller.arm.damping_ratio = s.damping_ratio;
   simulate_by_default(s);
+  if (s.identify && s.robot == Robot::fri) s.simulation.pushes = {{16, 4, {20, 20, 20}}};
   s.delay = delay.value_or(s.delay);
   s.lag = lag.value_or(s.lag);
 
   const examples::job::StopSignals signals;
   RunLog log;
   const Exit end = run(s, signals.asked(), log);
-  if (!s.quiet) print(log);
+  if (!s.quiet && !s.identify) print(log);
+  if (!s.quiet && log.found.known) print(log.found);
   if (!s.json.empty()) {
     std::ofstream out(s.json);
     if (!(out << json(end, log)).flush()) throw skinctl::ConfigurationError("cannot write " + s.json);

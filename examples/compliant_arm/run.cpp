@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "examples/adapters/clocked_driver.hpp"
+#include "examples/compliant_arm/identify.hpp"
 #include "examples/compliant_arm/scene.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
@@ -142,6 +143,18 @@ Exit run_on(Driver& driver, const Settings& s, const Urdf& urdf, const std::atom
   const auto period = driver.protocol().period();
   const Kind kind{period};
   const Model<N> model = calibrated_from<Chain<N>>(urdf);
+  if (s.identify) {
+    if (!s.quiet)
+      std::printf("the arm moves by 0.1 rad for 15 s%s\n",
+                  driver.newest().external ? "; then push it slowly at its flange, for 5 s" : "");
+    log.found = identify_on(driver, model, s, driver.newest().external ? 5 : 0, stop);
+    driver.stop();
+    log.counts = driver.counts(), log.fault = driver.fault();
+    if (stop) return log.reason = "interrupted", Exit::interrupted;
+    if (log.fault != adapters::ClockFault::none) return log.reason = driver.error(), row(log.fault).exit;
+    if (!log.found.known) return log.reason = "the commands hardly move the arm", Exit::not_following;
+    return Exit::fine;
+  }
   const Limits<N> limits = [&] {
     if constexpr (requires { driver.protocol().max_correction(); })
       return limits_of_run<N>(s, urdf, nullptr, driver.newest().told,

@@ -39,6 +39,7 @@ struct Settings {
   double stiffest_hand = 1e4;   ///< that pushes the tool [N/m]
   double heaviest_hand = 10;    ///< [kg]
   double duration = 8;          ///< [s]
+  bool identify = false;        ///< the arm moves gently, and is pushed by hand, in place of the job
   bool quiet = false;
   std::string json;  ///< file for a summary; empty: none
   simulated_arm::Config simulation;
@@ -50,6 +51,13 @@ struct Settings {
 /// Delays of the simulated arm, and two pushes.
 void simulate_by_default(Settings& settings);
 
+/// What an identification found.
+struct Found {
+  bool known = false;
+  double delay = 0, lag = 0;        ///< [s]
+  double both = 0, deviation = 0;   ///< their sum, known better than each, and its standard deviation [s]
+  std::vector<double> stiffness{};  ///< of each joint on a spring that was pushed [N m/rad]; 0: not known
+};
 struct PushSummary {
   double start = 0, force = 0;  ///< [s], [N]
   double moved = 0;             ///< way of the flange [m]
@@ -62,7 +70,8 @@ struct RunLog {
   std::string reason;            ///< in words; empty: it ended as asked
   double felt_mass = 0;          ///< of the tool [kg]
   std::array<double, 3> peak{};  ///< velocity, acceleration, jerk of the commands over their limits
-  double bent = 0;               ///< of the springs: largest distance of a joint from its command [rad]
+  Found found;
+  double bent = 0;  ///< of the springs: largest distance of a joint from its command [rad]
   std::uint64_t cycles = 0, silent = 0;
   double cycle_us = 0, cycle_max_us = 0, load_max_us = 0;
   simulated_arm::Standing last;  ///< of the simulated arm

@@ -61,7 +61,7 @@ class FriFace final : public SpringFace {
   void restart() override { number_ = 0; }
 
  private:
-  static constexpr std::size_t window = 50;
+  static constexpr std::size_t window = 100;
   void judge_answer() {
     kept_[judged_++ % window] = answered_;
     if (!answered_) ++late;
@@ -85,6 +85,7 @@ class FriFace final : public SpringFace {
   /// The session's next state, and the motion of the cycle.
   void go_on(SpringArm& arm) {
     if (session_ == Session::commanding) {
+      if (!answered_) ++since_;  // it holds the last command
       if (answered_) follow(arm);
       return;
     }
@@ -101,7 +102,7 @@ class FriFace final : public SpringFace {
                                                        : Session::commanding;
   }
   void follow(SpringArm& arm) {
-    const double dt = period() * fri_.multiplier;
+    const double dt = period() * fri_.multiplier * std::exchange(since_, 1);
     for (std::size_t i = 0; i < SpringArm::joints; ++i)
       if (std::abs(command_.position[i] - arm.told()[i]) > fri_.max_speed * dt)
         return fall_back(arm, "a command too fast");
@@ -117,7 +118,7 @@ class FriFace final : public SpringFace {
   std::array<bool, window> kept_{};
   std::size_t judged_ = 0;
   std::uint32_t number_ = 0;
-  unsigned steady_ = 0;
+  unsigned steady_ = 0, since_ = 1;  ///< answers of this session state; cycles since the last command
   Session session_ = Session::monitoring_wait;
   Quality quality_ = Quality::poor;
   bool answered_ = false, begun_ = false, emergency_ = false;

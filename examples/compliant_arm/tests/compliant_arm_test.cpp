@@ -112,3 +112,30 @@ TEST_CASE("An arm without a sensor in its wrist stays where it is") {
   CHECK(run(s, false, log) == Exit::blind);
   CHECK(log.reason.find("no forces") != std::string::npos);
 }
+
+TEST_CASE("An identification finds delay and lag of an arm, and the stiffness of springs that were pushed") {
+  if (skinctl::testing::sanitized) return;
+  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion}) {
+    CAPTURE(int(robot));
+    auto s = settings(robot);
+    s.identify = true;
+    s.simulation.pushes.clear();
+    if (robot == Robot::fri) s.simulation.pushes = {{16, 4, {20, 20, 20}}};
+    RunLog log;
+    CHECK(run(s, false, log) == Exit::fine);
+    CHECK(log.found.known);
+    CHECK(std::abs(log.found.both - s.delay - s.lag) < std::max(4 * log.found.deviation, 5e-3));
+    CHECK(log.found.deviation < 5e-3);
+    if (robot != Robot::fri) {
+      CHECK(log.found.stiffness.empty());
+      continue;
+    }
+    REQUIRE(log.found.stiffness.size() == 7);
+    int known = 0;
+    for (const double k : log.found.stiffness) {
+      if (k > 0) CHECK(k == doctest::Approx(s.fri_controller.arm.stiffness).epsilon(0.1));
+      known += k > 0;
+    }
+    CHECK(known >= 2);
+  }
+}

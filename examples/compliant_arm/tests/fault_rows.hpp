@@ -45,16 +45,13 @@ inline std::vector<Row> rows() {
   const char* silent = "the controller has fallen silent";
   for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion}) {
     const bool kuka = robot == Robot::rsi, abb = robot == Robot::egm, iiwa = robot == Robot::fri;
-    // FRI ends its overlay where too many answers are missing.
-    const Exit often = iiwa ? Exit::halted : Exit::fine;
-    const char* missing = iiwa ? "quality is below GOOD" : "";
     row(robot, "1 % of its datagrams lost", Exit::fine, "", fault(&Faults::lose, 0.01));
-    row(robot, "10 % of its datagrams lost", often, missing, fault(&Faults::lose, 0.1));
+    row(robot, "10 % of its datagrams lost", Exit::fine, "", fault(&Faults::lose, 0.1));
     row(robot, "1 % of the answers lost", Exit::fine, "", fault(&Faults::lose_answers, 0.01));
     row(robot, "every datagram twice", Exit::fine, "", fault(&Faults::twice, 1.0));
-    row(robot, "a tenth of the datagrams behind the next one", often, missing, fault(&Faults::swap, 0.1));
+    row(robot, "a tenth of the datagrams behind the next one", Exit::fine, "", fault(&Faults::swap, 0.1));
     const auto damaged = [](Settings& s) { s.simulation.faults.cut = s.simulation.faults.garbled = 0.05; };
-    row(robot, "5 % of the datagrams cut, 5 % noise", often, missing, damaged);
+    row(robot, "5 % of the datagrams cut, 5 % noise", Exit::fine, "", damaged);
     row(robot, "every datagram is noise", Exit::lost, silent, fault(&Faults::garbled, 1.0));
     // EGM does not count them: the arm follows later.
     row(robot, "every answer two cycles late",
@@ -63,7 +60,7 @@ inline std::vector<Row> rows() {
                : Exit::halted,
         abb    ? ""
         : kuka ? "the controller counts answers as late"
-        : iiwa ? missing
+        : iiwa ? "quality is below GOOD"
                : "they came late",
         fault(&Faults::late_answers, kuka || abb || iiwa ? 0.008 : 0.016));
     row(robot, "the cable is cut, or the controller ends", Exit::lost, silent, fault(&Faults::silent_at, at));
@@ -92,6 +89,8 @@ inline std::vector<Row> rows() {
       "its client command mode is TORQUE", of_fri(&simulated_arm::FriConfig::overlay, Overlay::torque));
   row(Robot::fri, "its motion ends: the session falls back", Exit::halted, "fell back from COMMANDING_ACTIVE",
       of_fri(&simulated_arm::FriConfig::motion_ends_at, at));
+  row(Robot::fri, "half of its datagrams lost", Exit::halted, "quality is below GOOD",
+      fault(&Faults::lose, 0.5));
   row(Robot::fri, "its quality falls to POOR", Exit::halted, "quality is below GOOD",
       of_fri(&simulated_arm::FriConfig::poor_at, at));
   row(Robot::fri, "a safety stop before it begins", Exit::lost, "its safety state is not normal",
