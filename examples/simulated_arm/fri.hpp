@@ -16,13 +16,12 @@ struct FriConfig {
   unsigned multiplier = 1;   ///< receive multiplier
   adapters::fri::Control control = adapters::fri::Control::joint_impedance;
   adapters::fri::Overlay overlay = adapters::fri::Overlay::position;
-  bool motion_begins = true;    ///< under the overlay
-  bool tells_commanded = true;  ///< false: as version 2 of FRI
-  bool tells_external = true;   ///< torque of the world
-  unsigned before = 5;          ///< answers in each session state before the next one
-  double good = 0.1,
-         fair = 0.3;         ///< share of the last 50 answers due that may be missing for GOOD, and for FAIR
-  double max_speed = 1.483;  ///< of a command; beyond it the motion ends [rad/s]
+  bool motion_begins = true;      ///< under the overlay
+  bool tells_commanded = true;    ///< false: as version 2 of FRI
+  bool tells_external = true;     ///< torque of the world
+  unsigned before = 5;            ///< answers in each session state before the next one
+  double good = 0.2, fair = 0.4;  ///< share of the last 100 answers that may be missing: for GOOD, for FAIR
+  double max_speed = 1.483;       ///< of a command; beyond it the motion ends [rad/s]
   double motion_ends_at =
       -1;               ///< the Java program's motion ends: the session falls back [s]; negative: never
   double poor_at = -1;  ///< the controller judges the quality poor [s]; negative: never
