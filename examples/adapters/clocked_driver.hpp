@@ -49,7 +49,7 @@ class ClockedDriver {
     return go(target_);
   }
   bool send(const skinctl::ImpedanceCommand<joints>& c) noexcept
-    requires requires(P& p, const Joints& torque) { p.beside(torque); }
+    requires TakesTorque<P>
   {
     for (std::size_t i = 0; i < joints; ++i) target_[i] = c.position[i], torque_[i] = c.torque[i];
     protocol_.beside(torque_);
@@ -67,7 +67,7 @@ class ClockedDriver {
   }
   /// Torque of the world at the joints, for a touch that reads it as the robot finds it [N m].
   [[nodiscard]] skinctl::JointTorque<joints> motor_torque() const noexcept
-    requires(P::finds_torque)
+    requires FindsTorque<P>
   {
     return skinctl::JointTorque<joints>(newest_.external.value_or(Joints{}));
   }
@@ -347,7 +347,7 @@ void ClockedDriver<P>::brake() noexcept {
                  rest = (1 - s) * (1 - s);
     for (std::size_t i = 0; i < joints; ++i)
       q[i] += v[i] * rest * (1 + 2 * s) + a[i] * static_cast<double>(cycles) * s * rest;
-    if constexpr (requires { protocol_.beside(torque_); }) {
+    if constexpr (TakesTorque<P>) {
       Joints torque = torque_;
       for (double& x : torque) x *= 1 - s;
       protocol_.beside(torque);

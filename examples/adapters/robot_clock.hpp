@@ -25,9 +25,6 @@ struct ClockedStateOf {
 using ClockedState = ClockedStateOf<6>;
 
 /// The bytes of a controller, and the dialogue around them. `open` may throw `ConnectionError`; the rest does not.
-///
-/// One by joint impedance has `beside(torque)` too: the torque of the answers that follow. One that finds the torque
-/// of the world has `static constexpr bool finds_torque = true`.
 template <class P>
 concept ClockProtocol =
     requires(P& p, const P& c, std::span<const std::uint8_t> in, ClockedStateOf<P::joints>& state,
@@ -45,6 +42,13 @@ concept ClockProtocol =
       { c.place() } -> std::same_as<std::string>;                // address and port, for words
       { P::answers_every_number } -> std::convertible_to<bool>;  // those, too, whose datagram was lost
     };
+
+/// By joint impedance: it takes torques beside the positions of the answers that follow.
+template <class P>
+concept TakesTorque = requires(P& p, const std::array<double, P::joints>& torque) { p.beside(torque); };
+/// Its states tell the torque of the world at the joints.
+template <class P>
+concept FindsTorque = requires { requires P::finds_torque; };
 
 struct ClockOptions {
   Timeout first{5000};     ///< until the first datagrams
