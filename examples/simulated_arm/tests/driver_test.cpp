@@ -1,6 +1,8 @@
 // The drivers of arms that are the clock, against simulated controllers, in real time.
 #include <doctest/doctest.h>
 
+#include <random>
+
 #include "examples/adapters/clocked_driver.hpp"
 #include "examples/simulated_arm/egm.hpp"
 #include "examples/simulated_arm/fri.hpp"
@@ -276,6 +278,40 @@ TEST_CASE("FRI: what a controller says against a job is told apart, and its coun
   CHECK(refuses({.port = 0, .overlay = fri::Overlay::wrench}));
   CHECK(refuses({.port = 0, .control = fri::Control::cartesian_impedance}));
   CHECK(refuses({.port = 0, .period = skinctl::Nanoseconds(200'000'000)}));
+}
+
+TEST_CASE(
+    "FRI: whatever counters, multipliers, states and bytes come, a job goes on or says why it does not") {
+  std::mt19937 rng(5);
+  const auto any = [&](std::size_t n) { return static_cast<std::uint32_t>(rng() % n); };
+  fri::Fri protocol({.port = 0});
+  std::array<std::uint8_t, fri::longest> bytes{};
+  fri::Monitoring m;
+  m.axes = 7, m.control = fri::Control::joint_impedance, m.overlay = fri::Overlay::position;
+  m.quality = fri::Quality::good, m.commanded = m.interpolated = m.external_torque = fri::SevenJoints{};
+  int taken = 0, refusals = 0, nonsense = 0;
+  for (int k = 0; k < 20'000; ++k) {
+    m.header.number = any(7) == 0 ? static_cast<std::uint32_t>(rng()) : m.header.number + 1;
+    m.multiplier = any(11) == 0 ? static_cast<std::uint32_t>(rng()) : 1;
+    m.period = m.multiplier == 1 ? 4 : 0;
+    m.session = any(5) == 0 ? static_cast<fri::Session>(any(5)) : fri::Session::commanding;
+    auto size = print(m, bytes);
+    for (unsigned n = any(3); n > 0; --n) bytes[any(size)] = static_cast<std::uint8_t>(rng());
+    if (any(13) == 0) size = any(size);
+    if (any(100) == 0) protocol.open({});
+    ClockedStateOf<7> state;
+    const ClockFault fault = protocol.read({bytes.data(), size}, state);
+    if (fault == ClockFault::none && state.takes) {
+      ++taken;
+      REQUIRE(protocol.answer(state.number, state.q, false, bytes) >= 77);
+    } else if (fault == ClockFault::nonsense) {
+      ++nonsense;
+    } else if (fault != ClockFault::none) {
+      ++refusals;
+      REQUIRE(*protocol.why() != 0);
+    }
+  }
+  CHECK((taken > 1000 && refusals > 1000 && nonsense > 1000));
 }
 
 TEST_CASE("Stream motion: limits are asked, commands keep them, the last one ends the motion") {
