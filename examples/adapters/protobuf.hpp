@@ -1,4 +1,5 @@
-// Protobuf on the wire, as far as the messages of robots need it: fields to read, fields to write, no descriptor.
+// Protobuf on the wire, as far as the messages of robots need it: fields to read, fields to write, no
+// descriptor.
 #pragma once
 
 #include <array>
@@ -71,8 +72,8 @@ class Fields {
   Bytes rest_;
 };
 
-/// The doubles of field 1, one by one or packed: how many, of which the first N are kept. False: not finite, or no
-/// message.
+/// The doubles of field 1, one by one or packed: how many, of which the first N are kept. False: not finite,
+/// or no message.
 template <std::size_t N>
 bool reals(Bytes message, std::size_t& count, std::array<double, N>& out) noexcept {
   Fields f(message);

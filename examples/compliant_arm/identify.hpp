@@ -32,8 +32,9 @@ class SpringFit {
   int n_ = 0;
 };
 
-/// Where springs of the stiffness declared were held while the links moved so: without it what the links swing on them
-/// is taken for a delay. `d de/dt + k e = M ddq + C dq`, e from the links to what holds them, d the springs' damping.
+/// Where springs of the stiffness declared were held while the links moved so: without it what the links
+/// swing on them is taken for a delay. `d de/dt + k e = M ddq + C dq`, e from the links to what holds them, d
+/// the springs' damping.
 template <std::size_t N>
 void take_off_springs(const Model<N>& model, const Settings& s, skinctl::ResponseLog<N>& log) {
   using namespace skinctl;

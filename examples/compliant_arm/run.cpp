@@ -23,7 +23,8 @@ template <std::size_t N>
 Xyz<double> flange(const Model<N>& model, const JointPosition<N>& q) {
   return link_poses(model, q).template get<N - 1>().origin();
 }
-/// The force of a push [N]: that of the wrist's sensor, or the one at the flange that fits the joints' torques best.
+/// The force of a push [N]: that of the wrist's sensor, or the one at the flange that fits the joints'
+/// torques best.
 template <std::size_t N>
 double force_of(const Model<N>& model, const JointPosition<N>& q, const adapters::ClockedStateOf<N>& state) {
   if (state.wrench) return std::hypot((*state.wrench)[0], (*state.wrench)[1], (*state.wrench)[2]);

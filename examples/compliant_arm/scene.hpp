@@ -1,5 +1,5 @@
-// The scene of a compliant arm: it gives way at the tool, and comes back. By position with a sensor in its wrist, or by
-// joint impedance with the torques that its controller finds.
+// The scene of a compliant arm: it gives way at the tool, and comes back. By position with a sensor in its
+// wrist, or by joint impedance with the torques that its controller finds.
 #pragma once
 
 #include <Eigen/Eigenvalues>

@@ -13,7 +13,8 @@ class FriFace final : public SpringFace {
   std::size_t hear(std::span<const std::uint8_t> bytes, SpringArm&, std::span<std::uint8_t>) override {
     Command c;
     if (!parse(bytes, c) || c.axes != SpringArm::joints) return 0;
-    // One answer counts for the messages from one judgement to the next: to which of them is the client's choice.
+    // One answer counts for the messages from one judgement to the next: to which of them is the client's
+    // choice.
     if (answered_ || number_ - c.header.reflected >= fri_.multiplier) return 0;
     command_ = c;
     answered_ = begun_ = true;

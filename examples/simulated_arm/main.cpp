@@ -1,5 +1,5 @@
-// simulated_arm: a controller of an arm in a process of its own. KUKA's RSI, ABB's EGM, FANUC's stream motion, or KUKA's
-// FRI for an iiwa.
+// simulated_arm: a controller of an arm in a process of its own. KUKA's RSI, ABB's EGM, FANUC's stream
+// motion, or KUKA's FRI for an iiwa.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 

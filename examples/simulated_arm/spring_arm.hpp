@@ -1,4 +1,5 @@
-// The body of a simulated iiwa: seven joints on springs, and the torque of the world as its controller finds it.
+// The body of a simulated iiwa: seven joints on springs, and the torque of the world as its controller finds
+// it.
 #pragma once
 
 #include <random>

@@ -1,4 +1,5 @@
-// A robot that finds the torque of contacts itself: what it tells is the touch, and no mass of a model enters it.
+// A robot that finds the torque of contacts itself: what it tells is the touch, and no mass of a model enters
+// it.
 
 #include "skinctl/tactile/robot_observer.hpp"
 

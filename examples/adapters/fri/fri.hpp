@@ -8,7 +8,8 @@
 
 namespace adapters::fri {
 
-/// As the Java program says it: an FRIConfiguration, an FRISession, and an FRIJointOverlay over a position hold.
+/// As the Java program says it: an FRIConfiguration, an FRISession, and an FRIJointOverlay over a position
+/// hold.
 struct Options {
   std::string bind = "127.0.0.1";  ///< address of this computer: that of createRemoteConfiguration
   std::uint16_t port = 30200;      ///< of this computer, as the same says it

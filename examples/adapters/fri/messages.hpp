@@ -1,4 +1,5 @@
-// The messages of KUKA's Fast Robot Interface: the fields of its protobuf that a job by joint impedance needs.
+// The messages of KUKA's Fast Robot Interface: the fields of its protobuf that a job by joint impedance
+// needs.
 #pragma once
 
 #include <array>

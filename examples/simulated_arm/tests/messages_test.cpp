@@ -1,7 +1,8 @@
 // Datagrams of RSI, EGM, FRI and stream motion: layouts, what is refused, and that no bytes do harm.
 //
 // Promise: messages of KUKA RSI, ABB EGM and FANUC stream motion are read whatever the bytes
-// Tried: truncated, mutated and random datagrams; the XML against tinyxml2, EGM's and FRI's bytes as protobuf's page writes them
+// Tried: truncated, mutated and random datagrams; the XML against tinyxml2, EGM's and FRI's bytes as
+// protobuf's page writes them
 
 #include "examples/adapters/rsi/messages.hpp"
 

@@ -17,8 +17,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// What `MotorTouch` adds to the input of a cycle: the motors' torque at the joints at the time of the
-/// measured state [N m], `current * torque constant * gear ratio`. For a robot that finds the torque of the world
-/// itself (`RobotObserver`) that torque stands here.
+/// measured state [N m], `current * torque constant * gear ratio`. For a robot that finds the torque of the
+/// world itself (`RobotObserver`) that torque stands here.
 template <std::size_t N, Scalar T = double>
 struct MotorInput {
   JointTorque<N, T> motor_torque;
@@ -54,7 +54,8 @@ struct MotorTouchSettings {
 /// nothing is followed: a joint at rest hides up to its dry friction in either direction.
 ///
 /// **Observer.** One with `joints`, `Settings`, `Memory` (`started`, `stamp`, `residual`), `model()` and
-/// `observe(memory, state, torque)`: `MomentumObserver`, or `RobotObserver` for robots that observe themselves.
+/// `observe(memory, state, torque)`: `MomentumObserver`, or `RobotObserver` for robots that observe
+/// themselves.
 ///
 /// Each state with a new stamp is a sample. Between samples the torque is linear in time, delayed by one
 /// sample; without new states it fades (`sample_stale`).

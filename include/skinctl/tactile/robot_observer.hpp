@@ -7,9 +7,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// In place of `MomentumObserver` for a robot whose controller tells the torque of contacts at its joints, from torque
-/// sensors and a model of its own, as KUKA's iiwa (`externalTorque`) and Franka's FR3 (`tau_ext_hat_filtered`): the
-/// residual is that torque, and no mass of our model enters it. A load that the robot was not told of is in it.
+/// In place of `MomentumObserver` for a robot whose controller tells the torque of contacts at its joints,
+/// from torque sensors and a model of its own, as KUKA's iiwa (`externalTorque`) and Franka's FR3
+/// (`tau_ext_hat_filtered`): the residual is that torque, and no mass of our model enters it. A load that the
+/// robot was not told of is in it.
 template <RobotModel M, Real T = double>
 class RobotObserver {
  public:
@@ -27,8 +28,8 @@ class RobotObserver {
 
   /// Takes the torque that the robot tells with a measured state [N m].
   ///
-  /// Ignored and reported: numbers that are not finite or absurd (`sample_not_finite`), a stamp that is not later than
-  /// the last one (`time_backwards`).
+  /// Ignored and reported: numbers that are not finite or absurd (`sample_not_finite`), a stamp that is not
+  /// later than the last one (`time_backwards`).
   Status observe(Memory& memory, const State<joints, T>& measured,
                  const JointTorque<joints, T>& external) const noexcept {
     T sum(0);
