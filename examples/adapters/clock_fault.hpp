@@ -15,6 +15,7 @@ enum class ClockFault : unsigned char {
   late,         ///< answers that the controller counts as late
   sequence,     ///< numbers of cycles that go back, or leap
   joints,       ///< datagrams with another number of joints
+  declared,     ///< a controller that is set otherwise than this program was told
   nonsense,     ///< datagrams that are none of the protocol
   stopped,      ///< a robot that says itself that it takes no more motion
   limit,        ///< a command beyond what the controller was set to take
@@ -40,8 +41,10 @@ inline constexpr std::array<ClockFaultRow, static_cast<std::size_t>(ClockFault::
      "a network of its own, a real-time kernel, a longer cycle; start again"},
     {ClockFault::sequence, "sequence", examples::job::Exit::implausible,
      "the controller's numbers of cycles went back or leapt", "was its program started anew? start again"},
-    {ClockFault::joints, "joints", examples::job::Exit::refused, "another number of joints than six",
-     "send six axes: see the page"},
+    {ClockFault::joints, "joints", examples::job::Exit::refused,
+     "another number of joints than its protocol has", "send all axes: see the page"},
+    {ClockFault::declared, "declared", examples::job::Exit::refused,
+     "the controller is set otherwise than declared", "change its program, or what this one is told"},
     {ClockFault::nonsense, "nonsense", examples::job::Exit::lost, "datagrams that are none of this protocol",
      "see protocol, version and port; start again"},
     {ClockFault::stopped, "stopped", examples::job::Exit::halted, "the robot takes no more motion",

@@ -14,12 +14,14 @@
 
 namespace adapters {
 
-/// A `RobotDriver` for six joints by position. Each datagram has one answer, within the cycle; of those that
-/// waited together only the newest, unless the controller counts answers. Nothing is sent unasked, and
-/// nothing waits longer than one and a half periods.
+/// A `RobotDriver` by position, or by joint impedance where the protocol takes torques beside. Each datagram
+/// has one answer, within the cycle; of those that waited together only the newest, unless the controller
+/// counts answers. Nothing is sent unasked, and nothing waits longer than one and a half periods.
 template <ClockProtocol P>
 class ClockedDriver {
  public:
+  static constexpr std::size_t joints = P::joints;
+  using Joints = std::array<double, joints>;
   explicit ClockedDriver(P protocol, const ClockOptions& options = {})
       : protocol_(std::move(protocol)), options_(options) {}
   ~ClockedDriver() { stop(); }
@@ -34,27 +36,40 @@ class ClockedDriver {
   auto hold_while(F&& work) {
     const auto when = options_.real_time ? std::launch::async : std::launch::deferred;
     auto done = std::async(when, std::forward<F>(work));
-    skinctl::State<6> state;
+    skinctl::State<joints> state;
     while (done.wait_for(Timeout(0)) == std::future_status::timeout && fault_ == ClockFault::none)
       if (wait(state) == skinctl::Heard::state) answer(target_);
     return done.get();
   }
 
-  skinctl::Heard wait(skinctl::State<6>& state) noexcept;
+  skinctl::Heard wait(skinctl::State<joints>& state) noexcept;
   /// False when it was refused: see `fault()`. While the controller is silent nothing asks, and nothing is sent.
-  bool send(const skinctl::PositionCommand<6>& c) noexcept {
-    for (std::size_t i = 0; i < 6; ++i) target_[i] = c.position[i];
+  bool send(const skinctl::PositionCommand<joints>& c) noexcept {
+    for (std::size_t i = 0; i < joints; ++i) target_[i] = c.position[i];
+    return go(target_);
+  }
+  bool send(const skinctl::ImpedanceCommand<joints>& c) noexcept
+    requires TakesTorque<P>
+  {
+    for (std::size_t i = 0; i < joints; ++i) target_[i] = c.position[i], torque_[i] = c.torque[i];
+    protocol_.beside(torque_);
     return go(target_);
   }
   /// Brings the arm to rest by answers, and ends the dialogue.
   void stop() noexcept;
 
-  [[nodiscard]] skinctl::JointPosition<6> told() const noexcept {
-    return skinctl::JointPosition<6>(newest_.told);
+  [[nodiscard]] skinctl::JointPosition<joints> told() const noexcept {
+    return skinctl::JointPosition<joints>(newest_.told);
   }
   [[nodiscard]] std::uint32_t packet() const noexcept { return static_cast<std::uint32_t>(cycle_); }
   [[nodiscard]] std::span<const skinctl::WrenchSample> wrenches() noexcept {
     return {&sample_, std::exchange(has_sample_, false) ? 1u : 0u};
+  }
+  /// Torque of the world at the joints, for a touch that reads it as the robot finds it [N m].
+  [[nodiscard]] skinctl::JointTorque<joints> motor_torque() const noexcept
+    requires FindsTorque<P>
+  {
+    return skinctl::JointTorque<joints>(newest_.external.value_or(Joints{}));
   }
   [[nodiscard]] ClockFault fault() const noexcept { return fault_; }
   /// The same in words; empty while the robot is there.
@@ -66,7 +81,7 @@ class ClockedDriver {
   }
   /// Periods without a datagram.
   [[nodiscard]] int silent() const noexcept { return silent_; }
-  [[nodiscard]] const ClockedState& newest() const noexcept { return newest_; }
+  [[nodiscard]] const ClockedStateOf<joints>& newest() const noexcept { return newest_; }
   [[nodiscard]] P& protocol() noexcept { return protocol_; }
 
  private:
@@ -76,12 +91,12 @@ class ClockedDriver {
   static constexpr double longest_brake = 1.5;      // [s]
   static constexpr std::int64_t late_window = 100;  // cycles, of which a quarter may be late
 
-  ClockFault take(ClockedState& s, can::Deadline deadline) noexcept;
+  ClockFault take(ClockedStateOf<joints>& s, can::Deadline deadline) noexcept;
   void judge_counting(std::uint64_t unit, std::int64_t cycles, Clock::duration since) const;
-  ClockFault judge(const ClockedState& s, std::int64_t& ahead) noexcept;
-  bool answer(const SixJoints& q, bool last = false) noexcept;
+  ClockFault judge(const ClockedStateOf<joints>& s, std::int64_t& ahead) noexcept;
+  bool answer(const Joints& q, bool last = false) noexcept;
   /// The command of a cycle; of one whose state has not come it is kept, for the answer that its number may need.
-  bool go(const SixJoints& q, bool last = false) noexcept {
+  bool go(const Joints& q, bool last = false) noexcept {
     if (silent_ > 0 && unsent_count_ < unsent_.size()) unsent_[unsent_count_++] = q;
     return answer(q, last);
   }
@@ -90,14 +105,15 @@ class ClockedDriver {
 
   P protocol_;
   ClockOptions options_;
-  std::optional<skinctl::VelocityEstimator<6>> estimator_;
-  skinctl::VelocityEstimator<6>::Memory velocity_;
-  ClockedState newest_;
+  std::optional<skinctl::VelocityEstimator<joints>> estimator_;
+  typename skinctl::VelocityEstimator<joints>::Memory velocity_;
+  ClockedStateOf<joints> newest_;
   ClockCounts counts_;
-  SixJoints target_{};
-  std::array<SixJoints, 10> unsent_{};  ///< commands of a silence
+  Joints target_{};
+  Joints torque_{};                  ///< beside the last command [N m]
+  std::array<Joints, 10> unsent_{};  ///< commands of a silence
   std::size_t unsent_count_ = 0;
-  std::array<SixJoints, 3> sent_{};  ///< the last answers, the newest first
+  std::array<Joints, 3> sent_{};  ///< the last answers, the newest first
   skinctl::WrenchSample sample_;
   std::array<std::uint8_t, 2048> buffer_{};
   std::array<char, 256> error_{};
@@ -121,7 +137,7 @@ skinctl::Heard ClockedDriver<P>::fail(ClockFault fault, const char* detail) noex
 
 /// The next datagram; `silent`: none until the deadline.
 template <ClockProtocol P>
-ClockFault ClockedDriver<P>::take(ClockedState& s, can::Deadline deadline) noexcept {
+ClockFault ClockedDriver<P>::take(ClockedStateOf<joints>& s, can::Deadline deadline) noexcept {
   std::size_t size = 0;
   const Read got = protocol_.socket().receive(buffer_, size, deadline);
   if (got != Read::some) return got == Read::closed ? ClockFault::socket : ClockFault::silent;
@@ -132,7 +148,7 @@ ClockFault ClockedDriver<P>::take(ClockedState& s, can::Deadline deadline) noexc
 
 /// How many cycles `s` is ahead of the newest state, in cycles.
 template <ClockProtocol P>
-ClockFault ClockedDriver<P>::judge(const ClockedState& s, std::int64_t& ahead) noexcept {
+ClockFault ClockedDriver<P>::judge(const ClockedStateOf<joints>& s, std::int64_t& ahead) noexcept {
   constexpr std::int64_t overtaken = 50, leap = 2500;
   const auto by = static_cast<std::int64_t>(s.number - newest_.number);
   ahead = by / static_cast<std::int64_t>(unit_);
@@ -167,14 +183,18 @@ void ClockedDriver<P>::connect() {
   counts_ = {};
   const auto deadline = Clock::now() + options_.first;
   protocol_.open(deadline);
-  ClockedState s;
+  ClockedStateOf<joints> s;
   std::uint64_t unit = ~std::uint64_t{0}, first = 0;
   Clock::time_point begin{};
   for (std::int64_t heard = 0; heard < first_states;) {
     const ClockFault fault = Clock::now() < deadline ? take(s, deadline) : ClockFault::silent;
-    if (fault == ClockFault::joints) skinctl::refuse(row(fault).words + std::string(": ") + protocol_.why());
+    if (fault == ClockFault::joints || fault == ClockFault::declared)
+      skinctl::refuse(row(fault).words + std::string(": ") + protocol_.why());
     if (fault == ClockFault::stopped || fault == ClockFault::socket)
       throw ConnectionError(row(fault).words + std::string(": ") + protocol_.why());
+    if (fault == ClockFault::silent && *protocol_.why() != 0)  // it is there
+      throw ConnectionError("the controller takes no commands (" + protocol_.place() +
+                            "): " + protocol_.why());
     if (fault == ClockFault::silent)
       throw ConnectionError(std::string(row(ClockFault::unreachable).words) + " (" + protocol_.place() +
                             "): " + row(ClockFault::unreachable).way_back +
@@ -201,15 +221,15 @@ void ClockedDriver<P>::connect() {
   late_at_start_ = late_at_ = newest_.late;
   cycle_ = window_at_ = 0;
   velocity_ = {};
-  estimator_.emplace(skinctl::VelocityEstimator<6>::Settings{.period = protocol_.period(),
-                                                             .longest = 20 * protocol_.period()});
+  estimator_.emplace(typename skinctl::VelocityEstimator<joints>::Settings{
+      .period = protocol_.period(), .longest = 20 * protocol_.period()});
   silent_ = 0;
   has_sample_ = false;
   running_ = true;
 }
 
 template <ClockProtocol P>
-skinctl::Heard ClockedDriver<P>::wait(skinctl::State<6>& state) noexcept {
+skinctl::Heard ClockedDriver<P>::wait(skinctl::State<joints>& state) noexcept {
   using skinctl::Heard;
   if (fault_ != ClockFault::none || !running_) return fail(ClockFault::socket, "not connected");
   answer(target_);  // if nobody has
@@ -219,12 +239,13 @@ skinctl::Heard ClockedDriver<P>::wait(skinctl::State<6>& state) noexcept {
   const auto until = options_.real_time ? due : Clock::now() + options_.give_up;
   bool fresh = false;
   for (std::size_t k = 0; k < at_once; ++k) {
-    ClockedState s;
+    ClockedStateOf<joints> s;
     const ClockFault fault = take(s, fresh ? Clock::time_point{} : until);
     if (fault == ClockFault::silent) break;
     if (fault == ClockFault::nonsense) continue;
     if (fault != ClockFault::none) return fail(fault, protocol_.why());
     std::int64_t ahead = 0;
+    if (!s.takes) continue;  // no answer is due to this one
     if (judge(s, ahead) != ClockFault::none) return fail(ClockFault::sequence, protocol_.why());
     if (ahead <= 0) {
       ++(ahead == 0 ? counts_.doubled : counts_.overtaken);
@@ -254,7 +275,8 @@ skinctl::Heard ClockedDriver<P>::wait(skinctl::State<6>& state) noexcept {
     late_at_ = newest_.late;
     window_at_ = cycle_;
   }
-  static_cast<void>(estimator_->observe(velocity_, skinctl::JointPosition<6>(newest_.q), cycle_ * period));
+  static_cast<void>(
+      estimator_->observe(velocity_, skinctl::JointPosition<joints>(newest_.q), cycle_ * period));
   state = velocity_.state;
   if ((has_sample_ = newest_.wrench.has_value())) {
     const SixJoints& w = *newest_.wrench;
@@ -264,11 +286,12 @@ skinctl::Heard ClockedDriver<P>::wait(skinctl::State<6>& state) noexcept {
 }
 
 /// Answer `k` of `n` that lead to `q`: they go on at the acceleration of those before, and reach it smoothly.
-inline SixJoints between(const std::array<SixJoints, 3>& before, const SixJoints& q, std::int64_t k,
-                         std::int64_t n) {
-  SixJoints way = q;
+template <std::size_t N>
+std::array<double, N> between(const std::array<std::array<double, N>, 3>& before,
+                              const std::array<double, N>& q, std::int64_t k, std::int64_t n) {
+  std::array<double, N> way = q;
   const auto s = static_cast<double>(k), all = static_cast<double>(n), share = s / all;
-  for (std::size_t i = 0; i < 6; ++i) {
+  for (std::size_t i = 0; i < N; ++i) {
     const double v = before[0][i] - before[1][i], a = v - (before[1][i] - before[2][i]);
     const double rest = q[i] - (before[0][i] + v * all + a * all * (all + 1) / 2);
     way[i] = before[0][i] + v * s + a * s * (s + 1) / 2 + rest * share * share * share;
@@ -277,7 +300,7 @@ inline SixJoints between(const std::array<SixJoints, 3>& before, const SixJoints
 }
 
 template <ClockProtocol P>
-bool ClockedDriver<P>::answer(const SixJoints& q, bool last) noexcept {
+bool ClockedDriver<P>::answer(const Joints& q, bool last) noexcept {
   if (fault_ != ClockFault::none) return false;
   const auto missing = static_cast<std::int64_t>((newest_.number - answered_ + unit_ - 1) / unit_);
   if (answered_ == newest_.number || missing <= 0) return true;
@@ -286,7 +309,7 @@ bool ClockedDriver<P>::answer(const SixJoints& q, bool last) noexcept {
   const bool exact = static_cast<std::int64_t>(unsent_count_) == n - 1;
   const auto before = sent_;
   for (std::int64_t k = 1; k <= n; ++k) {
-    const SixJoints way =
+    const Joints way =
         k == n ? q : (exact ? unsent_[static_cast<std::size_t>(k - 1)] : between(before, q, k, n));
     const auto number = newest_.number - unit_ * static_cast<std::uint64_t>(n - k);
     const auto size = protocol_.answer(number, way, last && k == n, buffer_);
@@ -306,24 +329,29 @@ template <ClockProtocol P>
 void ClockedDriver<P>::brake() noexcept {
   const auto before = sent_;
   const double period = skinctl::seconds<double>(protocol_.period()), jerk = options_.brake_jerk;
-  SixJoints v{}, a{};
+  Joints v{}, a{};
   double time = 0;
-  for (std::size_t i = 0; i < 6; ++i) {
+  for (std::size_t i = 0; i < joints; ++i) {
     v[i] = before[0][i] - before[1][i];
     a[i] = v[i] - (before[1][i] - before[2][i]);
     const double u = std::abs(v[i]) / period, w = std::abs(a[i]) / (period * period);
     time = std::max(time, (4 * w + std::sqrt(16 * w * w + 24 * jerk * u)) / (2 * jerk));
   }
   const auto cycles = std::max<std::int64_t>(1, std::llround(std::min(time, longest_brake) / period));
-  SixJoints q = before[0];
-  skinctl::State<6> state;
+  Joints q = before[0];
+  skinctl::State<joints> state;
   for (std::int64_t k = 1, waits = 0; waits < 2 * cycles + 20; ++waits) {
     // A state that the loop has left unanswered is the first.
     if (answered_ == newest_.number && wait(state) == skinctl::Heard::lost) return;
     const double s = std::min(1.0, static_cast<double>(k) / static_cast<double>(cycles)),
                  rest = (1 - s) * (1 - s);
-    for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t i = 0; i < joints; ++i)
       q[i] += v[i] * rest * (1 + 2 * s) + a[i] * static_cast<double>(cycles) * s * rest;
+    if constexpr (TakesTorque<P>) {
+      Joints torque = torque_;
+      for (double& x : torque) x *= 1 - s;
+      protocol_.beside(torque);
+    }
     const bool last = k >= cycles && silent_ == 0;
     if (!go(q, last) || last) return;
     ++k;

@@ -1,5 +1,5 @@
-// compliant_arm: a stiff industrial arm by position gives way at its tool. KUKA by RSI, ABB by EGM, FANUC by stream
-// motion.
+// compliant_arm: an arm whose controller is the clock gives way at its tool. Stiff by position: KUKA by RSI,
+// ABB by EGM, FANUC by stream motion. On springs, by joint impedance: KUKA's iiwa by FRI.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
@@ -13,6 +13,7 @@
 namespace {
 
 using namespace compliant_arm;
+using adapters::fri::Overlay;
 using examples::job::Exit;
 
 std::string json(Exit end, const RunLog& log) {
@@ -34,6 +35,7 @@ void print(const RunLog& log) {
   std::printf("\n  push at [s]  force [N]  moved [mm]  left after 2 s [mm]\n");
   for (const PushSummary& p : log.pushes)
     std::printf("  %11.2f %10.1f %11.1f %20.2f\n", p.start, p.force, 1e3 * p.moved, 1e3 * p.left);
+  if (log.bent > 0) std::printf("\n  the springs were bent by %.0f mrad at most\n", 1e3 * log.bent);
   const auto n = [](std::uint64_t x) { return static_cast<unsigned long long>(x); };
   std::printf(
       "\n  cycles %llu, without a state %llu; datagrams lost %llu, twice %llu, overtaken %llu, passed over "
@@ -47,15 +49,23 @@ void print(const RunLog& log) {
       log.load_max_us);
 }
 
+void print(const Found& found) {
+  std::printf("  delay %.1f ms, lag %.1f ms, both %.1f +- %.1f ms: --delay %.4f --lag %.4f\n",
+              1e3 * found.delay, 1e3 * found.lag, 1e3 * found.both, 1e3 * found.deviation, found.delay,
+              found.lag);
+  for (std::size_t i = 0; i < found.stiffness.size(); ++i)
+    if (found.stiffness[i] > 0)
+      std::printf("  spring of A%zu: %.0f N m/rad\n", i + 1, found.stiffness[i]);
+    else
+      std::printf("  spring of A%zu: not known, it was hardly pushed\n", i + 1);
+}
+
 int run(int argc, char** argv) {
   Settings s;
-  s.urdf = COMPLIANT_ARM_URDF;
   CLI::App app{
-      "A stiff industrial arm by position gives way to pushes on its tool, felt by a sensor in its wrist, "
-      "and comes "
-      "back. The controller is the clock: KUKA's RSI, ABB's EGM, FANUC's stream motion. Without an address "
-      "it is "
-      "simulated."};
+      "An arm gives way to pushes on its tool and comes back: a stiff industrial arm by position, felt by a "
+      "sensor in its wrist, or an iiwa by joint impedance, felt by its joints. The controller is the clock: "
+      "KUKA's RSI, ABB's EGM, KUKA's FRI, FANUC's stream motion. Without an address it is simulated."};
   app.footer(examples::job::exit_help());
   std::string bind, host, from;
   std::uint16_t port = 0;
@@ -63,20 +73,40 @@ int run(int argc, char** argv) {
   double period = 4;
   std::optional<double> delay, lag;
   app.add_flag("--simulate", simulate, "a simulated controller in this process (the default)");
-  app.add_option("--robot", s.robot, "rsi, egm or stream_motion")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Robot>{
-          {"rsi", Robot::rsi}, {"egm", Robot::egm}, {"stream_motion", Robot::stream_motion}}));
+  app.add_option("--robot", s.robot, "rsi, egm, fri or stream_motion")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, Robot>{{"rsi", Robot::rsi},
+                                                               {"egm", Robot::egm},
+                                                               {"fri", Robot::fri},
+                                                               {"stream_motion", Robot::stream_motion}}));
   app.add_option("--bind", bind,
-                 "RSI, EGM: this computer's address, as the controller's configuration says it");
-  app.add_option("--port", port, "RSI, EGM: port of that configuration (59152, 6510)");
-  app.add_option("--from", from, "RSI, EGM: the controller's address; others are not heard");
+                 "RSI, EGM, FRI: this computer's address, as the controller's configuration says it");
+  app.add_option("--port", port, "RSI, EGM, FRI: port of that configuration (59152, 6510, 30200)");
+  app.add_option("--from", from, "RSI, EGM, FRI: the controller's address; others are not heard");
   app.add_option("--type", s.rsi.type, "RSI: SENTYPE of that configuration");
-  app.add_option("--period", period, "RSI: 4 (#IPO_FAST) or 12 (#IPO); EGM: \\SampleRate [ms]")
+  app.add_option(
+         "--period", period,
+         "RSI: 4 (#IPO_FAST) or 12 (#IPO); EGM: \\SampleRate; FRI: send period times receive multiplier [ms]")
       ->check(CLI::Range(1.0, 100.0));
+  app.add_flag(
+      "--identify", s.identify,
+      "the arm moves by 0.1 rad for 15 s: delay and lag; FRI: then push it, and its stiffness shows");
   app.add_flag("--relative", relative, "RSI: corrections for RSI_ON(#RELATIVE)");
   app.add_option("--max-correction", s.rsi.max_correction, "RSI: of AXISCORR and AXISCORRMON [deg]");
+  const auto* stiffness =
+      app.add_option("--stiffness", s.stiffness,
+                     "FRI: of each joint's spring, as JointImpedanceControlMode has it [N m/rad]")
+          ->check(CLI::Range(50.0, 5000.0));
+  app.add_option("--damping-ratio", s.damping_ratio, "FRI: of the same")->check(CLI::Range(0.1, 1.0));
+  app.add_option("--overlay", s.fri.overlay,
+                 "FRI: ClientCommandMode, position or torque (a period of 2 ms at most)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Overlay>{{"position", Overlay::position}, {"torque", Overlay::torque}}));
+  app.add_option("--torque-threshold", s.torque_threshold, "FRI: torque at a joint that is no touch [N m]")
+      ->check(CLI::Range(0.1, 100.0));
   app.add_option("--host", host, "stream motion: the controller's address");
-  app.add_option("--urdf", s.urdf, "of an arm with six joints, the last of which carries the sensor");
+  app.add_option("--urdf", s.urdf,
+                 "of an arm with six joints, the last of which carries the sensor; FRI: with seven");
   app.add_option("--delay", delay, "of the arm [s]; identify_robot measures it")->check(CLI::Range(0.0, 0.5));
   app.add_option("--lag", lag, "of the arm [s]")->check(CLI::Range(0.0, 0.5));
   app.add_option("--share", s.speed_share, "of the robot's limits that is used")
@@ -94,25 +124,34 @@ int run(int argc, char** argv) {
   }
   s.simulate = bind.empty() && host.empty();
   if (simulate && !s.simulate) skinctl::refuse("--simulate and a real controller's address: one of them");
-  if (!bind.empty() && s.robot == Robot::stream_motion) skinctl::refuse("--bind is for --robot rsi and egm");
+  if (!bind.empty() && s.robot == Robot::stream_motion)
+    skinctl::refuse("--bind is for --robot rsi, egm and fri");
   if (!host.empty() && s.robot != Robot::stream_motion)
     skinctl::refuse("--host is for --robot stream_motion");
-  if (!bind.empty()) s.rsi.bind = s.egm.bind = bind;
-  if (port != 0) s.rsi.port = s.egm.port = port;
-  s.rsi.from = s.egm.from = from;
+  if (s.robot == Robot::fri && !s.simulate && stiffness->count() == 0)
+    skinctl::refuse("--stiffness: an arm on springs needs the stiffness that its Java program sets");
+  if (!bind.empty()) s.rsi.bind = s.egm.bind = s.fri.bind = bind;
+  if (port != 0) s.rsi.port = s.egm.port = s.fri.port = port;
+  s.rsi.from = s.egm.from = s.fri.from = from;
   s.stream_motion.host = host;
   if (relative) s.rsi.correction = s.rsi_controller.correction = adapters::rsi::Correction::relative;
-  s.rsi.period = s.egm.period = skinctl::nanoseconds(1e-3 * period);
+  s.rsi.period = s.egm.period = s.fri.period = skinctl::nanoseconds(1e-3 * period);
   s.rsi_controller.period = s.egm_controller.period = 1e-3 * period;
   s.rsi_controller.ipoc_per_cycle = static_cast<std::uint64_t>(period);
+  s.fri_controller.send_period = static_cast<unsigned>(period);
+  s.fri_controller.overlay = s.fri.overlay;
+  s.fri_controller.arm.stiffness = s.stiffness;
+  s.fri_controller.arm.damping_ratio = s.damping_ratio;
   simulate_by_default(s);
+  if (s.identify && s.robot == Robot::fri) s.simulation.pushes = {{16, 4, {20, 20, 20}}};
   s.delay = delay.value_or(s.delay);
   s.lag = lag.value_or(s.lag);
 
   const examples::job::StopSignals signals;
   RunLog log;
   const Exit end = run(s, signals.asked(), log);
-  if (!s.quiet) print(log);
+  if (!s.quiet && !s.identify) print(log);
+  if (!s.quiet && log.found.known) print(log.found);
   if (!s.json.empty()) {
     std::ofstream out(s.json);
     if (!(out << json(end, log)).flush()) throw skinctl::ConfigurationError("cannot write " + s.json);

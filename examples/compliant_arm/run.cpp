@@ -1,12 +1,15 @@
 #include "examples/compliant_arm/run.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "examples/adapters/clocked_driver.hpp"
+#include "examples/compliant_arm/identify.hpp"
 #include "examples/compliant_arm/scene.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 #include "skinctl/io/urdf.hpp"
+#include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/kinematics/poses.hpp"
 
 namespace compliant_arm {
@@ -16,8 +19,30 @@ using namespace skinctl;
 using adapters::ClockedDriver;
 using examples::job::Exit;
 
-Xyz<double> flange(const Model& model, const JointPosition<6>& q) {
-  return link_poses(model, q).get<5>().origin();
+template <std::size_t N>
+Xyz<double> flange(const Model<N>& model, const JointPosition<N>& q) {
+  return link_poses(model, q).template get<N - 1>().origin();
+}
+/// The force of a push [N]: that of the wrist's sensor, or the one at the flange that fits the joints'
+/// torques best.
+template <std::size_t N>
+double force_of(const Model<N>& model, const JointPosition<N>& q, const adapters::ClockedStateOf<N>& state) {
+  if (state.wrench) return std::hypot((*state.wrench)[0], (*state.wrench)[1], (*state.wrench)[2]);
+  if (!state.external) return 0;
+  double a[3][3] = {}, b[3] = {};
+  jacobian<N - 1>(link_poses(model, q)).for_each([&](auto i, const auto& column) {
+    const double x[3] = {column.linear.x, column.linear.y, column.linear.z};
+    for (std::size_t r = 0; r < 3; ++r) {
+      b[r] += x[r] * (*state.external)[i.value];
+      for (std::size_t c = 0; c < 3; ++c) a[r][c] += x[r] * x[c];
+    }
+  });
+  for (std::size_t r = 0; r < 3; ++r) a[r][r] += 1e-4;  // a direction in which no joint moves the flange
+  const Xyz<double> r0{a[0][0], a[0][1], a[0][2]}, r1{a[1][0], a[1][1], a[1][2]},
+      r2{a[2][0], a[2][1], a[2][2]};
+  const double det = dot(r0, cross(r1, r2));
+  const Xyz<double> f = (1 / det) * (b[0] * cross(r1, r2) + b[1] * cross(r2, r0) + b[2] * cross(r0, r1));
+  return std::sqrt(dot(f, f));
 }
 double distance(const Xyz<double>& a, const Xyz<double>& b) {
   const Xyz<double> d = a - b;
@@ -25,12 +50,14 @@ double distance(const Xyz<double>& a, const Xyz<double>& b) {
 }
 
 /// What may be commanded: a share of what URDF, the user and the robot allow; of RSI around where the arm stands.
-Limits limits_of_run(const Settings& s, const Urdf& urdf, const std::array<adapters::SixJoints, 3>* robot,
-                     const adapters::SixJoints& at, double max_correction) {
-  const auto file = limits_of<6>(urdf, s.acceleration);
-  JointLimits<6>::Values v;
-  Limits out{file, {}};
-  for (std::size_t i = 0; i < 6; ++i) {
+template <std::size_t N>
+Limits<N> limits_of_run(const Settings& s, const Urdf& urdf,
+                        const std::array<std::array<double, N>, 3>* robot, const std::array<double, N>& at,
+                        double max_correction) {
+  const auto file = limits_of<N>(urdf, s.acceleration);
+  typename JointLimits<N>::Values v;
+  Limits<N> out{file, {}, JointPosition<N>(at)};
+  for (std::size_t i = 0; i < N; ++i) {
     const auto within = [&](std::size_t k, double x) {
       return robot != nullptr ? std::min(x, s.speed_share * (*robot)[k][i]) : x;
     };
@@ -41,20 +68,20 @@ Limits limits_of_run(const Settings& s, const Urdf& urdf, const std::array<adapt
     out.jerk[i] = within(2, s.jerk);
     v.torque[i] = file.torque()[i];
   }
-  out.joints = JointLimits<6>(v);
+  out.joints = JointLimits<N>(v);
   return out;
 }
 
 /// How far pushes move the flange, as its own joints say.
+template <std::size_t N>
 class Watch {
  public:
-  Watch(const Model& model, double threshold) : model_(model), threshold_(threshold) {}
-  void cycle(double t, const JointPosition<6>& q, const adapters::ClockedState& state, RunLog& log) {
+  Watch(const Model<N>& model, const Settings& s)
+      : model_(model), threshold_(s.threshold), torque_threshold_(s.torque_threshold) {}
+  void cycle(double t, const JointPosition<N>& q, const adapters::ClockedStateOf<N>& state, RunLog& log) {
     const auto p = flange(model_, q);
-    double force = 0;
-    if (state.wrench)
-      for (std::size_t i = 0; i < 3; ++i) force = std::hypot(force, (*state.wrench)[i]);
-    const bool pushed = force > threshold_;
+    const double force = force_of(model_, q, state);
+    const bool pushed = is_pushed(force, state);
     if (pushed && t > until_ + 2) {
       from_ = p;
       log.pushes.push_back({.start = t});
@@ -69,17 +96,24 @@ class Watch {
   }
 
  private:
-  const Model& model_;
-  double threshold_, until_ = -1e9;
+  /// As a hand that the scene answers.
+  bool is_pushed(double force, const adapters::ClockedStateOf<N>& state) const {
+    if (!state.external) return force > threshold_;
+    return std::any_of(state.external->begin(), state.external->end(),
+                       [&](double x) { return std::abs(x) > torque_threshold_; });
+  }
+  const Model<N>& model_;
+  double threshold_, torque_threshold_, until_ = -1e9;
   Xyz<double> from_{};
 };
 
 /// Velocity, acceleration and jerk of the commands.
+template <std::size_t N>
 class Steps {
  public:
-  void cycle(const JointPosition<6>& q, double dt, const Limits& limits, RunLog& log) {
+  void cycle(const JointPosition<N>& q, double dt, const Limits<N>& limits, RunLog& log) {
     if (++count_ > 3)
-      for (std::size_t i = 0; i < 6; ++i) {
+      for (std::size_t i = 0; i < N; ++i) {
         const double v = q[i] - q_[0][i], v1 = q_[0][i] - q_[1][i], v2 = q_[1][i] - q_[2][i];
         log.peak[0] = std::max(log.peak[0], std::abs(v) / dt / limits.joints.velocity()[i]);
         log.peak[1] = std::max(log.peak[1], std::abs(v - v1) / (dt * dt) / limits.joints.acceleration()[i]);
@@ -90,7 +124,7 @@ class Steps {
   void gap() { count_ = 0; }
 
  private:
-  std::array<JointPosition<6>, 3> q_{};
+  std::array<JointPosition<N>, 3> q_{};
   int count_ = 0;
 };
 
@@ -98,39 +132,54 @@ struct NoCells {
   std::span<const CellSample> poll() noexcept { return {}; }
 };
 
-template <class Driver>
+template <class Kind, class Driver>
 Exit run_on(Driver& driver, const Settings& s, const Urdf& urdf, const std::atomic<bool>& stop, RunLog& log) {
+  constexpr std::size_t N = Driver::joints;
   driver.connect();
-  if (!driver.newest().wrench) {
+  if (!driver.newest().wrench && !driver.newest().external) {
     driver.stop();
     log.reason = "the controller's states hold no forces: see the page for what they need";
     return Exit::blind;
   }
   const auto period = driver.protocol().period();
-  const Model model = calibrated_from<Chain<6>>(urdf);
-  const Limits limits = [&] {
+  const Kind kind{period};
+  const Model<N> model = calibrated_from<Chain<N>>(urdf);
+  if (s.identify) {
+    if (!s.quiet)
+      std::printf("the arm moves by 0.1 rad for 15 s%s\n",
+                  driver.newest().external ? "; then push it slowly at its flange, for 5 s" : "");
+    log.found = identify_on(driver, model, s, driver.newest().external ? 5 : 0, stop);
+    driver.stop();
+    log.counts = driver.counts(), log.fault = driver.fault();
+    if (stop) return log.reason = "interrupted", Exit::interrupted;
+    if (log.fault != adapters::ClockFault::none) return log.reason = driver.error(), row(log.fault).exit;
+    if (!log.found.known) return log.reason = "the commands hardly move the arm", Exit::not_following;
+    return Exit::fine;
+  }
+  const Limits<N> limits = [&] {
     if constexpr (requires { driver.protocol().max_correction(); })
-      return limits_of_run(s, urdf, nullptr, driver.newest().told, 0.95 * driver.protocol().max_correction());
+      return limits_of_run<N>(s, urdf, nullptr, driver.newest().told,
+                              0.95 * driver.protocol().max_correction());
     else if constexpr (requires { driver.protocol().limits(); })
-      return limits_of_run(s, urdf, &driver.protocol().limits(), driver.newest().told, 1e9);
+      return limits_of_run<N>(s, urdf, &driver.protocol().limits(), driver.newest().told, 1e9);
     else
-      return limits_of_run(s, urdf, nullptr, driver.newest().told, 1e9);
+      return limits_of_run<N>(s, urdf, nullptr, driver.newest().told, 1e9);
   }();
   double factor = 1;
   const auto scene = driver.hold_while([&] {
-    factor = heavier(model, s, limits, period);
-    return make_scene(model, s, limits, period, factor);
+    factor = heavier(kind, model, s, limits);
+    return make_scene(kind, model, s, limits, factor);
   });
   using Scene = std::remove_cvref_t<decltype(scene)>;
-  log.felt_mass = felt_mass(model, s, limits, period, factor);
+  log.felt_mass = felt_mass(kind, model, s, limits, factor);
   const auto memory = std::make_unique<typename Scene::Memory>();
   if (!s.quiet) std::printf("connected; the tool is felt as %.0f kg at least\n", log.felt_mass);
 
-  Watch watch(model, s.threshold);
-  Steps steps;
+  Watch<N> watch(model, s);
+  Steps<N> steps;
   examples::job::Progress progress(s.quiet);
   Nanoseconds first{}, sent_at{};
-  const JointPosition<6> home(driver.newest().told);
+  const JointPosition<N> home(driver.newest().told);
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory&) {
     if (first == 0ns) {
       first = input.now;
@@ -146,6 +195,9 @@ Exit run_on(Driver& driver, const Settings& s, const Urdf& urdf, const std::atom
     if (input.now - sent_at != period || driver.silent() > 0) steps.gap();
     sent_at = input.now;
     steps.cycle(out.command.position, seconds<double>(period), limits, log);
+    if constexpr (requires { out.command.torque; })
+      for (std::size_t i = 0; i < N; ++i)
+        log.bent = std::max(log.bent, std::abs(input.measured.q[i] - out.command.position[i]));
     if (progress.due(t))
       progress.show("%5.1f s  %zu pushes  %llu late, %llu lost", t, log.pushes.size(),
                     static_cast<unsigned long long>(driver.counts().late),
@@ -187,6 +239,11 @@ void simulate_by_default(Settings& s) {
     s.delay = 0.05 + 2 * 0.004;
     s.lag = 0.05;
   }
+  if (s.robot == Robot::fri) {
+    s.delay =
+        s.fri_controller.arm.delay + 1.5 * 1e-3 * s.fri_controller.send_period * s.fri_controller.multiplier;
+    s.lag = 0;
+  }
   if (s.robot == Robot::stream_motion) {
     s.stream_motion_controller.version = 4;
     s.simulation.delay = 0.04;
@@ -197,7 +254,8 @@ void simulate_by_default(Settings& s) {
 }
 
 Exit run(const Settings& s, const std::atomic<bool>& stop, RunLog& log) {
-  const Urdf urdf = read_urdf(s.urdf);
+  const bool springs = s.robot == Robot::fri;
+  const Urdf urdf = read_urdf(!s.urdf.empty() ? s.urdf : springs ? SIMULATED_ARM_IIWA : COMPLIANT_ARM_URDF);
   const bool paced = !s.simulate || s.simulation.speed > 0;
   const adapters::ClockOptions options{.give_up = adapters::Timeout(paced ? 150 : 4000), .real_time = paced};
   if (paced) {
@@ -206,7 +264,13 @@ Exit run(const Settings& s, const std::atomic<bool>& stop, RunLog& log) {
   }
   std::unique_ptr<simulated_arm::Controller> peer;
   Exit end = Exit::fine;
-  const auto with = [&](auto& driver) { end = run_on(driver, s, urdf, stop, log); };
+  const auto with = [&](auto& driver) { end = run_on<Stiff>(driver, s, urdf, stop, log); };
+  const auto ended = [&](auto& controller) {
+    controller->stop();
+    log.last = controller->snapshot();
+    if (!s.quiet && end != Exit::fine && !log.last.ended.empty())
+      std::printf("the simulated controller: %s\n", log.last.ended.c_str());
+  };
   if (s.robot == Robot::rsi) {
     auto rsi = s.rsi;
     if (s.simulate) rsi.bind = "127.0.0.1", rsi.port = 0;
@@ -223,6 +287,17 @@ Exit run(const Settings& s, const std::atomic<bool>& stop, RunLog& log) {
       peer = egm_controller(s.simulation, s.egm_controller, "127.0.0.1", protocol.socket().port());
     ClockedDriver driver(std::move(protocol), options);
     with(driver);
+  } else if (springs) {
+    auto fri = s.fri;
+    if (s.simulate) fri.bind = "127.0.0.1", fri.port = 0;
+    adapters::fri::Fri protocol(fri);
+    std::unique_ptr<simulated_arm::SpringController> arm;
+    if (s.simulate)
+      arm = fri_controller(calibrated_from<Chain<7>>(urdf), s.simulation, s.fri_controller, "127.0.0.1",
+                           protocol.socket().port());
+    ClockedDriver driver(std::move(protocol), options);
+    end = run_on<Springs>(driver, s, urdf, stop, log);
+    if (arm) ended(arm);
   } else {
     auto stream = s.stream_motion;
     if (s.simulate) {
@@ -232,12 +307,7 @@ Exit run(const Settings& s, const std::atomic<bool>& stop, RunLog& log) {
     ClockedDriver driver(adapters::stream_motion::StreamMotion(stream), options);
     with(driver);
   }
-  if (peer) {
-    peer->stop();
-    log.last = peer->snapshot();
-    if (!s.quiet && end != Exit::fine && !log.last.ended.empty())
-      std::printf("the simulated controller: %s\n", log.last.ended.c_str());
-  }
+  if (peer) ended(peer);
   return end;
 }
 

@@ -1,4 +1,4 @@
-// A stiff industrial arm by position gives way at its tool: one run.
+// An arm whose controller is the clock gives way at its tool: one run.
 #pragma once
 
 #include <atomic>
@@ -6,43 +6,58 @@
 #include <vector>
 
 #include "examples/adapters/egm/egm.hpp"
+#include "examples/adapters/fri/fri.hpp"
 #include "examples/adapters/rsi/rsi.hpp"
 #include "examples/adapters/stream_motion/stream_motion.hpp"
 #include "examples/simulated_arm/egm.hpp"
+#include "examples/simulated_arm/fri.hpp"
 #include "examples/simulated_arm/rsi.hpp"
 #include "examples/simulated_arm/stream_motion.hpp"
 #include "examples/support/job.hpp"
 
 namespace compliant_arm {
 
-enum class Robot : unsigned char { rsi, egm, stream_motion };
+enum class Robot : unsigned char { rsi, egm, fri, stream_motion };
 
 struct Settings {
   Robot robot = Robot::rsi;
   bool simulate = true;
   adapters::rsi::Options rsi;
   adapters::egm::Options egm;
+  adapters::fri::Options fri;
   adapters::stream_motion::Options stream_motion;
-  std::string urdf;            ///< six joints
-  double delay = 0.012;        ///< from an answer until the arm begins to move, with the age of a state [s]
-  double lag = 0.03;           ///< time constant of the arm's servo [s]
-  double speed_share = 0.5;    ///< of the limits of velocity, acceleration and jerk that URDF and robot state
-  double acceleration = 4;     ///< at most [rad/s^2]
-  double jerk = 80;            ///< at most [rad/s^3]
-  double threshold = 3;        ///< force that is no touch [N]
-  double stiffest_hand = 1e4;  ///< that pushes the tool [N/m]
-  double heaviest_hand = 10;   ///< [kg]
-  double duration = 8;         ///< [s]
+  std::string urdf{};        ///< file of the arm; empty: of examples/data, six joints, by FRI seven
+  double delay = 0.012;      ///< from an answer until the arm begins to move, with the age of a state [s]
+  double lag = 0.03;         ///< time constant of the arm's servo [s]
+  double speed_share = 0.5;  ///< of the limits of velocity, acceleration and jerk that URDF and robot state
+  double acceleration = 4;   ///< at most [rad/s^2]
+  double jerk = 80;          ///< at most [rad/s^3]
+  double threshold = 3;      ///< force that is no touch [N]
+  double torque_threshold = 2;  ///< torque at a joint that is no touch, by FRI [N m]
+  double stiffness = 500;       ///< of the springs by which an arm by FRI holds its joints [N m/rad]
+  double damping_ratio = 0.7;   ///< of the same
+  double stiffest_hand = 1e4;   ///< that pushes the tool [N/m]
+  double heaviest_hand = 10;    ///< [kg]
+  double duration = 8;          ///< [s]
+  bool identify = false;        ///< the arm moves gently, and is pushed by hand, in place of the job
   bool quiet = false;
   std::string json;  ///< file for a summary; empty: none
   simulated_arm::Config simulation;
   simulated_arm::RsiConfig rsi_controller;
   simulated_arm::EgmConfig egm_controller;
+  simulated_arm::FriConfig fri_controller;
   simulated_arm::StreamMotionConfig stream_motion_controller;
 };
 /// Delays of the simulated arm, and two pushes.
 void simulate_by_default(Settings& settings);
 
+/// What an identification found.
+struct Found {
+  bool known = false;
+  double delay = 0, lag = 0;        ///< [s]
+  double both = 0, deviation = 0;   ///< their sum, known better than each, and its standard deviation [s]
+  std::vector<double> stiffness{};  ///< of each joint on a spring that was pushed [N m/rad]; 0: not known
+};
 struct PushSummary {
   double start = 0, force = 0;  ///< [s], [N]
   double moved = 0;             ///< way of the flange [m]
@@ -55,9 +70,11 @@ struct RunLog {
   std::string reason;            ///< in words; empty: it ended as asked
   double felt_mass = 0;          ///< of the tool [kg]
   std::array<double, 3> peak{};  ///< velocity, acceleration, jerk of the commands over their limits
+  Found found;
+  double bent = 0;  ///< of the springs: largest distance of a joint from its command [rad]
   std::uint64_t cycles = 0, silent = 0;
   double cycle_us = 0, cycle_max_us = 0, load_max_us = 0;
-  simulated_arm::Snapshot last;  ///< of the simulated arm
+  simulated_arm::Standing last;  ///< of the simulated arm
 };
 
 /// Throws `ConfigurationError` for what is refused, `ConnectionError` for a controller that cannot be reached.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "examples/adapters/allegro/datagrams.hpp"
 #include "examples/adapters/allegro/frames.hpp"
 #include "examples/adapters/can/link.hpp"
+#include "examples/adapters/fri/messages.hpp"
 #include "examples/adapters/gripper/lines.hpp"
 #include "examples/adapters/gripper/modbus.hpp"
 #include "examples/adapters/gripper/robotiq.hpp"
@@ -260,6 +262,21 @@ void ros1_stream(Bytes bytes) {
   });
 }
 
+/// What was read is written, and read again: it is the same.
+template <class Message>
+void fri_message(Bytes bytes) {
+  Message read, again;
+  if (!parse(bytes, read)) return;
+  std::array<std::uint8_t, adapters::fri::longest> out;
+  const auto size = print(read, out);
+  const bool same = size > 0 && parse({out.data(), size}, again) && again.header.number == read.header.number;
+  if (read.axes == adapters::fri::joints && !same) std::abort();
+}
+void fri(Bytes bytes) {
+  fri_message<adapters::fri::Monitoring>(bytes);
+  fri_message<adapters::fri::Command>(bytes);
+}
+
 constexpr std::array all{Parser{"rtde_answers", rtde_answers},
                          Parser{"rtde_requests", rtde_requests},
                          Parser{"dashboard", dashboard},
@@ -282,7 +299,8 @@ constexpr std::array all{Parser{"rtde_answers", rtde_answers},
                          Parser{"mcap", mcap},
                          Parser{"skin_cloud", skin_cloud},
                          Parser{"ros1_calls", ros1_calls},
-                         Parser{"ros1_stream", ros1_stream}};
+                         Parser{"ros1_stream", ros1_stream},
+                         Parser{"fri", fri}};
 
 }  // namespace
 

@@ -45,6 +45,7 @@ struct Config {
 
 class Arm {
  public:
+  static constexpr std::size_t joints = 6;
   explicit Arm(const Config& config)
       : config_(config), told_(config.home), joints_(Joints::Kind::position, truth(config), config.home) {}
 

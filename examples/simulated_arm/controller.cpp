@@ -1,34 +1,41 @@
 #include "examples/simulated_arm/controller.hpp"
 
+#include "examples/simulated_arm/spring_arm.hpp"
 #include "skinctl/hardware/scheduling.hpp"
 
 namespace simulated_arm {
 
-Controller::Controller(std::unique_ptr<Face> face, adapters::UdpSocket socket, const Config& config)
+template <class A>
+ControllerOf<A>::ControllerOf(std::unique_ptr<FaceOf<A>> face, adapters::UdpSocket socket,
+                              const Config& config, A arm)
     : face_(std::move(face)),
       socket_(std::move(socket)),
       config_(config),
-      arm_(config),
+      arm_(std::move(arm)),
       port_(socket_.port()),
       thread_([this] { run(); }) {}
 
-void Controller::stop() {
+template <class A>
+void ControllerOf<A>::stop() {
   stop_ = true;
   if (thread_.joinable()) thread_.join();
 }
 
-Snapshot Controller::snapshot() const {
+template <class A>
+SnapshotOf<A::joints> ControllerOf<A>::snapshot() const {
   const std::lock_guard lock(mutex_);
   return snapshot_;
 }
 
-void Controller::hear(const Bytes& bytes) {
+template <class A>
+void ControllerOf<A>::hear(const Bytes& bytes) {
   Bytes out(2048);
   out.resize(face_->hear(bytes, arm_, out));
   if (!out.empty() && !config_.faults.mute) static_cast<void>(socket_.send(out));
 }
 
-void Controller::listen(Clock::time_point until) {
+template <class A>
+void ControllerOf<A>::listen(Clock::time_point until) {
   Bytes bytes(2048);
   const Faults& f = config_.faults;
   const bool waits = config_.speed == 0 && !face_->answered();
@@ -50,7 +57,8 @@ void Controller::listen(Clock::time_point until) {
     hear(waiting_.front().bytes);
 }
 
-void Controller::tell(Bytes bytes) {
+template <class A>
+void ControllerOf<A>::tell(Bytes bytes) {
   const Faults& f = config_.faults;
   if (happens(f.garbled))
     for (auto& b : bytes) b = static_cast<std::uint8_t>(random_());
@@ -65,7 +73,8 @@ void Controller::tell(Bytes bytes) {
   if (!held_.empty()) static_cast<void>(socket_.send(std::exchange(held_, {})));
 }
 
-void Controller::run() {
+template <class A>
+void ControllerOf<A>::run() {
   const auto period = std::chrono::nanoseconds(std::llround(1e9 * face_->period()));
   const Faults& f = config_.faults;
   if (config_.speed > 0) static_cast<void>(skinctl::request_real_time());
@@ -87,9 +96,12 @@ void Controller::run() {
     for (const double v : arm_.dq())
       if (std::abs(v) > 1e-3) moved_at_ = t;
     const std::lock_guard lock(mutex_);
-    snapshot_ = {t,           arm_.q(),       arm_.dq(), arm_.told(), face_->ended,
-                 face_->late, face_->answers, states_,   moved_at_};
+    snapshot_ = {
+        {t, face_->ended, face_->late, face_->answers, states_, moved_at_}, arm_.q(), arm_.dq(), arm_.told()};
   }
 }
+
+template class ControllerOf<Arm>;
+template class ControllerOf<SpringArm>;
 
 }  // namespace simulated_arm

@@ -1,22 +1,50 @@
-// simulated_arm: a controller of a stiff industrial arm in a process of its own. KUKA's RSI, ABB's EGM, or FANUC's
-// stream motion.
+// simulated_arm: a controller of an arm in a process of its own. KUKA's RSI, ABB's EGM, FANUC's stream
+// motion, or KUKA's FRI for an iiwa.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "examples/simulated_arm/egm.hpp"
+#include "examples/simulated_arm/fri.hpp"
 #include "examples/simulated_arm/rsi.hpp"
 #include "examples/simulated_arm/stream_motion.hpp"
 #include "examples/support/job.hpp"
 #include "skinctl/core/contract.hpp"
+#if SIMULATED_ARM_FRI
+#include "skinctl/io/urdf.hpp"
+#endif
 
 namespace {
 
 using namespace simulated_arm;
 using examples::job::Exit;
 
+/// Runs a controller until its time is over or somebody asks for an end.
+template <class C>
+Exit watch(C& controller, double seconds, bool quiet) {
+  const examples::job::StopSignals signals;
+  examples::job::Progress progress(quiet);
+  while (!signals.asked() && controller.snapshot().time < seconds) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const Standing s = controller.snapshot();
+    if (progress.due(s.time))
+      progress.show("%6.1f s  %llu answers, %llu missing  %s", s.time,
+                    static_cast<unsigned long long>(s.answers), static_cast<unsigned long long>(s.late),
+                    s.ended.c_str());
+  }
+  controller.stop();
+  progress.clear();
+  const Standing s = controller.snapshot();
+  if (!quiet)
+    std::printf("%llu states, %llu answers, %llu missing%s%s\n", static_cast<unsigned long long>(s.states),
+                static_cast<unsigned long long>(s.answers), static_cast<unsigned long long>(s.late),
+                s.ended.empty() ? "" : "; ended: ", s.ended.c_str());
+  return signals.asked() ? Exit::interrupted : Exit::fine;
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
-      "A simulated controller that is the clock. By RSI and EGM it sends to a program on this computer, by "
+      "A simulated controller that is the clock. By RSI, EGM and FRI it sends to a program on this computer, "
+      "by "
       "stream motion it waits for one; all on loopback."};
   app.footer(examples::job::exit_help());
   std::string protocol = "rsi";
@@ -26,18 +54,23 @@ int run(int argc, char** argv) {
   Config config;
   RsiConfig rsi;
   EgmConfig egm;
+  FriConfig fri;
   StreamMotionConfig stream;
   app.add_flag("--simulate", simulate, "a simulated arm (there is no other)");
-  app.add_option("--protocol", protocol, "rsi, egm or stream_motion")
-      ->check(CLI::IsMember({"rsi", "egm", "stream_motion"}));
-  app.add_option("--port", port,
-                 "to send to (RSI, default 59152; EGM, 6510), or to wait at (stream motion, 60015)");
+  app.add_option("--protocol", protocol, "rsi, egm, fri or stream_motion")
+      ->check(CLI::IsMember({"rsi", "egm", "fri", "stream_motion"}));
+  app.add_option(
+      "--port", port,
+      "to send to (RSI, default 59152; EGM, 6510; FRI, 30200), or to wait at (stream motion, 60015)");
   app.add_option("--version", stream.version, "of stream motion; from 4 on with forces")
       ->check(CLI::Range(3, 4));
   app.add_option("--delay", config.delay, "from an answer to the joints [s]")->check(CLI::Range(0.0, 0.5));
   app.add_option("--lag", config.lag, "of the joints [s]")->check(CLI::Range(0.0, 0.5));
   app.add_flag("!--no-hold", rsi.hold_on, "RSI: HOLDON=\"0\"");
   app.add_option("--timeout", rsi.timeout, "RSI: unanswered cycles in a row");
+  app.add_option("--send-period", fri.send_period, "FRI: [ms]")->check(CLI::Range(1u, 100u));
+  app.add_option("--stiffness", fri.arm.stiffness, "FRI: of each joint [N m/rad]")
+      ->check(CLI::Range(50.0, 5000.0));
   app.add_option("--duration", seconds, "[s]")->check(CLI::Range(0.1, 1e9));
   app.add_flag("--quiet", quiet, "errors only");
   try {
@@ -45,30 +78,22 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
   }
-  const examples::job::StopSignals signals;
   const bool waits = protocol == "stream_motion";
-  if (port == 0) port = waits ? 60015 : protocol == "rsi" ? 59152 : 6510;
+  if (port == 0) port = waits ? 60015 : protocol == "rsi" ? 59152 : protocol == "egm" ? 6510 : 30200;
+  if (!quiet) std::printf("%s 127.0.0.1:%u\n", waits ? "waits at" : "sends to", port);
+#if SIMULATED_ARM_FRI
+  if (protocol == "fri") {
+    const auto model = skinctl::calibrated_from<skinctl::Chain<7>>(skinctl::read_urdf(SIMULATED_ARM_IIWA));
+    const auto arm = fri_controller(model, config, fri, "127.0.0.1", port);
+    return examples::job::code(watch(*arm, seconds, quiet));
+  }
+#else
+  if (protocol == "fri") skinctl::refuse("fri: this program was built without tinyxml2, which reads its arm");
+#endif
   const auto controller = protocol == "rsi"   ? rsi_controller(config, rsi, "127.0.0.1", port)
                           : protocol == "egm" ? egm_controller(config, egm, "127.0.0.1", port)
                                               : stream_motion_controller(config, stream, "127.0.0.1", port);
-  examples::job::Progress progress(quiet);
-  if (!quiet) std::printf("%s 127.0.0.1:%u\n", waits ? "waits at" : "sends to", port);
-  while (!signals.asked() && controller->snapshot().time < seconds) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    const Snapshot s = controller->snapshot();
-    if (progress.due(s.time))
-      progress.show("%6.1f s  %llu answers, %llu missing  %s", s.time,
-                    static_cast<unsigned long long>(s.answers), static_cast<unsigned long long>(s.late),
-                    s.ended.c_str());
-  }
-  controller->stop();
-  progress.clear();
-  const Snapshot s = controller->snapshot();
-  if (!quiet)
-    std::printf("%llu states, %llu answers, %llu missing%s%s\n", static_cast<unsigned long long>(s.states),
-                static_cast<unsigned long long>(s.answers), static_cast<unsigned long long>(s.late),
-                s.ended.empty() ? "" : "; ended: ", s.ended.c_str());
-  return examples::job::code(signals.asked() ? Exit::interrupted : Exit::fine);
+  return examples::job::code(watch(*controller, seconds, quiet));
 }
 
 }  // namespace

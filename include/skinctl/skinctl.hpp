@@ -139,6 +139,7 @@
 #include "skinctl/tactile/pressed_area.hpp"
 #include "skinctl/tactile/push_watch.hpp"
 #include "skinctl/tactile/region.hpp"
+#include "skinctl/tactile/robot_observer.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_contact.hpp"
 #include "skinctl/tactile/skin_of.hpp"

@@ -20,6 +20,7 @@ struct Options {
 /// A `ClockProtocol`. Sends nothing by itself: the controller begins with EGMRunJoint.
 class Egm {
  public:
+  static constexpr std::size_t joints = 6;
   static constexpr bool answers_every_number = false;  // the newest answer counts
 
   /// Throws `ConfigurationError`.

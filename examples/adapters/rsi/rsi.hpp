@@ -28,6 +28,7 @@ struct Options {
 /// A `ClockProtocol`. Sends nothing by itself: the controller begins with RSI_ON.
 class Rsi {
  public:
+  static constexpr std::size_t joints = 6;
   static constexpr bool answers_every_number = false;  // an old IPOC is a late answer
 
   /// Throws `ConfigurationError`.

@@ -18,6 +18,7 @@ struct Options {
 /// those of a URDF: J3 is relative to link 2.
 class StreamMotion {
  public:
+  static constexpr std::size_t joints = 6;
   static constexpr bool answers_every_number = true;  // the controller counts commands
 
   /// Throws `ConnectionError`.

@@ -1,4 +1,4 @@
-// The job of a stiff arm in lock-step: it gives way to a push on its tool as configured, and comes back.
+// The job of an arm in lock-step: it gives way to a push on its tool as configured, and comes back.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,7 +15,6 @@ namespace {
 Settings settings(Robot robot) {
   Settings s;
   s.robot = robot;
-  s.urdf = COMPLIANT_ARM_URDF;
   s.quiet = true;
   s.simulation.speed = 0;
   s.duration = skinctl::testing::sanitized ? 4 : 8;
@@ -25,8 +24,8 @@ Settings settings(Robot robot) {
 
 }  // namespace
 
-TEST_CASE("A stiff arm by position gives way to pushes on its tool and comes back, within its limits") {
-  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::stream_motion}) {
+TEST_CASE("An arm gives way to pushes on its tool and comes back, within its limits") {
+  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion}) {
     CAPTURE(int(robot));
     RunLog log;
     CHECK(run(settings(robot), false, log) == Exit::fine);
@@ -40,7 +39,58 @@ TEST_CASE("A stiff arm by position gives way to pushes on its tool and comes bac
     CHECK(log.counts.lost == 0);
     CHECK(log.peak[2] > 0.1);  // the pushes are felt in the commands
     CHECK(log.peak[2] <= 1.01);
+    CHECK((log.bent > 0.04) == (robot == Robot::fri));  // 40 N on 500 N m/rad
   }
+}
+
+TEST_CASE("An arm on springs comes back whatever their stiffness, by torque and by other periods") {
+  const auto gives_way = [](const Settings& s) {
+    RunLog log;
+    CHECK(run(s, false, log) == Exit::fine);
+    CHECK(log.reason == "");
+    REQUIRE(log.pushes.size() == 1);
+    CHECK(log.pushes[0].force == doctest::Approx(40).epsilon(0.1));
+    CHECK(log.pushes[0].moved > 0.03);
+    CHECK(log.pushes[0].moved < 0.2);
+    CHECK(log.pushes[0].left < 0.1 * log.pushes[0].moved);
+    CHECK(log.peak[2] <= 1.01);
+    return log;
+  };
+  auto s = settings(Robot::fri);
+  s.duration = 4;
+  double softer = 1;
+  for (const double k : {200.0, 500.0, 2000.0}) {
+    CAPTURE(k);
+    s.stiffness = s.fri_controller.arm.stiffness = k;
+    const RunLog log = gives_way(s);
+    CHECK(log.bent < softer);
+    softer = log.bent;
+  }
+  s = settings(Robot::fri);
+  s.duration = 4;
+  s.fri.overlay = s.fri_controller.overlay = adapters::fri::Overlay::torque;
+  s.fri_controller.send_period = 2;
+  s.fri.period = skinctl::nanoseconds(0.002);
+  gives_way(s);
+  s.fri_controller.send_period = 1, s.fri_controller.multiplier = 2;  // every second message has an answer
+  const RunLog second = gives_way(s);
+  CHECK(second.counts.lost == 0);
+  CHECK(second.counts.doubled == 0);
+}
+
+TEST_CASE("An iiwa that does not tell the torque of the world, or a load told wrong, does not lead the arm") {
+  auto s = settings(Robot::fri);
+  s.duration = 3;
+  s.fri_controller.tells_external = false;
+  RunLog blind;
+  CHECK(run(s, false, blind) == Exit::blind);
+  s = settings(Robot::fri);
+  s.duration = 3;
+  s.simulation.pushes.clear();
+  s.fri_controller.arm.torque_error = 1.5;  // within the threshold of 2 N m
+  RunLog log;
+  CHECK(run(s, false, log) == Exit::fine);
+  CHECK(log.pushes.empty());
 }
 
 TEST_CASE("A robot that answers later is felt heavier") {
@@ -61,4 +111,31 @@ TEST_CASE("An arm without a sensor in its wrist stays where it is") {
   RunLog log;
   CHECK(run(s, false, log) == Exit::blind);
   CHECK(log.reason.find("no forces") != std::string::npos);
+}
+
+TEST_CASE("An identification finds delay and lag of an arm, and the stiffness of springs that were pushed") {
+  if (skinctl::testing::sanitized) return;
+  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion}) {
+    CAPTURE(int(robot));
+    auto s = settings(robot);
+    s.identify = true;
+    s.simulation.pushes.clear();
+    if (robot == Robot::fri) s.simulation.pushes = {{16, 4, {20, 20, 20}}};
+    RunLog log;
+    CHECK(run(s, false, log) == Exit::fine);
+    CHECK(log.found.known);
+    CHECK(std::abs(log.found.both - s.delay - s.lag) < std::max(4 * log.found.deviation, 5e-3));
+    CHECK(log.found.deviation < 5e-3);
+    if (robot != Robot::fri) {
+      CHECK(log.found.stiffness.empty());
+      continue;
+    }
+    REQUIRE(log.found.stiffness.size() == 7);
+    int known = 0;
+    for (const double k : log.found.stiffness) {
+      if (k > 0) CHECK(k == doctest::Approx(s.fri_controller.arm.stiffness).epsilon(0.1));
+      known += k > 0;
+    }
+    CHECK(known >= 2);
+  }
 }

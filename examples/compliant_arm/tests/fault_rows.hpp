@@ -1,4 +1,4 @@
-// What goes wrong between the job of a stiff arm and its controller, and how it must end.
+// What goes wrong between the job of an arm and its controller, and how it must end.
 #pragma once
 
 #include <vector>
@@ -25,7 +25,6 @@ struct Row {
 inline Settings settings_of(Robot robot) {
   Settings s;
   s.robot = robot;
-  s.urdf = COMPLIANT_ARM_URDF;
   simulate_by_default(s);
   s.simulation.pushes = {{.start = 0.4, .duration = 1.2, .force = {0, 0, 40}}};
   s.simulation.faults.from = at;
@@ -44,8 +43,8 @@ inline std::vector<Row> rows() {
     return [what, value](Settings& s) { s.simulation.faults.*what = value; };
   };
   const char* silent = "the controller has fallen silent";
-  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::stream_motion}) {
-    const bool kuka = robot == Robot::rsi, abb = robot == Robot::egm;
+  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion}) {
+    const bool kuka = robot == Robot::rsi, abb = robot == Robot::egm, iiwa = robot == Robot::fri;
     row(robot, "1 % of its datagrams lost", Exit::fine, "", fault(&Faults::lose, 0.01));
     row(robot, "10 % of its datagrams lost", Exit::fine, "", fault(&Faults::lose, 0.1));
     row(robot, "1 % of the answers lost", Exit::fine, "", fault(&Faults::lose_answers, 0.01));
@@ -61,8 +60,9 @@ inline std::vector<Row> rows() {
                : Exit::halted,
         abb    ? ""
         : kuka ? "the controller counts answers as late"
+        : iiwa ? "quality is below GOOD"
                : "they came late",
-        fault(&Faults::late_answers, kuka || abb ? 0.008 : 0.016));
+        fault(&Faults::late_answers, kuka || abb || iiwa ? 0.008 : 0.016));
     row(robot, "the cable is cut, or the controller ends", Exit::lost, silent, fault(&Faults::silent_at, at));
     row(robot, "emergency stop", kuka ? Exit::lost : Exit::halted,
         kuka ? silent : "the robot takes no more motion", fault(&Faults::halted_at, at));
@@ -70,6 +70,35 @@ inline std::vector<Row> rows() {
         fault(&Faults::restart_at, at));
     row(robot, "it answers nothing", Exit::lost, "", fault(&Faults::mute, true));
   }
+  using adapters::fri::Control;
+  using adapters::fri::Overlay;
+  const auto of_fri = [](auto simulated_arm::FriConfig::* what, auto value) {
+    return [what, value](Settings& s) { s.fri_controller.*what = value; };
+  };
+  row(Robot::fri, "fewer than seven axes", Exit::refused, "another number of joints",
+      fault(&Faults::fewer_joints, true));
+  row(Robot::fri, "another send period than declared", Exit::refused, "is another period",
+      of_fri(&simulated_arm::FriConfig::send_period, 5u));
+  row(Robot::fri, "Cartesian impedance", Exit::refused, "its control mode is Cartesian impedance",
+      of_fri(&simulated_arm::FriConfig::control, Control::cartesian_impedance));
+  row(Robot::fri, "position control under a job for springs", Exit::refused, "its control mode is position",
+      of_fri(&simulated_arm::FriConfig::control, Control::position));
+  row(Robot::fri, "ClientCommandMode.WRENCH", Exit::refused, "its client command mode is WRENCH",
+      of_fri(&simulated_arm::FriConfig::overlay, Overlay::wrench));
+  row(Robot::fri, "ClientCommandMode.TORQUE, not declared", Exit::refused,
+      "its client command mode is TORQUE", of_fri(&simulated_arm::FriConfig::overlay, Overlay::torque));
+  row(Robot::fri, "its motion ends: the session falls back", Exit::halted, "fell back from COMMANDING_ACTIVE",
+      of_fri(&simulated_arm::FriConfig::motion_ends_at, at));
+  row(Robot::fri, "half of its datagrams lost", Exit::halted, "quality is below GOOD",
+      fault(&Faults::lose, 0.5));
+  row(Robot::fri, "its quality falls to POOR", Exit::halted, "quality is below GOOD",
+      of_fri(&simulated_arm::FriConfig::poor_at, at));
+  row(Robot::fri, "a safety stop before it begins", Exit::lost, "its safety state is not normal",
+      fault(&Faults::halted_at, 0.0));
+  row(Robot::fri, "no motion in its program", Exit::lost, "the session stays in MONITORING_READY",
+      of_fri(&simulated_arm::FriConfig::motion_begins, false));
+  row(Robot::fri, "no external torques", Exit::blind, "hold no forces",
+      of_fri(&simulated_arm::FriConfig::tells_external, false));
   row(Robot::egm, "fewer than six axes", Exit::refused, "another number of joints",
       fault(&Faults::fewer_joints, true));
   row(Robot::egm, "another \\SampleRate than declared", Exit::refused, "datagrams come every",

@@ -9,14 +9,8 @@ import subprocess
 import sys
 import time
 
-try:
-    from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
-except ImportError:
-    print("skipped: no protobuf; sudo apt-get install python3-protobuf")
-    sys.exit(77)
+from protobuf_peer import DOUBLE, ENUM, MANY, ONE, UINT, check, classes
 
-UINT, ENUM, DOUBLE, PART = 13, 5, 1, 11  # an enumeration is a number on the wire
-ONE, MANY = 1, 3
 MESSAGES = {
     "Header": [("seqno", 1, UINT, ONE), ("tm", 2, UINT, ONE), ("mtype", 3, ENUM, ONE)],
     "Joints": [("joints", 1, DOUBLE, MANY)],
@@ -28,27 +22,6 @@ MESSAGES = {
               ("rapidExecState", 8, "Said", ONE), ("measuredForce", 9, "Force", ONE)],
     "Sensor": [("header", 1, "Header", ONE), ("planned", 2, "Pose", ONE)],
 }
-
-
-def classes():
-    file = descriptor_pb2.FileDescriptorProto(name="egm.proto", package="egm", syntax="proto2")
-    for name, fields in MESSAGES.items():
-        message = file.message_type.add(name=name)
-        for field, number, kind, label in fields:
-            f = message.field.add(name=field, number=number, label=label)
-            f.type = PART if isinstance(kind, str) else kind
-            if isinstance(kind, str):
-                f.type_name = ".egm." + kind
-    pool = descriptor_pool.DescriptorPool()
-    pool.Add(file)
-    get = message_factory.MessageFactory(pool).GetPrototype
-    return [get(pool.FindMessageTypeByName("egm." + name)) for name in ("Robot", "Sensor")]
-
-
-def check(holds, what):
-    if not holds:
-        print("failed:", what)
-        sys.exit(1)
 
 
 def lead(program, Robot, Sensor):
@@ -129,7 +102,7 @@ def control(program, Robot, Sensor):
 
 
 def main():
-    Robot, Sensor = classes()
+    Robot, Sensor = classes("egm", MESSAGES, ("Robot", "Sensor"))
     (control if "--controller" in sys.argv else lead)(sys.argv[1], Robot, Sensor)
 
 

@@ -1,13 +1,15 @@
-// Datagrams of RSI, EGM and stream motion: layouts, what is refused, and that no bytes do harm.
+// Datagrams of RSI, EGM, FRI and stream motion: layouts, what is refused, and that no bytes do harm.
 //
 // Promise: messages of KUKA RSI, ABB EGM and FANUC stream motion are read whatever the bytes
-// Tried: truncated, mutated and random datagrams; the XML against tinyxml2, EGM's bytes as protobuf's page writes them
+// Tried: truncated, mutated and random datagrams; the XML against tinyxml2, EGM's and FRI's bytes as
+// protobuf's page writes them
 
 #include "examples/adapters/rsi/messages.hpp"
 
 #include <doctest/doctest.h>
 #include <tinyxml2.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -15,6 +17,7 @@
 #include <vector>
 
 #include "examples/adapters/egm/messages.hpp"
+#include "examples/adapters/fri/messages.hpp"
 #include "examples/adapters/stream_motion/packets.hpp"
 
 namespace rsi = adapters::rsi;
@@ -292,4 +295,118 @@ TEST_CASE("EGM: cut, damaged and random bytes do no harm, and what is read is fi
     egm::RobotMessage robot;
     static_cast<void>(parse({good.data(), n}, robot));
   }
+}
+
+namespace fri = adapters::fri;
+
+namespace {
+
+fri::Monitoring full_monitoring() {
+  fri::Monitoring m;
+  m.header.number = 70'000, m.header.reflected = 300;
+  m.axes = fri::joints;
+  m.control = fri::Control::joint_impedance;
+  for (std::size_t i = 0; i < fri::joints; ++i) m.measured[i] = 0.1 * static_cast<double>(i) - 0.3;
+  m.measured_torque = {1, 2, 3, 4, 5, 6, 7};
+  m.commanded = {7, 6, 5, 4, 3, 2, 1};
+  m.external_torque = {-1, 0, 1, 0, -1, 0, 1};
+  m.session = fri::Session::commanding, m.quality = fri::Quality::excellent;
+  m.period = 5, m.multiplier = 2;
+  m.interpolated = {0.5, 0.25, 0, 0, 0, 0, -0.5};
+  m.overlay = fri::Overlay::torque;
+  return m;
+}
+std::vector<std::uint8_t> bytes_of(const auto& message) {
+  std::vector<std::uint8_t> out(fri::longest);
+  out.resize(print(message, out));
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("FRI: a command byte by byte, and its sizes") {
+  fri::Command c{.axes = fri::joints, .position = {1, 2, 3, 4, 5, 6, 7}, .torque = {}};
+  c.header.number = 1, c.header.reflected = 5;
+  auto bytes = bytes_of(c);
+  const std::vector<std::uint8_t> header{0x0a, 8, 8, 0x81, 0x80, 0x0d, 0x10, 1, 0x18, 5};
+  REQUIRE(bytes.size() == 77);  // seven joints beside the header
+  CHECK(std::equal(header.begin(), header.end(), bytes.begin()));
+  const std::vector<std::uint8_t> one{0x12, 65, 0x0a, 63, 9, 0, 0, 0, 0, 0, 0, 0xf0, 0x3f};
+  CHECK(std::equal(one.begin(), one.end(), bytes.begin() + 10));
+  CHECK(print(c, {bytes.data(), bytes.size() - 1}) == 0);
+  c.torque = {0, 0, 0, 0, 0, 0, -1};
+  bytes = bytes_of(c);
+  REQUIRE(bytes.size() == 77 + 65 + 1);  // 130 bytes have a length of two
+  CHECK((bytes[10] == 0x12 && bytes[11] == 0x82 && bytes[12] == 1));
+  fri::Command back;
+  REQUIRE(parse(bytes, back));
+  CHECK((back.header.number == 1 && back.header.reflected == 5 && back.axes == 7));
+  CHECK((back.position == c.position && back.torque == c.torque));
+  c.axes = 0;
+  CHECK(bytes_of(c) == header);
+}
+
+TEST_CASE("FRI: a message of the controller comes back as it was, and others are told apart") {
+  const fri::Monitoring m = full_monitoring();
+  auto bytes = bytes_of(m);
+  fri::Monitoring back;
+  REQUIRE(parse(bytes, back));
+  CHECK((back.header.number == 70'000 && back.header.reflected == 300 && back.axes == 7 && back.safety == 0));
+  CHECK((back.control == m.control && back.session == m.session && back.quality == m.quality));
+  CHECK((back.overlay == m.overlay && back.period == 5 && back.multiplier == 2));
+  CHECK((back.measured == m.measured && back.measured_torque == m.measured_torque));
+  CHECK((back.commanded == m.commanded && back.external_torque == m.external_torque));
+  CHECK(back.interpolated == m.interpolated);
+  // Fields that nobody knows, at the end and as bytes of four.
+  bytes.insert(bytes.end(), {0x7a, 2, 8, 1, 0xa5, 6, 1, 2, 3, 4});
+  CHECK(parse(bytes, back));
+  fri::Command command;
+  CHECK_FALSE(parse(bytes, command));  // another identifier
+  auto other = m;
+  other.header.id = fri::command_id;
+  CHECK_FALSE(parse(bytes_of(other), back));
+  other = m, other.measured[3] = std::nan("");
+  CHECK_FALSE(parse(bytes_of(other), back));
+  other = m, other.axes = 6;
+  REQUIRE(parse(bytes_of(other), back));
+  CHECK(back.axes == 6);
+  for (std::size_t n = 0; n < bytes.size(); ++n) {
+    fri::Monitoring cut;
+    static_cast<void>(parse({bytes.data(), n}, cut));
+  }
+  for (std::size_t room = 0; room + 11 < bytes.size(); ++room) {
+    std::vector<std::uint8_t> out(room);
+    CHECK(print(m, out) == 0);
+  }
+}
+
+TEST_CASE("FRI: 200 000 damaged messages do no harm, and what is read is finite") {
+  const auto good = bytes_of(full_monitoring());
+  fri::Command c{.axes = fri::joints, .position = {1, 2, 3, 4, 5, 6, 7}, .torque = fri::SevenJoints{}};
+  const auto answer = bytes_of(c);
+  std::mt19937 rng(17);
+  const auto all_finite = [](const fri::SevenJoints& x) {
+    return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
+  };
+  std::size_t read = 0;
+  for (int k = 0; k < 200'000; ++k) {
+    const auto bytes = damaged(k % 2 == 0 ? good : answer, rng);
+    fri::Monitoring m;
+    if (parse(bytes, m)) {
+      ++read;
+      REQUIRE(all_finite(m.measured));
+      REQUIRE(all_finite(m.external_torque.value_or(fri::SevenJoints{})));
+      REQUIRE(all_finite(m.commanded.value_or(fri::SevenJoints{})));
+      REQUIRE(all_finite(m.interpolated.value_or(fri::SevenJoints{})));
+      REQUIRE((m.session <= fri::Session::commanding && m.quality <= fri::Quality::excellent));
+      REQUIRE(m.multiplier >= 1);
+    }
+    fri::Command command;
+    if (parse(bytes, command)) {
+      ++read;
+      REQUIRE(all_finite(command.position));
+      REQUIRE(all_finite(command.torque.value_or(fri::SevenJoints{})));
+    }
+  }
+  CHECK(read > 1000);
 }

@@ -17,16 +17,17 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// What `MotorTouch` adds to the input of a cycle: the motors' torque at the joints at the time of the
-/// measured state [N m], `current * torque constant * gear ratio`.
+/// measured state [N m], `current * torque constant * gear ratio`. For a robot that finds the torque of the
+/// world itself (`RobotObserver`) that torque stands here.
 template <std::size_t N, Scalar T = double>
 struct MotorInput {
   JointTorque<N, T> motor_torque;
 };
 
 /// Observer, thresholds and times of `MotorTouch`.
-template <RobotModel M, Real T = double>
+template <RobotModel M, Real T = double, class Observer = MomentumObserver<M, T>>
 struct MotorTouchSettings {
-  typename MomentumObserver<M, T>::Settings observer = {};
+  typename Observer::Settings observer = {};
   /// Per joint, on |residual| [N m]: above what friction and the model leave. No default suits two robots.
   std::array<EventGate<T>, M::joints> gates;
   T gain = T(1);  ///< torque that the laws see per torque found, > 0
@@ -52,21 +53,25 @@ struct MotorTouchSettings {
 /// **Bias.** With `noise` declared a residual has to live, as a hand's does: see `WristSensor`. Below the gates
 /// nothing is followed: a joint at rest hides up to its dry friction in either direction.
 ///
+/// **Observer.** One with `joints`, `Settings`, `Memory` (`started`, `stamp`, `residual`), `model()` and
+/// `observe(memory, state, torque)`: `MomentumObserver`, or `RobotObserver` for robots that observe
+/// themselves.
+///
 /// Each state with a new stamp is a sample. Between samples the torque is linear in time, delayed by one
 /// sample; without new states it fades (`sample_stale`).
-template <RobotModel M, Real T = double>
+template <RobotModel M, Real T = double, class Observer = MomentumObserver<M, T>>
 class MotorTouch : public sensor_sums::Summand {
  public:
   static constexpr std::size_t joints = M::joints;
   using scalar = T;
   using Wrenches = JointTouch<M, T>;
   using Sensed = MotorInput<joints, T>;
-  using Settings = MotorTouchSettings<M, T>;
+  using Settings = MotorTouchSettings<M, T, Observer>;
   static constexpr std::size_t sizes = joints < 16 ? joints : 16;  ///< that are looked at for life
   using Watch = PushWatch<joints, sizes>;
   static constexpr LinkMask links = 0;
   struct Memory {
-    typename MomentumObserver<M, T>::Memory observer;
+    typename Observer::Memory observer;
     detail::SampledRow<joints, T> row;  ///< the torque behind the gates [N m]
     typename Watch::Memory watch;       ///< of residuals
     State<joints, T> followed;          ///< how the robot stood when its way was last counted
@@ -83,7 +88,7 @@ class MotorTouch : public sensor_sums::Summand {
     require(s_.max_age >= s_.fade && s_.max_age <= 10s, "MotorTouch: max_age", milliseconds(s_.max_age),
             ">= fade, <= 10 s [ms]");
   }
-  [[nodiscard]] const MomentumObserver<M, T>& observer() const noexcept { return observer_; }
+  [[nodiscard]] const Observer& observer() const noexcept { return observer_; }
 
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
     Memory memory;
@@ -188,7 +193,7 @@ class MotorTouch : public sensor_sums::Summand {
     for (T& x : value) x = share * x;
   }
 
-  MomentumObserver<M, T> observer_;
+  Observer observer_;
   Settings s_;
   Watch watch_;
 };
