@@ -7,6 +7,7 @@ namespace packing {
 
 WorkSettings by_hand(WorkSettings s) {
   s.hold = 2.5;
+  s.lightly = 1.4;
   s.above_near = 0.003;
   s.let_go = 0.015;
   s.aside = 0.03;  // a thumb stands out further than the fingers stand
