@@ -1,5 +1,6 @@
 #include "examples/packing_oranges/taught_plan.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -55,7 +56,7 @@ class Reader {
     if (s.does == &activity::Look::rule && s.no == ask_person)
       refuse(k, "it is done once; show it with more than one orange, and it goes on until none is left");
     if (s.place == no_place) return;
-    const TaughtPlace& place = plan_.places[s.place];
+    TaughtPlace& place = plan_.places[s.place];
     const ObjectClass mark = class_here(place.mark);
     if (mark == 0 && place.mark != 0)
       refuse(k, "its place is beside a " + classes_.name(place.mark) + ", and there is none here");
@@ -63,7 +64,7 @@ class Reader {
     const bool lets_go = s.does == &activity::Put::rule || s.does == &activity::Find::rule ||
                          s.does == &activity::Release::rule;
     if (lets_go)
-      in_tray(k, mark, p);
+      in_tray(k, mark, place);
     else if (s.does == &activity::Carry::rule || s.does == &activity::Squeeze::rule)
       in_room(k, mark, p);
     else
@@ -87,13 +88,18 @@ class Reader {
                      "%.0f mm at most",
                      1e3 * norm(p), 1e3 * most));
   }
-  void in_tray(std::uint8_t k, ObjectClass mark, const Xyz<double>& p) const {
+  /// A hand that is pushed between walls needs room beside it: what is nearer to a wall than that comes nearer to the middle.
+  void in_tray(std::uint8_t k, ObjectClass mark, TaughtPlace& place) const {
     if (mark != box_class && mark != bin_class) refuse(k, "oranges are put into the box or a bin here");
     const Tray tray = mark == box_class ? box_tray : bin_tray(0);
-    constexpr double finger = 0.06, high = 0.1;  // beside walls, and from where an orange may fall
+    constexpr double finger = 0.06, room = 0.09, high = 0.1;  // high: from where an orange may fall
+    Xyz<double> p = place.X_MH.origin();
     if (std::abs(p.x) > tray.half_x - finger || std::abs(p.y) > tray.half_y - finger || p.z < 0 || p.z > high)
       refuse(k, text("the hand opens at %+.2f %+.2f %+.2f m from the %s: not between its walls, or too high",
                      p.x, p.y, p.z, mark == box_class ? "box" : "bin"));
+    p.x = std::clamp(p.x, room - tray.half_x, tray.half_x - room);
+    p.y = std::clamp(p.y, room - tray.half_y, tray.half_y - room);
+    place.X_MH = {place.X_MH.axes(), p};
     reached(k, {p.x + tray.x, p.y + tray.y, 0.2});
   }
   void in_room(std::uint8_t k, ObjectClass mark, const Xyz<double>& p) const {

@@ -222,6 +222,10 @@ class Worker {
   /// The step at which its plan is.
   [[nodiscard]] const skinctl::Step& now_at() const { return executor_.task().steps[plan_.step]; }
   [[nodiscard]] bool does(const auto&... rule) const { return ((now_at().does == &rule) || ...); }
+  [[nodiscard]] bool next_does(const skinctl::ActivityRule& rule) const {
+    const auto next = now_at().done;
+    return next < executor_.task().size && executor_.task().steps[next].does == &rule;
+  }
   /// Class of the landmark of that step's place; 0: none.
   [[nodiscard]] skinctl::ObjectClass mark() const {
     return now_at().place == skinctl::no_place ? skinctl::ObjectClass(0)
@@ -549,6 +553,8 @@ class Worker {
       add(skill, at(features_.in_hand && features_.carried ? taken_ : here, s_.carry), 0.05);
     } else {
       parts_.push_back({Set::start_skill(skill), false, {}});
+      // It may wait for the box with the orange in the hand, and somebody pushes it meanwhile.
+      if (r.does == &activity::Take::rule && next_does(activity::Carry::rule)) grip({0, s_.lightly, 0.08});
       if (s_.shown && r.does == &activity::Release::rule && mark() == box_class)
         grip({s_.shown->opening, 5, 0.15});
     }
