@@ -244,7 +244,8 @@ class Worker {
     bool moves = false;
     skinctl::Xyz<double> to{0, 0, 0};
     bool until_touched = false;
-    double slowest = 0;  ///< it takes at least so long [s]
+    double slowest = 0;   ///< it takes at least so long [s]
+    bool judges = false;  ///< it is a squeeze
   };
 
   /// The log of the steps.
@@ -279,7 +280,7 @@ class Worker {
     const auto told = Set::report_of(memory_->law, ticket_);
     if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
     if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
-      if (judging_ && !judge()) return end(false);
+      if (parts_[part_].judges && !judge()) return end(false);
       if (++part_ == parts_.size()) return end(true);
       asked_ = false;
     }
@@ -373,6 +374,14 @@ class Worker {
     }
     gives_way_ = asked_ = false;
     squeezed_ = {};
+    if (way_back_ == WayBack::none && judging_ && !is_at_feed()) {
+      // It was held firmly on the way: a squeeze is judged by the rise of the force.
+      parts_.clear();
+      part_ = 0;
+      add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
+      grip({0, s_.lightly, 0.02});
+      add_squeeze(A::skills(&skinctl::activity::Squeeze::rule));
+    }
     if (way_back_ == WayBack::none) return false;
     if (way_back_ == WayBack::joints) {
       Goal g = Set::start_skill(Set::template index<behaviour::Return>());
@@ -473,6 +482,14 @@ class Worker {
     part.has = true;
     part.goal = goal;
   }
+  /// Squeezes; where it is carried on from there, what was squeezed is held as on the way.
+  void add_squeeze(std::uint8_t skill) {
+    parts_.push_back({Set::start_skill(skill), false, {}});
+    parts_.back().judges = true;
+    if (now_at().place == skinctl::no_place) return;
+    add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
+    grip({0, s_.hold, 0.02});
+  }
   [[nodiscard]] skinctl::Xyz<double> at(const skinctl::Xyz<double>& p, double z) const {
     return {p.x, p.y, z};
   }
@@ -507,18 +524,16 @@ class Worker {
       if (!is_over(taken_)) return end(false);
       add(skill, taken_, 0.003);
     } else if (r.does == &activity::Squeeze::rule) {
-      parts_.push_back({Set::start_skill(skill), false, {}});
       squeezed_ = {};
       judging_ = true;
-      if (r.place == no_place) return;
-      add(A::skills(&activity::Carry::rule), here, 0.01);
-      grip({0, s_.hold, 0.02});
+      add_squeeze(skill);
     } else if (r.does == &activity::Carry::rule) {
       R_ = turned_at(r.place);
       const auto p = hand_at(r.place);
       add(skill, at(here, s_.carry), passing);
       grip({0, s_.lightly, 0.02});
       add(skill, at(p, std::max(p.z, s_.carry)), 0.01);
+      grip({0, s_.lightly, 0.02});
     } else if (r.does == &Lift::rule) {
       add(skill, at(here, s_.carry), passing);
       grip({0, s_.hold, 0.02});
