@@ -246,6 +246,7 @@ class Worker {
     bool until_touched = false;
     double slowest = 0;   ///< it takes at least so long [s]
     bool judges = false;  ///< it is a squeeze
+    double most = 1e9;    ///< force of a finger at which it has ended, at most [N]
   };
 
   /// The log of the steps.
@@ -280,6 +281,7 @@ class Worker {
     const auto told = Set::report_of(memory_->law, ticket_);
     if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
     if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
+      if (gripper_.force > parts_[part_].most) return;
       if (parts_[part_].judges && !judge()) return end(false);
       if (++part_ == parts_.size()) return end(true);
       asked_ = false;
@@ -379,7 +381,7 @@ class Worker {
       parts_.clear();
       part_ = 0;
       add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
-      grip({0, s_.lightly, 0.02});
+      hold_lightly();
       add_squeeze(A::skills(&skinctl::activity::Squeeze::rule));
     }
     if (way_back_ == WayBack::none) return false;
@@ -482,6 +484,11 @@ class Worker {
     part.has = true;
     part.goal = goal;
   }
+  /// As it is carried until it is squeezed.
+  void hold_lightly() {
+    grip({0, s_.lightly, 0.02});
+    parts_.back().most = 1.3 * s_.lightly;
+  }
   /// Squeezes; where it is carried on from there, what was squeezed is held as on the way.
   void add_squeeze(std::uint8_t skill) {
     parts_.push_back({Set::start_skill(skill), false, {}});
@@ -531,9 +538,9 @@ class Worker {
       R_ = turned_at(r.place);
       const auto p = hand_at(r.place);
       add(skill, at(here, s_.carry), passing);
-      grip({0, s_.lightly, 0.02});
+      hold_lightly();
       add(skill, at(p, std::max(p.z, s_.carry)), 0.01);
-      grip({0, s_.lightly, 0.02});
+      hold_lightly();
     } else if (r.does == &Lift::rule) {
       add(skill, at(here, s_.carry), passing);
       grip({0, s_.hold, 0.02});
