@@ -129,7 +129,7 @@ std::string picture_of_judgement(const Outcome& o, const RunSettings& s) {
               Y(most));
   for (std::size_t i = 0; i < s.work.plan.border_count; ++i)
     out += text("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#8e5bb5\"/>", X(0), X(most),
-                Y(s.work.plan.borders[i]), Y(s.work.plan.borders[i]));
+                Y(2 * s.work.plan.borders[i]), Y(2 * s.work.plan.borders[i]));
   for (int k = 0; k <= 9000; k += 3000) {
     out +=
         text("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>", X(k), height - bottom + 18, k);

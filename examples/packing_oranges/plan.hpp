@@ -50,7 +50,7 @@ enum : std::uint8_t { box, bin };
 }
 
 /// A good orange goes into the box, a bad one into the bin; then the next one, until there is none. A place at height 0
-/// is as high as the orange was taken.
+/// is as high as the orange was taken. The border is force over the way of the fingers: half of a side's stiffness.
 inline constexpr Plan pack_oranges = [] {
   using namespace skinctl;
   using namespace step;
@@ -74,7 +74,7 @@ inline constexpr Plan pack_oranges = [] {
                step_of<GoBack>({.role = O, .done = look})};
   out.places = {{{box_class, Transform<ObjectFrame, Tool>::translation_xyz(-0.04, 0, 0)}, {bin_class, {}}}};
   out.place_count = 2;
-  out.borders = {3873};
+  out.borders = {3873 / 2.0};
   out.border_count = 1;
   return out;
 }();

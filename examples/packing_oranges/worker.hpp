@@ -645,10 +645,10 @@ class Worker {
     judging_ = false;
     const auto k = squeeze_.result(squeezed_);
     if (!k.known) return false;
-    const double stiffness = 2 * k.stiffness;  // each side gives by half of the closing
     const std::uint8_t border = now_at().border;
-    answer_ = border == skinctl::no_border || stiffness >= executor_.task().borders[border];
-    judged_.push_back({object_, stiffness, answer_, skinctl::seconds<double>(now_)});
+    answer_ = border == skinctl::no_border || k.stiffness >= executor_.task().borders[border];
+    // Each side of an orange gives by half of the closing.
+    judged_.push_back({object_, 2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
     return true;
   }
 
