@@ -35,7 +35,7 @@ struct WorkSettings {
   double hold = 5;            ///< force of carrying [N], ...
   double lightly = 1.6;       ///< ... before it is squeezed where it is brought to
   double judge_from = 1.2, judge_to = 5.6;  ///< forces between which a squeeze is judged [N]
-  double judge_span = 3;                    ///< it must have risen by so much [N]
+  double judge_span = 2.5;                  ///< it must have risen by so much [N]
   bool turns = true;  ///< the hand turns so that its open fingers come down beside what lies near an orange
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
   Plan plan = pack_oranges;
