@@ -6,8 +6,8 @@
 
 namespace packing {
 
-/// A plan: what is done, in which order and where. The one below, or one that a person has taught. Places are those of
-/// the first arm; the second one does the same from its side.
+/// A plan: what is done, in which order and where. The one below, or one that a person has taught. Places are
+/// those of the first arm; the second one does the same from its side.
 using Plan = skinctl::TaughtTask<48>;
 
 /// Classes of objects.
@@ -49,8 +49,9 @@ namespace place {
 enum : std::uint8_t { box, bin };
 }
 
-/// A good orange goes into the box, a bad one into the bin; then the next one, until there is none. A place at height 0
-/// is as high as the orange was taken. The border is force over the way of the fingers: half of a side's stiffness.
+/// A good orange goes into the box, a bad one into the bin; then the next one, until there is none. A place at
+/// height 0 is as high as the orange was taken. The border is force over the way of the fingers: half of a
+/// side's stiffness.
 inline constexpr Plan pack_oranges = [] {
   using namespace skinctl;
   using namespace step;

@@ -88,7 +88,8 @@ class Reader {
                      "%.0f mm at most",
                      1e3 * norm(p), 1e3 * most));
   }
-  /// A hand that is pushed between walls needs room beside it: what is nearer to a wall than that comes nearer to the middle.
+  /// A hand that is pushed between walls needs room beside it: what is nearer to a wall than that comes nearer
+  /// to the middle.
   void in_tray(std::uint8_t k, ObjectClass mark, TaughtPlace& place) const {
     if (mark != box_class && mark != bin_class) refuse(k, "oranges are put into the box or a bin here");
     const Tray tray = mark == box_class ? box_tray : bin_tray(0);

@@ -9,11 +9,12 @@
 
 namespace packing {
 
-/// The plan of a task, for arms with this room for their hands. Things count by their names: orange, box, bin. After
-/// each release whose task goes on the hand goes back over the oranges, because the box is shared.
+/// The plan of a task, for arms with this room for their hands. Things count by their names: orange, box, bin.
+/// After each release the hand goes back over the oranges, because the box is shared.
 ///
-/// Throws `std::runtime_error`, with the step, for what a task asks and this world cannot do: other things, activities
-/// without a skill, places out of reach or beside box and bins, an orange that is taken beside its middle.
+/// Throws `std::runtime_error`, with the step, for what a task asks and this world cannot do: other things,
+/// activities without a skill, places out of reach or beside box and bins, an orange that is taken beside its
+/// middle.
 [[nodiscard]] Plan plan_of(const teach::NamedTask& task, const HandRoom& room);
 
 }  // namespace packing

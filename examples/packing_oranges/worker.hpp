@@ -581,9 +581,9 @@ class Worker {
         grip({s_.shown->opening, 5, 0.15});
     }
   }
-  /// Where the hand stands at a place of the plan, not of an orange, in the World. The world of who taught it is the
-  /// base of the arm that was led: so far in front of its own base this arm goes. What belongs to box or bin it lets go
-  /// `aside` of there.
+  /// Where the hand stands at a place of the plan, not of an orange, in the World. The world of a lesson is the
+  /// base of the arm that was led: so far in front of its own base this arm goes. In box and bins it lets go
+  /// `aside` of the place.
   [[nodiscard]] skinctl::Xyz<double> hand_at(std::uint8_t place) const {
     const auto& [mark, X_MH] = executor_.task().places[place];
     if (mark == box_class && s_.shown) return s_.shown->X_WH.origin();

@@ -1,9 +1,10 @@
 // From what a simulated person shows once to two arms that pack so, and what is no such task.
 //
-// Promise: what a person showed once with some oranges packs others in a world with forces, by the border that
-// was learnt; a task that these arms cannot do, and a damaged file, are refused with the step and the reason
-// Tried: a simulated person shows three oranges whose sides have 7500 and 4200 N/m: six others of 7000 and 4500 N/m are right, and
-// by the plan by hand each softer one is not; two people; 13 tasks that ask for something else, 600 damaged files
+// Promise: what a person showed once with some oranges packs others in a world with forces, by the border
+// that was learnt; a task that these arms cannot do, and a damaged file, are refused with the reason
+// Tried: a simulated person shows three oranges whose sides have 7500 and 4200 N/m: six others of 7000 and
+// 4500 N/m are right, and by the plan by hand each softer one is not; two people; 13 tasks that ask for
+// something else, 600 damaged files
 
 #include <doctest/doctest.h>
 
