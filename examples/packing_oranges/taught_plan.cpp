@@ -27,8 +27,11 @@ class Reader {
 
   Plan plan() {
     for (std::uint8_t k = 0; k < plan_.size; ++k) understand(k);
-    for (std::size_t i = 0; i < plan_.place_count; ++i)
+    for (std::size_t i = 0; i < plan_.place_count; ++i) {
       plan_.places[i].mark = class_here(plan_.places[i].mark);
+      // The hand goes beside every orange as at the first such place, whichever step names it.
+      if (plan_.places[i].mark == orange_class) around_orange(0, orange_class, plan_.places[i].X_MH.origin());
+    }
     go_back_after_releases();
     if (const TaskFault fault = check(plan_); fault.any()) refuse(fault.step, describe(fault.error));
     return plan_;
@@ -55,6 +58,8 @@ class Reader {
     if (!is_done_by_tomm(s.does)) refuse(k, "these arms have no skill for it");
     if (s.does == &activity::Look::rule && s.no == ask_person)
       refuse(k, "it is done once; show it with more than one orange, and it goes on until none is left");
+    const bool goes = s.does == &activity::Put::rule || s.does == &activity::Carry::rule;
+    if (s.place == no_place && goes) refuse(k, "it has no place");
     if (s.place == no_place) return;
     TaughtPlace& place = plan_.places[s.place];
     const ObjectClass mark = class_here(place.mark);

@@ -3,7 +3,7 @@
 // Promise: what a person showed once with some oranges packs others in a world with forces, by the border
 // that was learnt; a task that these arms cannot do, and a damaged file, are refused with the reason
 // Tried: a simulated person shows three oranges whose sides have 7500 and 4200 N/m: six others of 7000 and
-// 4500 N/m are right, and by the plan by hand each softer one is not; two people; 13 tasks that ask for
+// 4500 N/m are right, and by the plan by hand each softer one is not; two people; 15 tasks that ask for
 // something else, 600 damaged files
 
 #include <doctest/doctest.h>
@@ -153,6 +153,16 @@ TEST_CASE("packing_oranges --task: what a task asks and this world cannot do has
        "(use): these arms have no skill");
   says([&](auto& n) { at(n, activity::Look::rule).no = ask_person; },
        "step 0 of the task (look): it is done once");
+  says([&](auto& n) { at(n, activity::Put::rule).place = no_place; }, "(put): it has no place");
+  says(
+      [&](auto& n) {
+        auto& t = n.task;
+        for (std::size_t i = t.place_count++; i > 0; --i) t.places[i] = t.places[i - 1];
+        for (Step& s : t.steps)
+          if (s.place != no_place) ++s.place;
+        t.places[0] = {thing::orange, Transform<ObjectFrame, Tool>::translation_xyz(5, 0, 0)};
+      },
+      "the hand closes 5000 mm from the orange's middle");
   says(move(activity::Take::rule, 0, 0.02, 0),
        "(reach_above): the hand closes 20 mm from the orange's middle");
   says(move(activity::Carry::rule, 0.9, 0, 0.2), "(carry): its place, 0.90 m from the arm");
