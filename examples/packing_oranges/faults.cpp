@@ -27,8 +27,8 @@ std::string table_of_faults(const RunSettings& settings,
       "|---|---|---|---|---|\n";
   int lost = 0, runs = 0, right = 0, oranges = 0;
   all_over = true;
-  for (int step = 0; step < step::count; ++step) {
-    out += text("| %s%s |", step_names[step], step == step::drop ? " a bad one" : "");
+  for (std::uint8_t step = 0; step < step::count; ++step) {
+    out += text("| %s%s |", name_of(pack_oranges, step), step == step::drop ? " a bad one" : "");
     for (const Fault fault : all) {
       RunSettings s = settings;
       s.supply.oranges = 4;

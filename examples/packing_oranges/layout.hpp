@@ -27,10 +27,6 @@ inline constexpr std::size_t slots = 4;
 /// Places for oranges in the feed of an arm.
 inline constexpr std::size_t feed_places = 3;
 
-namespace place {
-enum : unsigned char { box, bin };
-}
-
 /// +1 for the first arm, -1 for the second.
 [[nodiscard]] constexpr double side(std::size_t arm) noexcept {
   return arm == 0 ? 1 : -1;
@@ -46,10 +42,10 @@ inline constexpr Tray box_tray{0, 0, 0.17, 0.13, 0.08};
 [[nodiscard]] constexpr skinctl::Xyz<double> feed_place(std::size_t arm, std::size_t k) noexcept {
   return {(-0.24 + 0.15 * (static_cast<double>(k) - 1)) * side(arm), -0.40 * side(arm), 0};
 }
-/// Where an arm lets go.
-[[nodiscard]] constexpr skinctl::Xyz<double> drop_place(std::size_t arm, unsigned char where) noexcept {
-  return where == place::box ? skinctl::Xyz<double>{-0.04 * side(arm), 0, 0}
-                             : skinctl::Xyz<double>{bin_tray(arm).x, bin_tray(arm).y, 0};
+/// As the first arm sees it from its side, seen from the side of an arm.
+[[nodiscard]] constexpr skinctl::Xyz<double> seen_by(std::size_t arm,
+                                                     const skinctl::Xyz<double>& p) noexcept {
+  return {side(arm) * p.x, side(arm) * p.y, p.z};
 }
 
 }  // namespace packing

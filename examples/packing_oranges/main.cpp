@@ -15,7 +15,9 @@
 #include "examples/packing_oranges/grasps.hpp"
 #include "examples/packing_oranges/live.hpp"
 #include "examples/packing_oranges/report.hpp"
+#include "examples/packing_oranges/taught_plan.hpp"
 #include "examples/packing_oranges/teach.hpp"
+#include "examples/packing_oranges/ur10e.hpp"
 #include "examples/support/job.hpp"
 #include "examples/support/svg_plot.hpp"
 
@@ -75,7 +77,7 @@ int lessons(int count, std::uint64_t first) {
   int understood = 0, released = 0;
   double square = 0, worst = 0, meant = 0;
   for (int i = 0; i < count; ++i) {
-    const auto lesson = teach(first + static_cast<std::uint64_t>(i));
+    const auto lesson = teach_place(first + static_cast<std::uint64_t>(i));
     if (!lesson) continue;
     const auto far = [](const auto& a, const auto& b) { return norm(skinctl::Xyz<double>(a - b)); };
     const double off = far(lesson->taught, lesson->rested), aside = far(lesson->taught, lesson->meant);
@@ -196,6 +198,9 @@ int main(int argc, char** argv) {
   app.add_flag("--faults", faults, "instead: each fault at each step of the plan, as a table");
   app.add_flag("--teach", taught,
                "first a person leads an arm to the place in the box where oranges are let go");
+  std::string task;
+  app.add_option("--task", task,
+                 "a task that was taught, as `teach learn` writes it: instead of the plan by hand");
   int taught_lessons = 0;
   app.add_option("--lessons", taught_lessons, "instead: so many people teach that place, one lesson each")
       ->check(CLI::Range(1, 100000));
@@ -229,6 +234,8 @@ int main(int argc, char** argv) {
   }
   try {
     if (grasps) return show_grasps(s.seed, page);
+    if (!task.empty() && (taught || taught_lessons > 0 || faults))
+      throw std::runtime_error("--task: a plan of its own; not with --teach, --lessons or --faults");
     s.fault = fault_named(fault);
     if (onto && (gripper.rfind("hand", 0) != 0 || (!taught && taught_lessons == 0)))
       throw std::runtime_error("--onto: a lesson with hands: --teach or --lessons, and --gripper hand");
@@ -244,6 +251,7 @@ int main(int argc, char** argv) {
       std::fputs(table_of_faults(s, one, over).c_str(), stdout);
       return code(over ? Exit::fine : Exit::not_following);
     }
+    if (!task.empty()) s.work.plan = plan_of(teach::load(task), robot == "ur10e" ? Ur10e::room : Ur5::room);
     s.keep_path = !page.empty();
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";
@@ -262,7 +270,7 @@ int main(int argc, char** argv) {
           lesson->lasted, 1e3 * p.x, 1e3 * p.y, 1e3 * p.z, 1e3 * lesson->take, lesson->shown.hold,
           1e3 * lesson->shown.opening, 1e3 * lesson->put);
     } else if (taught) {
-      const auto lesson = teach(s.seed);
+      const auto lesson = teach_place(s.seed);
       if (!lesson) {
         std::fprintf(stderr, "packing_oranges: nothing was taught\n");
         return code(Exit::not_following);
@@ -274,7 +282,8 @@ int main(int argc, char** argv) {
           "what was meant\n",
           lesson->lasted, lesson->taught.x, lesson->taught.y, lesson->taught.z,
           mm(lesson->taught, lesson->rested), mm(lesson->taught, lesson->meant));
-      s.work.taught = lesson->taught;
+      s.work.plan.places[place::box].X_MH =
+          skinctl::Transform<skinctl::ObjectFrame, skinctl::Tool>({}, lesson->taught);
     }
     return run(s, robot, page, live, quiet);
   } catch (const std::exception& error) {

@@ -7,12 +7,13 @@ namespace packing {
 
 WorkSettings by_hand(WorkSettings s) {
   s.hold = 2.5;
+  s.lightly = 1.7;
   s.above_near = 0.003;
   s.let_go = 0.015;
   s.aside = 0.03;  // a thumb stands out further than the fingers stand
   s.judge_from = 0.9;
   s.judge_to = 3.4;
-  s.judge_span = 1.8;
+  s.judge_span = 1.5;
   s.turns = false;
   if (s.shown) s.hold = s.shown->hold;
   return s;

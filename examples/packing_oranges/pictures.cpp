@@ -18,22 +18,12 @@ constexpr double shown = 60;  // the minute that is drawn [s]
 const char* colour(const Done& d) {
   if (d.asks) return "#222";
   if (d.back) return "#d33";
-  switch (d.step) {
-    case step::look:
-      return "#bbb";
-    case step::above:
-    case step::reach:
-    case step::back:
-      return "#6aaed6";
-    case step::take:
-    case step::let_go:
-    case step::drop:
-      return "#3f7f5f";
-    case step::squeeze:
-      return "#8e5bb5";
-    default:
-      return "#e8912d";
-  }
+  using namespace skinctl;
+  const auto does = [&](const auto&... rule) { return ((d.does == &rule) || ...); };
+  if (does(activity::Look::rule, activity::Find::rule)) return "#bbb";
+  if (does(activity::ReachAbove::rule, activity::Reach::rule, GoBack::rule)) return "#6aaed6";
+  if (does(activity::Take::rule, activity::Release::rule)) return "#3f7f5f";
+  return does(activity::Squeeze::rule) ? "#8e5bb5" : "#e8912d";
 }
 }  // namespace
 
@@ -97,7 +87,7 @@ std::string picture_of_time(const Outcome& o, const RunSettings& s) {
             left + scale * (x1 - begin), top, std::max(0.4, scale * (x2 - x1) - 0.4), row - 2, colour(d),
             d.asks   ? "asks"
             : d.back ? "back"
-                     : step_names[d.step],
+                     : name_of(s.work.plan, d.step),
             d.from, d.to, d.why == skinctl::StepFailure::none ? "" : ": ",
             d.why == skinctl::StepFailure::none ? "" : skinctl::describe(d.why));
       }
@@ -120,11 +110,11 @@ std::string picture_of_time(const Outcome& o, const RunSettings& s) {
         x, y - 11, colour(d), x + 16, y, words);
     x += 120;
   };
-  key({.step = step::look}, "look");
-  key({.step = step::reach}, "reach, go back");
-  key({.step = step::take}, "take, release");
-  key({.step = step::squeeze}, "squeeze");
-  key({.step = step::to_box}, "lift and put");
+  key({.does = &skinctl::activity::Look::rule}, "look");
+  key({.does = &skinctl::activity::Reach::rule}, "reach, go back");
+  key({.does = &skinctl::activity::Take::rule}, "take, release");
+  key({.does = &skinctl::activity::Squeeze::rule}, "squeeze");
+  key({.does = &Lift::rule}, "lift and put");
   key({.back = true}, "failed: back");
   key({.asks = true}, "asks");
   return out + "</svg>";
@@ -137,8 +127,9 @@ std::string picture_of_judgement(const Outcome& o, const RunSettings& s) {
   std::string out = opened(width, height);
   out += text("<line class=\"line\" x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>", X(0), Y(0), X(most),
               Y(most));
-  out += text("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#8e5bb5\"/>", X(0), X(most),
-              Y(s.work.border), Y(s.work.border));
+  for (std::size_t i = 0; i < s.work.plan.border_count; ++i)
+    out += text("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#8e5bb5\"/>", X(0), X(most),
+                Y(2 * s.work.plan.borders[i]), Y(2 * s.work.plan.borders[i]));
   for (int k = 0; k <= 9000; k += 3000) {
     out +=
         text("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>", X(k), height - bottom + 18, k);

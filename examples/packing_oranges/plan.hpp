@@ -2,12 +2,16 @@
 #pragma once
 
 #include "examples/packing_oranges/layout.hpp"
-#include "skinctl/semantics/process.hpp"
+#include "skinctl/semantics/task.hpp"
 
 namespace packing {
 
+/// A plan: what is done, in which order and where. The one below, or one that a person has taught. Places are
+/// those of the first arm; the second one does the same from its side.
+using Plan = skinctl::TaughtTask<48>;
+
 /// Classes of objects.
-inline constexpr skinctl::ObjectClass orange_class = 1;
+inline constexpr skinctl::ObjectClass orange_class = 1, box_class = 2, bin_class = 3;
 
 /// Up, with what is in the hand: it is carried from then on.
 struct Lift {
@@ -41,30 +45,51 @@ enum : std::uint8_t {
   count
 };
 }
-inline constexpr const char* step_names[] = {"look",           "reach above", "reach",   "take",
-                                             "squeeze",        "lift",        "to box",  "release",
-                                             "lift a bad one", "to bin",      "release", "go back"};
+namespace place {
+enum : std::uint8_t { box, bin };
+}
 
-/// A good orange goes into the box, a bad one into the bin; then the next one, until there is none.
-inline constexpr auto pack_oranges = [] {
+/// A good orange goes into the box, a bad one into the bin; then the next one, until there is none. A place at
+/// height 0 is as high as the orange was taken. The border is force over the way of the fingers: half of a
+/// side's stiffness.
+inline constexpr Plan pack_oranges = [] {
   using namespace skinctl;
   using namespace step;
   constexpr auto O = orange_class;
-  return task("pack oranges", {}, step_of<activity::Look>({.role = O, .done = above, .no = finish}),
-              step_of<activity::ReachAbove>({.role = O, .done = reach}),
-              step_of<activity::Reach>({.role = O, .done = take}),
-              step_of<activity::Take>({.role = O, .done = squeeze}),
-              step_of<activity::Squeeze>({.role = O, .done = lift_good, .no = lift_bad}),
-              step_of<Lift>({.role = O, .done = to_box, .needs = fact::good}),
-              step_of<activity::Put>(
-                  {.role = O, .place = place::box, .done = let_go, .needs = fact::good | fact::carried}),
-              step_of<activity::Release>({.role = O, .place = place::box, .done = back}),
-              step_of<Lift>({.role = O, .done = to_bin, .needs = fact::bad}),
-              step_of<activity::Put>(
-                  {.role = O, .place = place::bin, .done = drop, .needs = fact::bad | fact::carried}),
-              step_of<activity::Release>({.role = O, .place = place::bin, .done = back}),
-              step_of<GoBack>({.role = O, .done = look}));
+  Plan out;
+  out.name = "pack oranges";
+  out.size = step::count;
+  out.steps = {step_of<activity::Look>({.role = O, .done = above, .no = finish}),
+               step_of<activity::ReachAbove>({.role = O, .done = reach}),
+               step_of<activity::Reach>({.role = O, .done = take}),
+               step_of<activity::Take>({.role = O, .done = squeeze}),
+               step_of<activity::Squeeze>({.role = O, .done = lift_good, .no = lift_bad, .border = 0}),
+               step_of<Lift>({.role = O, .done = to_box, .needs = fact::good}),
+               step_of<activity::Put>(
+                   {.role = O, .place = place::box, .done = let_go, .needs = fact::good | fact::carried}),
+               step_of<activity::Release>({.role = O, .place = place::box, .done = back}),
+               step_of<Lift>({.role = O, .done = to_bin, .needs = fact::bad}),
+               step_of<activity::Put>(
+                   {.role = O, .place = place::bin, .done = drop, .needs = fact::bad | fact::carried}),
+               step_of<activity::Release>({.role = O, .place = place::bin, .done = back}),
+               step_of<GoBack>({.role = O, .done = look})};
+  out.places = {{{box_class, Transform<ObjectFrame, Tool>::translation_xyz(-0.04, 0, 0)}, {bin_class, {}}}};
+  out.place_count = 2;
+  out.borders = {3873 / 2.0};
+  out.border_count = 1;
+  return out;
 }();
-static_assert(pack_oranges.capacity == step::count);
+static_assert([](Plan plan) { return check(plan).error; }(pack_oranges) == skinctl::TaskError::none);
+
+/// A step in words.
+[[nodiscard]] constexpr const char* name_of(const Plan& plan, std::uint8_t k) noexcept {
+  using namespace skinctl;
+  const Step& s = plan.steps[k];
+  if (s.does == &activity::Put::rule) return plan.places[s.place].mark == box_class ? "to box" : "to bin";
+  return s.does == &activity::ReachAbove::rule             ? "reach above"
+         : s.does == &GoBack::rule                         ? "go back"
+         : s.does == &Lift::rule && s.needs.has(fact::bad) ? "lift a bad one"
+                                                           : s.does->name;
+}
 
 }  // namespace packing

@@ -48,13 +48,14 @@ double misjudged_at(const Outcome& o, double ratio, double spread) {
     }
   return n > 0 ? wrong / n : 0;
 }
-std::string failures(const ArmOutcome& a) {
+std::string failures(const ArmOutcome& a, const Plan& plan) {
   constexpr int shown = 8;
   std::string out;
   int n = 0;
   for (const Done& d : a.done) {
     if (d.why == skinctl::StepFailure::none) continue;
-    if (++n <= shown) out += text("  %8.2f s  %s: %s\n", d.to, step_names[d.step], skinctl::describe(d.why));
+    if (++n <= shown)
+      out += text("  %8.2f s  %s: %s\n", d.to, name_of(plan, d.step), skinctl::describe(d.why));
   }
   if (n > shown) out += text("  and %d more\n", n - shown);
   return out;
@@ -90,7 +91,7 @@ std::string summary(const Outcome& o, const RunSettings& s) {
         "aside for it %d times\n",
         a + 1, m.judged.size(), failed(m), went_back(m), m.asked, m.waited, m.touches,
         static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.other_arm), m.went_aside);
-    out += failures(m);
+    out += failures(m, s.work.plan);
   }
   if (s.obstacle > 0)
     out += text(

@@ -281,7 +281,7 @@ class Run {
   /// How far an orange falls that is let go in the box.
   void watch_fall(std::size_t a, const Worker<R>& w) {
     Falling& f = falling_[a];
-    const bool opens = !w.done().empty() && w.done().back().step == step::let_go && !w.goes_back();
+    const bool opens = w.lets_go_in_box();
     if (opens && !f.opened)
       for (std::size_t k = a * slots; k < (a + 1) * slots; ++k)
         if (world_.there(k) && world_.touched(k).count() >= 0 && world_.now() - world_.touched(k) < 5ms)
@@ -311,7 +311,7 @@ class Run {
       arm.touched = touchers_[a]->force() > 0;
       arm.kept = w.kept();
       arm.has_box = places_.holder[0] == a;
-      arm.step = w.finished() || w.done().empty() ? "" : step_names[w.done().back().step];
+      arm.step = w.finished() || w.done().empty() ? "" : name_of(s_.work.plan, w.done().back().step);
       arm.state = w.finished() ? "finished" : w.asks() ? "asks" : w.goes_back() ? "goes back" : "";
       if (!w.judged().empty())
         arm.stiffness = w.judged().back().stiffness, arm.said_good = w.judged().back().good;

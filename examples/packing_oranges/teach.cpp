@@ -200,7 +200,6 @@ class Person {
   using Scene = decltype(led_scene(0));
   using Memory = Scene::Memory;
   static constexpr std::uint8_t box = arms * slots;
-  static constexpr ObjectClass box_class = 2;
   using Objects = ObjectWorld<box + 1>;
 
   static std::array<ArmBody, arms> bodies(bool by_hand) {
@@ -464,7 +463,7 @@ class Person {
 };
 }  // namespace
 
-std::optional<Lesson> teach(std::uint64_t seed) {
+std::optional<Lesson> teach_place(std::uint64_t seed) {
   return Person(seed * 7919 + 11, false).teach();
 }
 std::optional<HandLesson> teach_with_hand(std::uint64_t seed, bool onto, double floor, std::string* why) {

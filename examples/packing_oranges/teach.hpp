@@ -21,7 +21,7 @@ struct Lesson {
 /// A simulated person leads the first arm by its hand, closed as around an orange, to a place in the box, leaves it alone
 /// and presses the switch that opens it. The arm has six cells around its hand and gives way; the world is the one in
 /// which it works. Nothing: the demonstration had no such goal.
-[[nodiscard]] std::optional<Lesson> teach(std::uint64_t seed);
+[[nodiscard]] std::optional<Lesson> teach_place(std::uint64_t seed);
 
 /// A lesson with a hand, and how far it is from the truth that only the world knows.
 struct HandLesson {

@@ -6,6 +6,7 @@
 
 #include "examples/packing_oranges/arm_body.hpp"
 #include "examples/packing_oranges/gripper.hpp"
+#include "examples/packing_oranges/hand_room.hpp"
 #include "examples/packing_oranges/obstacle.hpp"
 #include "examples/packing_oranges/plan.hpp"
 #include "skinctl/semantics/skill_map.hpp"
@@ -21,6 +22,8 @@ struct Ur5 {
   static constexpr double flange = Description::d6;
   static constexpr double stands = 0.6;  ///< from the middle of the box [m]
   static constexpr double reach = 1.3;   ///< of the hand, from any joint axis [m], at most
+  static constexpr HandRoom room{stands, Description::d1, -(Description::a2 + Description::a3),
+                                 Description::d4, Description::d5 + Description::d6};
   /// Cells on the upper arm, both inner wrists, the last link with the hand, and those of the forearm that only see.
   static constexpr std::size_t cells[] = {63, 18, 18, 74, 77};
   /// The tubes that skin covers; the half spheres at the ends of a capsule take 30 mm of the wrists.
@@ -88,6 +91,8 @@ inline constexpr auto tomm =
                           skinctl::done_by<skinctl::activity::Take, behaviour::Grasp>(),
                           skinctl::done_by<skinctl::activity::Squeeze, behaviour::Squeezing>(),
                           skinctl::done_by<Lift, behaviour::Putting>(),
+                          skinctl::done_by<skinctl::activity::Carry, behaviour::Putting>(),
+                          skinctl::done_by<skinctl::activity::Find, behaviour::Rest>(),
                           skinctl::done_by<skinctl::activity::Put, behaviour::Putting>(),
                           skinctl::done_by<skinctl::activity::Release, behaviour::LetGo>(),
                           skinctl::done_by<GoBack, behaviour::Reaching>(),
@@ -95,8 +100,6 @@ inline constexpr auto tomm =
 
 inline constexpr double newtons_per_reading = 20;
 inline constexpr std::size_t forearm = 2, forearm_cells = 40;
-/// The point between the fingers, beyond the flange [m].
-inline constexpr double reach_of_gripper = 0.16;
 
 /// What an arm keeps clear of: the other arm's links and hand, and what its skin sees.
 inline constexpr std::size_t near_most = 16;

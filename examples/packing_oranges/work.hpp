@@ -32,14 +32,13 @@ struct WorkSettings {
   double speed = 0.8;         ///< [m/s]
   double let_go = 0.006;      ///< it lets go so much higher than it took [m], and ...
   double aside = 0;           ///< ... beside the middle of bin or box, away from the other arm's feed [m]
-  double hold = 5;            ///< force of carrying [N]
+  double hold = 5;            ///< force of carrying [N], ...
+  double lightly = 1.6;       ///< ... before it is squeezed where it is brought to
   double judge_from = 1.2, judge_to = 5.6;  ///< forces between which a squeeze is judged [N]
-  double judge_span = 3;                    ///< it must have risen by so much [N]
-  double border = 3873;                     ///< good oranges are stiffer [N/m]
+  double judge_span = 2.5;                  ///< it must have risen by so much [N]
   bool turns = true;  ///< the hand turns so that its open fingers come down beside what lies near an orange
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
-  std::optional<skinctl::Xyz<double>>
-      taught{};                  ///< where in the box the first arm lets go, as it was shown [m]
+  Plan plan = pack_oranges;
   std::optional<Shown> shown{};  ///< by leading arm and hand
   skinctl::ExecutorSettings executor{.place = 12s};
 };
@@ -47,6 +46,7 @@ struct WorkSettings {
 /// A step of the plan, as it went.
 struct Done {
   std::uint8_t step = 0;
+  const skinctl::ActivityRule* does = nullptr;
   bool back = false;                                      ///< the way back after a failure
   bool asks = false;                                      ///< waited for a person
   skinctl::StepFailure why = skinctl::StepFailure::none;  ///< how it ended

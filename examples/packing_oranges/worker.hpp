@@ -22,7 +22,7 @@ class Worker {
   using A = Arm<R>;
   using Scene = typename A::Scene;
   using Set = typename A::Set;
-  using Executor = skinctl::Executor<step::count>;
+  using Executor = skinctl::Executor<Plan::capacity>;
   using Objects = skinctl::ObjectWorld<arms * slots>;
   struct Judged {
     std::uint8_t object = skinctl::no_object;
@@ -35,7 +35,7 @@ class Worker {
       : arm_(arm),
         s_(settings),
         scene_(scene),
-        executor_(pack_oranges, settings.executor),
+        executor_(settings.plan, settings.executor),
         squeeze_({.from = settings.judge_from,
                   .to = settings.judge_to,
                   .own = 1e9,
@@ -58,6 +58,9 @@ class Worker {
     const double size = std::hypot(x.x, x.y);
     const skinctl::Xyz<double> across{x.x / size, x.y / size, 0}, down{0, 0, -1};
     R_ = straight_ = {across, cross(down, across), down};
+    const Plan& plan = executor_.task();
+    for (std::size_t i = plan.place_count; i-- > 0;)
+      if (plan.places[i].mark == orange_class) beside_ = seen_by(arm, plan.places[i].X_MH.origin());
     if (s_.shown) {
       // Seen from its own side of the box.
       const skinctl::Rotation<double> turned{{side(arm), 0, 0}, {0, side(arm), 0}, {0, 0, 1}};
@@ -79,12 +82,13 @@ class Worker {
     const bool at_work =
         plan_.phase == Phase::begin || plan_.phase == Phase::run || plan_.phase == Phase::confirm;
     const auto& p = X_WH_.origin();
-    const bool at_box = pack_oranges.steps[plan_.step].place == place::box;
+    const std::uint8_t to = now_at().place;
+    const bool at_box = to != skinctl::no_place && mark() != orange_class && is_near_box(hand_at(to));
     skinctl::PlaceRequest out;
     out.wants = at_work && at_box ? std::uint8_t(0) : std::uint8_t(255);
     out.leaves = 1;
     out.failed = !at_work;
-    out.away = std::hypot(p.x, p.y) > 0.3 ? ~0u : 0u;
+    out.away = is_near_box(p) ? 0u : ~0u;
     return out;
   }
 
@@ -195,10 +199,13 @@ class Worker {
   [[nodiscard]] bool finished() const { return plan_.phase == Executor::Phase::finished; }
   [[nodiscard]] bool asks() const { return plan_.phase == Executor::Phase::ask; }
   [[nodiscard]] bool carries() const {
-    return features_.in_hand && (plan_.step == step::to_box || plan_.step == step::to_bin) &&
+    return features_.in_hand && does(skinctl::activity::Put::rule, skinctl::activity::Carry::rule) &&
            plan_.phase == Executor::Phase::run;
   }
   [[nodiscard]] bool goes_back() const { return !done_.empty() && done_.back().back; }
+  [[nodiscard]] bool lets_go_in_box() const {
+    return !done_.empty() && !goes_back() && does(skinctl::activity::Release::rule) && mark() == box_class;
+  }
   /// Whether it is limited for the other arm.
   [[nodiscard]] bool kept() const { return kept_; }
   /// Of the next cycle.
@@ -212,6 +219,24 @@ class Worker {
   [[nodiscard]] const skinctl::Transform<skinctl::World, skinctl::Tool>& hand() const { return X_WH_; }
 
  private:
+  /// The step at which its plan is.
+  [[nodiscard]] const skinctl::Step& now_at() const { return executor_.task().steps[plan_.step]; }
+  [[nodiscard]] bool does(const auto&... rule) const { return ((now_at().does == &rule) || ...); }
+  [[nodiscard]] bool next_does(const skinctl::ActivityRule& rule) const {
+    const auto next = now_at().done;
+    return next < executor_.task().size && executor_.task().steps[next].does == &rule;
+  }
+  /// Class of the landmark of that step's place; 0: none.
+  [[nodiscard]] skinctl::ObjectClass mark() const {
+    return now_at().place == skinctl::no_place ? skinctl::ObjectClass(0)
+                                               : executor_.task().places[now_at().place].mark;
+  }
+  /// Whether the step is about an orange that lies in the feed.
+  [[nodiscard]] bool is_at_feed() const {
+    using namespace skinctl::activity;
+    return does(Reach::rule, Take::rule) || (does(Squeeze::rule) && now_at().place == skinctl::no_place);
+  }
+  static bool is_near_box(const skinctl::Xyz<double>& p) { return std::hypot(p.x, p.y) <= 0.3; }
   static constexpr double closing_speed = 0.015;  ///< of `Squeezing` [m/s]
   using Goal = typename Scene::Goal;
   struct Part {
@@ -219,7 +244,9 @@ class Worker {
     bool moves = false;
     skinctl::Xyz<double> to{0, 0, 0};
     bool until_touched = false;
-    double slowest = 0;  ///< it takes at least so long [s]
+    double slowest = 0;   ///< it takes at least so long [s]
+    bool judges = false;  ///< it is a squeeze
+    double most = 1e9;    ///< force of a finger at which it has ended, at most [N]
   };
 
   /// The log of the steps.
@@ -240,7 +267,8 @@ class Worker {
       if (failed) done_.back().why = is.why;
     }
     if (is.phase != Phase::finished)
-      done_.push_back({is.step, back(is.phase), is.phase == Phase::ask, skinctl::StepFailure::none, t, t});
+      done_.push_back({is.step, executor_.task().steps[is.step].does, back(is.phase), is.phase == Phase::ask,
+                       skinctl::StepFailure::none, t, t});
   }
 
   void perform(const skinctl::StepRequest& r) {
@@ -253,18 +281,21 @@ class Worker {
     const auto told = Set::report_of(memory_->law, ticket_);
     if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
     if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
-      if (++part_ == parts_.size()) return judge();
+      if (gripper_.force > parts_[part_].most) return;
+      if (parts_[part_].judges && !judge()) return end(false);
+      if (++part_ == parts_.size()) return end(true);
       asked_ = false;
     }
     if (asked_ && parts_[part_].until_touched) set_down(parts_[part_]);
     // A finger has come down on something: no further.
-    if (asked_ && plan_.step == step::reach && plan_.phase == Executor::Phase::run &&
+    if (asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
         gripper_.force > stands_on) {
       send(Set::start_skill(Set::template index<behaviour::Rest>()));
       return end(false);
     }
     // It goes on from where it was pushed aside to, or its orange has rolled off: it looks anew.
-    if (!asked_ && plan_.step == step::reach && plan_.phase == Executor::Phase::run && !is_over(taken_))
+    if (!asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
+        !is_over(taken_))
       return end(false);
     if (!asked_) ask(parts_[part_]);
   }
@@ -307,7 +338,7 @@ class Worker {
       if (!gives_way_) {
         ++gave_way_;
         // Fingers that are around an orange close and take it along: it is back in its place when the arm is.
-        const bool holds = features_.in_hand || plan_.step == step::take;
+        const bool holds = features_.in_hand || does(activity::Take::rule);
         Goal away = Set::start_skill(Set::template index<behaviour::GiveWay>());
         auto& grip = away.goals.template of<GripperGoal>();
         grip.has = true;
@@ -338,14 +369,21 @@ class Worker {
       way_back_ = WayBack::joints;
     if (way_back_ == WayBack::over && goes_on_from_anywhere()) way_back_ = WayBack::none;
     // From above an orange that is judged goes on, and an empty hand looks anew where its orange is.
-    const bool at_orange =
-        plan_.step == step::reach || plan_.step == step::take || plan_.step == step::squeeze;
+    const bool at_orange = is_at_feed();
     if (way_back_ == WayBack::down && features_.in_hand != at_orange) {
       way_back_ = WayBack::none;
       if (at_orange) end(false);
     }
     gives_way_ = asked_ = false;
     squeezed_ = {};
+    if (way_back_ == WayBack::none && judging_ && !is_at_feed()) {
+      // It was held firmly on the way: a squeeze is judged by the rise of the force.
+      parts_.clear();
+      part_ = 0;
+      add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
+      hold_lightly();
+      add_squeeze(A::skills(&skinctl::activity::Squeeze::rule));
+    }
     if (way_back_ == WayBack::none) return false;
     if (way_back_ == WayBack::joints) {
       Goal g = Set::start_skill(Set::template index<behaviour::Return>());
@@ -381,8 +419,7 @@ class Worker {
   /// Middles of the oranges that lie, for an arm that gives way: not what it holds or has between its fingers.
   [[nodiscard]] std::size_t lying(std::array<skinctl::Xyz<double>, arms * slots>& out) const {
     std::size_t count = 0;
-    const bool goes_for_one =
-        plan_.step == step::reach || plan_.step == step::take || plan_.step == step::squeeze;
+    const bool goes_for_one = is_at_feed();
     // A finger that stands on an orange feels a force, too.
     const bool closed = gripper_.opening < 0.95 * gripper_range.opening;
     for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
@@ -447,6 +484,19 @@ class Worker {
     part.has = true;
     part.goal = goal;
   }
+  /// As it is carried until it is squeezed.
+  void hold_lightly() {
+    grip({0, s_.lightly, 0.02});
+    parts_.back().most = 1.3 * s_.lightly;
+  }
+  /// Squeezes; where it is carried on from there, what was squeezed is held as on the way.
+  void add_squeeze(std::uint8_t skill) {
+    parts_.push_back({Set::start_skill(skill), false, {}});
+    parts_.back().judges = true;
+    if (now_at().place == skinctl::no_place) return;
+    add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
+    grip({0, s_.hold, 0.02});
+  }
   [[nodiscard]] skinctl::Xyz<double> at(const skinctl::Xyz<double>& p, double z) const {
     return {p.x, p.y, z};
   }
@@ -463,8 +513,9 @@ class Worker {
     const std::uint8_t skill = A::skills(r.does);
     const auto here = X_WH_.origin();
     constexpr double passing = 0.06;
-    if (s_.shown) R_ = r.place == place::box ? s_.shown->X_WH.axes() : s_.shown->X_OH.axes();
+    if (s_.shown) R_ = mark() == box_class ? s_.shown->X_WH.axes() : s_.shown->X_OH.axes();
     if (r.does == &activity::Look::rule) return;
+    if (r.does == &activity::Find::rule) return end(true);  // box and bins stay where they are
     if (r.does == &activity::ReachAbove::rule) {
       if (!s_.shown) R_ = turned(turned_);
       const auto p = known_.objects[object_].X_WO.origin();
@@ -480,17 +531,24 @@ class Worker {
       if (!is_over(taken_)) return end(false);
       add(skill, taken_, 0.003);
     } else if (r.does == &activity::Squeeze::rule) {
-      parts_.push_back({Set::start_skill(skill), false, {}});
       squeezed_ = {};
       judging_ = true;
+      add_squeeze(skill);
+    } else if (r.does == &activity::Carry::rule) {
+      R_ = turned_at(r.place);
+      const auto p = hand_at(r.place);
+      add(skill, at(here, s_.carry), passing);
+      hold_lightly();
+      add(skill, at(p, std::max(p.z, s_.carry)), 0.01);
+      hold_lightly();
     } else if (r.does == &Lift::rule) {
       add(skill, at(here, s_.carry), passing);
       grip({0, s_.hold, 0.02});
     } else if (r.does == &activity::Put::rule) {
-      if (!s_.shown) R_ = straight_;
-      const auto p = drop(r.place);
+      if (!s_.shown) R_ = turned_at(r.place);
+      const auto p = hand_at(r.place);
       add(skill, at(p, s_.carry), passing);
-      if (r.place == place::box && s_.shown && s_.shown->until_touched) {
+      if (mark() == box_class && s_.shown && s_.shown->until_touched) {
         // From before where it was touched in the lesson to beyond.
         constexpr double before = 0.035, beyond = 0.045, speed = 0.04;
         add(skill, p - before * s_.shown->way, 0.01);
@@ -499,7 +557,8 @@ class Worker {
         parts_.back().slowest = 1.875 * (before + beyond) / speed;
         return;
       }
-      add(skill, at(p, p.z > 0 ? p.z : taken_.z + s_.let_go), 0.01);
+      const bool as_shown = mark() == box_class && s_.shown;
+      add(skill, as_shown ? p : at(p, std::max(p.z, taken_.z + s_.let_go)), 0.01);
     } else if (r.does == &GoBack::rule) {
       if (!s_.shown) R_ = straight_;
       const Tray feed = feed_tray(arm_);
@@ -516,20 +575,31 @@ class Worker {
       add(skill, at(features_.in_hand && features_.carried ? taken_ : here, s_.carry), 0.05);
     } else {
       parts_.push_back({Set::start_skill(skill), false, {}});
-      if (s_.shown && r.does == &activity::Release::rule && r.place == place::box)
+      // It may wait for the box with the orange in the hand, and somebody pushes it meanwhile.
+      if (r.does == &activity::Take::rule && next_does(activity::Carry::rule)) grip({0, s_.lightly, 0.08});
+      if (s_.shown && r.does == &activity::Release::rule && mark() == box_class)
         grip({s_.shown->opening, 5, 0.15});
     }
   }
-  /// Where to let go; height 0: as high as it was taken, and a little. What was shown to the first arm holds for the
-  /// second, seen from its side of the box.
-  [[nodiscard]] skinctl::Xyz<double> drop(std::uint8_t where) const {
-    if (where == place::box && s_.shown) return s_.shown->X_WH.origin();
-    if (where != place::box || !s_.taught) {
-      auto p = drop_place(arm_, where);
-      p.y -= side(arm_) * s_.aside;
-      return p;
-    }
-    return {side(arm_) * s_.taught->x, side(arm_) * s_.taught->y, std::max(s_.taught->z, taken_.z + 0.004)};
+  /// Where the hand stands at a place of the plan, not of an orange, in the World. The world of a lesson is the
+  /// base of the arm that was led: so far in front of its own base this arm goes. In box and bins it lets go
+  /// `aside` of the place.
+  [[nodiscard]] skinctl::Xyz<double> hand_at(std::uint8_t place) const {
+    const auto& [mark, X_MH] = executor_.task().places[place];
+    if (mark == box_class && s_.shown) return s_.shown->X_WH.origin();
+    const auto p = seen_by(arm_, X_MH.origin());
+    if (mark == 0) return p + seen_by(arm_, {-R::stands, 0, 0});
+    const Tray tray = mark == bin_class ? bin_tray(arm_) : box_tray;
+    return p + skinctl::Xyz<double>{tray.x, tray.y - side(arm_) * s_.aside, 0};
+  }
+  /// The hand is turned from how it points down as it was turned in the lesson from how it took.
+  [[nodiscard]] skinctl::Rotation<double> turned_at(std::uint8_t place) const {
+    const Plan& plan = executor_.task();
+    const skinctl::Rotation<double> T{{side(arm_), 0, 0}, {0, side(arm_), 0}, {0, 0, 1}};
+    for (std::size_t i = 0; i < plan.place_count; ++i)
+      if (plan.places[i].mark == orange_class)
+        return T * (plan.places[place].X_MH.axes() * plan.places[i].X_MH.axes().transpose()) * T * straight_;
+    return straight_;
   }
   [[nodiscard]] skinctl::Rotation<double> turned(double angle) const {
     return skinctl::exp_so3(skinctl::Xyz<double>{0, 0, angle}) * straight_;
@@ -570,14 +640,16 @@ class Worker {
     answer_ = false;
     end(true);
   }
-  void judge() {
-    if (judging_) {
-      const auto k = squeeze_.result(squeezed_);
-      if (!k.known) return end(false);
-      answer_ = 2 * k.stiffness > s_.border;  // each side gives by half of the closing
-      judged_.push_back({object_, 2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
-    }
-    end(true);
+  /// Whether the squeeze told something.
+  bool judge() {
+    judging_ = false;
+    const auto k = squeeze_.result(squeezed_);
+    if (!k.known) return false;
+    const std::uint8_t border = now_at().border;
+    answer_ = border == skinctl::no_border || k.stiffness >= executor_.task().borders[border];
+    // Each side of an orange gives by half of the closing.
+    judged_.push_back({object_, 2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
+    return true;
   }
 
   std::size_t arm_;

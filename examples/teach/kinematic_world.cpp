@@ -60,8 +60,8 @@ class World {
   void add(ObjectClass kind) {
     things.push_back({kind,
                       {uniform(random_, -0.6, 0.6), uniform(random_, -0.6, 0.6), uniform(random_, 0.0, 0.1)},
-                      uniform(random_, 0.0, 1.0) < 0.5 ? uniform(random_, 2500.0, 3200.0)
-                                                       : uniform(random_, 4700.0, 6000.0),
+                      uniform(random_, 0.0, 1.0) < 0.5 ? uniform(random_, 1100.0, 1400.0)
+                                                       : uniform(random_, 2700.0, 3300.0),
                       0,
                       false});
   }

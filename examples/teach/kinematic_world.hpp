@@ -13,7 +13,7 @@ namespace teach {
 struct WorldThing {
   skinctl::ObjectClass kind = 0;
   skinctl::Xyz<double> p{0, 0, 0};   ///< in the world [m]
-  double stiffness = 5000;           ///< [N/m]
+  double stiffness = 3000;           ///< force over the way of the fingers [N/m]
   skinctl::ObjectClass ends_at = 0;  ///< class of the landmark that it was put to; 0: the world
   bool placed = false;
 };

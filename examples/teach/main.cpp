@@ -83,7 +83,7 @@ int run_task(const std::string& file, int count, std::uint64_t seed, double pace
   std::map<std::string, int> ends;
   for (const auto& thing : r.things)
     if (thing.placed)
-      ++ends[task.classes.name(thing.kind) + (thing.stiffness > 4000 ? ", hard" : ", soft") + ": " +
+      ++ends[task.classes.name(thing.kind) + (thing.stiffness > 2000 ? ", hard" : ", soft") + ": " +
              task.classes.name(thing.ends_at)];
   for (const auto& [words, number] : ends) std::printf("%3d %s\n", number, words.c_str());
   std::printf("%s after %.0f s, %d requests, %d failures, %d questions\n",

@@ -24,8 +24,9 @@ struct ShownBy {
   double off = 0;               ///< things are seen this far beside their places [m]
   bool regrips = false;         ///< the fingers grip anew on the way
 };
-/// Stiffness of a hard and of a soft orange [N/m].
-inline constexpr double hard_orange = 5000, soft_orange = 3000;
+/// Force over the way of the fingers, of a hard and of a soft orange [N/m]: both sides of an orange give, so
+/// this is half of a side's stiffness.
+inline constexpr double hard_orange = 3000, soft_orange = 1250;
 
 /// Records a run. `stiffness[i]` of thing i [N/m]; 0: of a hard one.
 [[nodiscard]] inline Demonstration<> shown(const LedRun& run, const ShownBy& by, std::uint64_t seed,

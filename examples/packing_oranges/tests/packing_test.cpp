@@ -272,7 +272,7 @@ TEST_CASE("packing_oranges: a person who leans on a forearm is waited for, or as
 TEST_CASE("packing_oranges: a place in the box is taught by leading the arm, and used") {
   double worst = 0;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
-    const auto lesson = teach(seed);
+    const auto lesson = teach_place(seed);
     REQUIRE(lesson.has_value());
     CHECK(lesson->released);
     worst = std::max(worst, norm(skinctl::Xyz<double>(lesson->taught - lesson->rested)));
@@ -280,7 +280,8 @@ TEST_CASE("packing_oranges: a place in the box is taught by leading the arm, and
     if (seed > 1) continue;
     RunSettings s = few(1);
     s.supply.share = 1;
-    s.work.taught = lesson->taught;
+    s.work.plan.places[place::box].X_MH =
+        skinctl::Transform<skinctl::ObjectFrame, skinctl::Tool>({}, lesson->taught);
     s.keep_path = true;
     const Outcome o = run_ur5(s);
     CHECK(o.right() == 1);

@@ -1,0 +1,147 @@
+#include "examples/packing_oranges/taught_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "examples/packing_oranges/tomm.hpp"
+#include "examples/support/text.hpp"
+
+namespace packing {
+namespace {
+using namespace skinctl;
+using examples::text;
+static_assert(teach::Task::capacity == Plan::capacity);
+
+/// Whether there is a skill for it.
+bool is_done_by_tomm(const ActivityRule* does) {
+  return boost::hana::unpack(boost::hana::keys(tomm), [&](auto... activity) {
+    return ((does == &decltype(activity)::type::rule) || ...);
+  });
+}
+
+class Reader {
+ public:
+  Reader(const teach::NamedTask& task, const HandRoom& room)
+      : classes_(task.classes), room_(room), plan_(task.task) {}
+
+  Plan plan() {
+    for (std::uint8_t k = 0; k < plan_.size; ++k) understand(k);
+    for (std::size_t i = 0; i < plan_.place_count; ++i) {
+      plan_.places[i].mark = class_here(plan_.places[i].mark);
+      // The hand goes beside every orange as at the first such place, whichever step names it.
+      if (plan_.places[i].mark == orange_class) around_orange(0, orange_class, plan_.places[i].X_MH.origin());
+    }
+    go_back_after_releases();
+    if (const TaskFault fault = check(plan_); fault.any()) refuse(fault.step, describe(fault.error));
+    return plan_;
+  }
+
+ private:
+  [[noreturn]] void refuse(std::uint8_t step, const std::string& why) const {
+    const ActivityRule* does = plan_.steps[step].does;
+    throw std::runtime_error(text("step %d of the task (%s): ", int(step), does ? does->name : "?") + why);
+  }
+  [[nodiscard]] ObjectClass class_here(ObjectClass kind) const {
+    const std::string name = kind == 0 ? "" : classes_.name(kind);
+    return name == "orange" ? orange_class
+           : name == "box"  ? box_class
+           : name == "bin"  ? bin_class
+                            : ObjectClass(0);
+  }
+  /// Whether these arms can do a step; its role becomes the class that it has here.
+  void understand(std::uint8_t k) {
+    Step& s = plan_.steps[k];
+    if (class_here(s.role) != orange_class)
+      refuse(k, "here are oranges, a box and bins, no " + classes_.name(s.role));
+    s.role = orange_class;
+    if (!is_done_by_tomm(s.does)) refuse(k, "these arms have no skill for it");
+    if (s.does == &activity::Look::rule && s.no == ask_person)
+      refuse(k, "it is done once; show it with more than one orange, and it goes on until none is left");
+    const bool goes = s.does == &activity::Put::rule || s.does == &activity::Carry::rule;
+    if (s.place == no_place && goes) refuse(k, "it has no place");
+    if (s.place == no_place) return;
+    TaughtPlace& place = plan_.places[s.place];
+    const ObjectClass mark = class_here(place.mark);
+    if (mark == 0 && place.mark != 0)
+      refuse(k, "its place is beside a " + classes_.name(place.mark) + ", and there is none here");
+    const auto& p = place.X_MH.origin();
+    const bool lets_go = s.does == &activity::Put::rule || s.does == &activity::Find::rule ||
+                         s.does == &activity::Release::rule;
+    if (lets_go)
+      in_tray(k, mark, place);
+    else if (s.does == &activity::Carry::rule || s.does == &activity::Squeeze::rule)
+      in_room(k, mark, p);
+    else
+      around_orange(k, mark, p);
+    // The same turn is asked of the hand here as was shown: about the vertical, because it takes from above.
+    const Rotation<double> turned = place.X_MH.axes() * taken().transpose();
+    if (turned.z.z < 0.97) refuse(k, "the hand is tilted from how it took, and here it points down");
+  }
+  /// How the hand stood when it took an orange.
+  [[nodiscard]] Rotation<double> taken() const {
+    for (std::size_t i = 0; i < plan_.place_count; ++i)
+      if (class_here(plan_.places[i].mark) == orange_class) return plan_.places[i].X_MH.axes();
+    return {};
+  }
+  void around_orange(std::uint8_t k, ObjectClass mark, const Xyz<double>& p) const {
+    constexpr double most =
+        0.012;  // that open fingers have beside the largest orange, less what a detector is off
+    if (mark != orange_class) refuse(k, "an orange is taken where it is seen");
+    if (norm(p) > most)
+      refuse(k, text("the hand closes %.0f mm from the orange's middle, where its fingers come down on it: "
+                     "%.0f mm at most",
+                     1e3 * norm(p), 1e3 * most));
+  }
+  /// A hand that is pushed between walls needs room beside it: what is nearer to a wall than that comes nearer
+  /// to the middle.
+  void in_tray(std::uint8_t k, ObjectClass mark, TaughtPlace& place) const {
+    if (mark != box_class && mark != bin_class) refuse(k, "oranges are put into the box or a bin here");
+    const Tray tray = mark == box_class ? box_tray : bin_tray(0);
+    constexpr double finger = 0.06, room = 0.09, high = 0.1;  // high: from where an orange may fall
+    Xyz<double> p = place.X_MH.origin();
+    if (std::abs(p.x) > tray.half_x - finger || std::abs(p.y) > tray.half_y - finger || p.z < 0 || p.z > high)
+      refuse(k, text("the hand opens at %+.2f %+.2f %+.2f m from the %s: not between its walls, or too high",
+                     p.x, p.y, p.z, mark == box_class ? "box" : "bin"));
+    p.x = std::clamp(p.x, room - tray.half_x, tray.half_x - room);
+    p.y = std::clamp(p.y, room - tray.half_y, tray.half_y - room);
+    place.X_MH = {place.X_MH.axes(), p};
+    reached(k, {p.x + tray.x, p.y + tray.y, 0.2});
+  }
+  void in_room(std::uint8_t k, ObjectClass mark, const Xyz<double>& p) const {
+    if (mark != 0) refuse(k, "an orange is squeezed where it is taken, or at a place in the world");
+    reached(k, {p.x - room_.stands, p.y, std::max(p.z, 0.2)});
+  }
+  void reached(std::uint8_t k, const Xyz<double>& p) const {
+    if (!room_.reaches(p))
+      refuse(k, text("its place, %.2f m from the arm and %.2f m high, is out of reach",
+                     std::hypot(p.x + room_.stands, p.y), p.z));
+  }
+  void go_back_after_releases() {
+    for (std::uint8_t k = 0; k < plan_.size; ++k) {
+      if (plan_.steps[k].does != &activity::Release::rule) continue;
+      const std::uint8_t next = plan_.steps[k].done;
+      std::uint8_t back = 0;
+      while (back < plan_.size && (plan_.steps[back].does != &GoBack::rule || plan_.steps[back].done != next))
+        ++back;
+      if (back == Plan::capacity) refuse(k, "the task has too many steps for the way back after it");
+      if (back == plan_.size) {
+        const Step& release = plan_.steps[k];
+        plan_.steps[plan_.size++] =
+            step_of<GoBack>({.role = orange_class, .done = next, .failed = release.failed});
+      }
+      plan_.steps[k].done = back;
+    }
+  }
+
+  const teach::Classes& classes_;
+  HandRoom room_;
+  Plan plan_;
+};
+}  // namespace
+
+Plan plan_of(const teach::NamedTask& task, const HandRoom& room) {
+  return Reader(task, room).plan();
+}
+
+}  // namespace packing
