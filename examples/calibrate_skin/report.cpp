@@ -149,7 +149,7 @@ std::string report_of(const fs::path& folder) {
       "<!doctype html><html lang='en'><meta charset='utf-8'><meta name='viewport' "
       "content='width=device-width'><title>Calibration of a skin</title><style>" +
       std::string(examples::report_style) +
-      "section "
+      "section{overflow-x:auto}section "
       "svg{display:block;width:100%;max-height:420px;background:var(--page)}h3{font-size:1rem;margin:14px 0 "
       "4px}"
       "td,th{text-align:left;white-space:normal}.row{display:grid;grid-template-columns:repeat(auto-fit,"

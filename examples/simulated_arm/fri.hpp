@@ -25,7 +25,7 @@ struct FriConfig {
   double motion_ends_at =
       -1;               ///< the Java program's motion ends: the session falls back [s]; negative: never
   double poor_at = -1;  ///< the controller judges the quality poor [s]; negative: never
-  SpringArmConfig arm;
+  SpringArmConfig arm{};
 };
 
 [[nodiscard]] std::unique_ptr<SpringFace> fri_face(const Config& config, const FriConfig& fri);

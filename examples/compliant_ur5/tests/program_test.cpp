@@ -112,9 +112,9 @@ TEST_CASE("program: a computer that is too slow is named where the run ends for 
   if (ran.exit == 0) {
     MESSAGE("this computer simulates a UR5 and its skin a hundred times faster than they are");
   } else {
-    CHECK_MESSAGE(ran.out.find("; this computer is too slow, or busy with something else: ") !=
-                      std::string::npos,
-                  ran.out);
+    CHECK_MESSAGE(
+        ran.out.find("; this computer is too slow, or busy with something else: ") != std::string::npos,
+        ran.out);
   }
 }
 
