@@ -96,7 +96,7 @@ function show() {
     }
     if (status) {
       const contacts = t.at('/skin/contacts', now), newtons = contacts ? total(contacts) : 0, word = doing(status, joints, newtons);
-      showFinger(newtons);
+      showFinger(contacts ? newtons : null);
       $('state').textContent = word, $('state').className = 'state' + (/stopped|braking/.test(word) ? ' bad' : '');
       $('reasons').textContent = status.reasons.length ? status.reasons.map(reason).join('; ') : 'nothing limited, nothing held';
       strip($('events'), part('/skinctl/status', v => v.reasons).filter(([, r]) => r.length).map(([s, r]) => [s, effect(r)]), from, to);
@@ -249,12 +249,12 @@ function pointers() {
   canvas.addEventListener('blur', () => { finger.aim = null; if (finger.by === 'key') release(); });
   $('travel').addEventListener('input', () => { $('travel-mm').textContent = `${$('travel').value} mm`; });
 }
-/// Sends and draws the finger, and says what it feels.
+/// Sends and draws the finger, and says what it feels; `newtons`: what the robot's skin does, null without one.
 function showFinger(newtons) {
   if (!finger.offered || !state.view) return;
   if (finger.spot) {
     point();
-    $('pressed').textContent = `On the finger: ${finger.force.toFixed(1)} N, at most ${finger.peak.toFixed(1)} N. The robot feels ${newtons.toFixed(1)} N.`;
+    $('pressed').textContent = `On the finger: ${finger.force.toFixed(1)} N, at most ${finger.peak.toFixed(1)} N.` + (newtons === null ? '' : ` The robot feels ${newtons.toFixed(1)} N.`);
   }
   const aimed = finger.aim && !finger.spot ? state.view.pick(...finger.aim) : null;
   state.view.point(finger.spot || aimed, finger.spot ? 0 : 0.03);
