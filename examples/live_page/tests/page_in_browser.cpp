@@ -466,6 +466,34 @@ TEST_CASE("The placing page: a patch is dragged onto a link, laid onto its tube,
   CHECK(touches[0]["cell"] == 268);
   CHECK(touches[0]["deflection"].get<double>() > 0.01);
 #endif
+  // A thousand rows are twenty, and it says so.
+  const std::string where = "document.getElementById('where').textContent";
+  const auto type = [&](const char* id, const char* value) {
+    page.evaluate("(() => { const e = document.getElementById('" + std::string(id) + "'); e.value = '" +
+                  value + "'; e.dispatchEvent(new Event('input')); })()");
+  };
+  type("rows", "1000");
+  CHECK(page.evaluate("skinctl.laid.cells.length") == 100);
+  CHECK(page.evaluate(where + ".includes('rows: 1 to 20, counts as 20')") == true);
+  type("rows", "4");
+  CHECK(page.evaluate(where) == "on forearm_link");
+  // Kept, and laid on top of itself with its ids: questioned before it is saved; taken back step by step.
+  const std::string at = page.evaluate("JSON.stringify(skinctl.pose)"),
+                    first = page.evaluate("document.getElementById('first').value");
+  page.evaluate("document.getElementById('add').click()");
+  CHECK(page.until("skinctl.kept.length === 1 && skinctl.before.length > 0"));
+  page.evaluate("skinctl.moveTo(" + at + ")");
+  CHECK(page.evaluate(where + ".includes('20 of its cells lie on those of patch 1')") == true);
+  type("first", first.c_str());
+  CHECK(page.evaluate(where + ".includes('20 of its ids are those of patch 1')") == true);
+  page.evaluate("document.getElementById('save').click()");
+  CHECK(page.until("document.getElementById('ask').open"));
+  page.evaluate("document.querySelector('#ask button[value=no]').click()");
+  CHECK(page.until("!document.getElementById('ask').open"));
+  page.evaluate("document.getElementById('undo').click()");
+  CHECK(page.evaluate("skinctl.kept.length") == 0);
+  CHECK(page.evaluate("JSON.stringify(skinctl.pose)") == at);
+  CHECK(page.evaluate(where) == "on forearm_link");
   // Dragged by the mouse: by one of the three arrows.
   if (page.evaluate("!!(skinctl.view && skinctl.handle)") == true) {
     const std::string before = page.evaluate("JSON.stringify(skinctl.pose.p)");
