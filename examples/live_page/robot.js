@@ -72,10 +72,11 @@ export class RobotView {
     grid.material.opacity = 0.25, grid.material.transparent = true;
     this.scene.add(grid);
     this.arrows = [];
-    const shaft = new THREE.CylinderGeometry(0.006, 0.006, 1, 12), head = new THREE.CylinderGeometry(0, 0.018, 0.04, 16), red = new THREE.MeshLambertMaterial({color: 0xe040fb});
+    const shaft = new THREE.CylinderGeometry(0.006, 0.006, 1, 12), head = new THREE.CylinderGeometry(0, 0.018, 0.04, 16), red = new THREE.MeshLambertMaterial({color: 0xe040fb}), behind = new THREE.MeshBasicMaterial({color: 0xe040fb, transparent: true, opacity: 0.35, depthFunc: THREE.GreaterDepth, depthWrite: false});
     for (let i = 0; i < 64; ++i) {
       const arrow = new THREE.Group();  // along y, its tip in the origin
-      arrow.shaft = new THREE.Mesh(shaft, red), arrow.head = new THREE.Mesh(head, red);
+      // What the arm hides of it is seen through the arm: a press on the far side.
+      [arrow.shaft, arrow.head] = [shaft, head].map(part => new THREE.Group().add(new THREE.Mesh(part, red), new THREE.Mesh(part, behind)));
       arrow.add(arrow.shaft, arrow.head);
       arrow.visible = false;
       this.scene.add(arrow), this.arrows.push(arrow);
@@ -212,10 +213,13 @@ export class RobotView {
       joint.quaternion.setFromUnitVectors(new T.Vector3(0, 1, 0), way.divideScalar(far));
     }
   }
-  /// `full` is the force of a cell that is fully coloured [N].
-  readings(cloud, full = 3) {
+  /// The cell that is pressed most is fully coloured, from 3 N on; what was pressed harder is forgotten within a second.
+  readings(cloud) {
     if (!this.index) return;
     const {view, step, fields, count} = cloud;
+    let most = 3;
+    for (let i = 0; i < count; ++i) most = Math.max(most, view.getFloat32(i * step + fields.force, true) || 0);
+    const full = this.full = Math.max(most, 0.9 * (this.full || 3));
     for (let i = 0; i < count; ++i) {
       const at = i * step, k = this.index.get(view.getUint32(at + fields.cell, true));
       if (k === undefined) continue;

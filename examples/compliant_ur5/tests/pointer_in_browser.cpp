@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <utility>
 
@@ -22,10 +23,15 @@ constexpr int skipped = 77;
 std::string chromium;
 std::filesystem::path keep;
 
-/// The main job as a user starts it.
+/// The main job as a user starts it, without scripted fingers and goals, which would press and move it meanwhile.
 struct Job {
-  Job() {
-    pipe = ::popen("echo $$; exec '" COMPLIANT_UR5_PROGRAM "' --live --live-port 0 --report '' 2>&1", "r");
+  explicit Job(const std::filesystem::path& folder) {
+    const auto scenario = folder / "nobody.toml";
+    std::ofstream(scenario) << "[run]\nduration = 60\n";
+    pipe = ::popen(("echo $$; exec '" COMPLIANT_UR5_PROGRAM "' --live --live-port 0 --report '' --scenario " +
+                    scenario.string() + " 2>&1")
+                       .c_str(),
+                   "r");
     REQUIRE(pipe != nullptr);
     REQUIRE(std::fscanf(pipe, "%d", &process) == 1);
   }
@@ -67,7 +73,7 @@ const std::string felt = force;
 
 TEST_CASE("The live page of a simulated run: the pointer presses the arm, which gives way and goes back") {
   const browser::Folder folder;
-  Job job;
+  Job job(folder.path);
   browser::Page page(chromium, folder);
   page.window(1400, 1000);
   const std::string url = job.url();
