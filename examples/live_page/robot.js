@@ -223,7 +223,7 @@ export class RobotView {
     for (let i = 0; i < count; ++i) {
       const at = i * step, k = this.index.get(view.getUint32(at + fields.cell, true));
       if (k === undefined) continue;
-      this.values[4 * k] = view.getFloat32(at + fields.force, true) / full;
+      this.values[4 * k] = Math.sqrt(Math.max(0, view.getFloat32(at + fields.force, true)) / full);  // weak ones beside strong ones
       this.values[4 * k + 1] = view.getFloat32(at + fields.proximity, true);
       this.values[4 * k + 2] = view.getUint32(at + fields.status, true) !== 0 ? 1 : 0;
     }
