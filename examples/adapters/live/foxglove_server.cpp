@@ -414,19 +414,19 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
     server_.subscribers[found->second].fetch_sub(1);
     subscriptions_.erase(found);
   }
-  void publishes(const json& channels) {
-    for (const json& c : channels) {
+  void publishes(const json& offered) {
+    for (const json& c : offered) {
       const auto id = id_of(c.at("id"));
       const auto topic = c.at("topic").get<std::string>();
-      const auto& inlets = server_.inlets;
+      const auto& all = server_.inlets;
       const auto found =
-          std::find_if(inlets.begin(), inlets.end(), [&](const Inlet& i) { return i.topic == topic; });
-      if (found == inlets.end() || c.at("encoding") != "json" || publications_.count(id) > 0 ||
+          std::find_if(all.begin(), all.end(), [&](const Inlet& i) { return i.topic == topic; });
+      if (found == all.end() || c.at("encoding") != "json" || publications_.count(id) > 0 ||
           publications_.size() >= most_subscriptions) {
         complain("topic " + topic.substr(0, 40) + " cannot be published to as channel " + std::to_string(id));
         continue;
       }
-      publications_[id] = static_cast<std::size_t>(found - inlets.begin());
+      publications_[id] = static_cast<std::size_t>(found - all.begin());
     }
   }
   void publishes_no_more(std::uint32_t id) {
