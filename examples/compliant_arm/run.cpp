@@ -1,5 +1,6 @@
 #include "examples/compliant_arm/run.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cstdio>
 
@@ -29,20 +30,16 @@ template <std::size_t N>
 double force_of(const Model<N>& model, const JointPosition<N>& q, const adapters::ClockedStateOf<N>& state) {
   if (state.wrench) return std::hypot((*state.wrench)[0], (*state.wrench)[1], (*state.wrench)[2]);
   if (!state.external) return 0;
-  double a[3][3] = {}, b[3] = {};
+  // A direction in which no joint moves the flange has no force.
+  constexpr double least = 1e-4;  // [m^2], of the squared levers of the joints
+  Eigen::Matrix3d JJ = least * Eigen::Matrix3d::Identity();
+  Eigen::Vector3d Jtau = Eigen::Vector3d::Zero();
   jacobian<N - 1>(link_poses(model, q)).for_each([&](auto i, const auto& column) {
-    const double x[3] = {column.linear.x, column.linear.y, column.linear.z};
-    for (std::size_t r = 0; r < 3; ++r) {
-      b[r] += x[r] * (*state.external)[i.value];
-      for (std::size_t c = 0; c < 3; ++c) a[r][c] += x[r] * x[c];
-    }
+    const Eigen::Vector3d x(column.linear.x, column.linear.y, column.linear.z);
+    JJ += x * x.transpose();
+    Jtau += (*state.external)[i.value] * x;
   });
-  for (std::size_t r = 0; r < 3; ++r) a[r][r] += 1e-4;  // a direction in which no joint moves the flange
-  const Xyz<double> r0{a[0][0], a[0][1], a[0][2]}, r1{a[1][0], a[1][1], a[1][2]},
-      r2{a[2][0], a[2][1], a[2][2]};
-  const double det = dot(r0, cross(r1, r2));
-  const Xyz<double> f = (1 / det) * (b[0] * cross(r1, r2) + b[1] * cross(r2, r0) + b[2] * cross(r0, r1));
-  return std::sqrt(dot(f, f));
+  return JJ.llt().solve(Jtau).norm();
 }
 double distance(const Xyz<double>& a, const Xyz<double>& b) {
   const Xyz<double> d = a - b;

@@ -1,4 +1,5 @@
-// A finger that somebody leads while the world runs: it comes, presses, is dragged aside and leaves, at the speeds of a hand.
+// A finger that somebody leads while the world runs: it comes, presses, is dragged aside and leaves, at the
+// speeds of a hand.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +12,10 @@ namespace simulated_ur5 {
 /// The finger of a world's touch that is `led`.
 class LedFinger {
  public:
-  static constexpr double gap = 0.02, approach = 0.1, retreat = 0.4,
-                          drag = 0.3;  ///< of the finger [m], [m/s]
+  static constexpr double gap = 0.02;      ///< to the surface when it appears; it goes at twice as much [m]
+  static constexpr double approach = 0.1;  ///< speed inward: a hand that means to touch [m/s]
+  static constexpr double retreat = 0.4;   ///< speed outward [m/s]
+  static constexpr double drag = 0.3;      ///< speed aside, at most [m/s]
 
   /// What somebody wants of it.
   struct Wish {

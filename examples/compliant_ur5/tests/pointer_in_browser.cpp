@@ -1,5 +1,5 @@
-// Presses the arm of a live main job by its page in headless Chromium: by the pointer, dragged, and by keys; it gives way,
-// goes back, and the job goes on until it is stopped. Ends with 77 (ctest: skipped) without Chromium. `--keep FOLDER`
+// Presses the arm of a live main job by its page in headless Chromium: by the pointer, dragged, and by keys; it
+// gives way, goes back, and the job goes on until it is stopped. Ends with 77 (ctest: skipped) without Chromium. `--keep FOLDER`
 // leaves a screenshot behind.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
