@@ -47,7 +47,10 @@ inline UrMotors motor_touch(const Settings& s, double heavier = 1, double mass =
                                           .stiction = {},
                                           .sign_velocity = 0.02});
   m.observer.motors = MotorSampling::mean;
-  for (std::size_t i = 0; i < 6; ++i) m.gates[i] = EventGate<>::dead_band(c.threshold[i]);
+  for (std::size_t i = 0; i < 6; ++i) {
+    m.gates[i] = EventGate<>::dead_band(c.threshold[i]);
+    m.max_torque[i] = 2 * ur5::Description::max_torque[i];  // a current has peaks
+  }
   m.gain = s.rigid ? muted : c.gain / heavier;
   if (!s.trust_all_cells) m.noise = c.noise;
   m.life.mass = mass;

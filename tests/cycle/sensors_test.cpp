@@ -259,3 +259,48 @@ TEST_CASE("Cycle: skin, wrist sensor and motors in one scene, with tank and ledg
   CHECK(moved(wrist) > 0.02);
   CHECK(moved(motors) > 0.02);
 }
+
+TEST_CASE("Cycle: a garbled torque of the motors leads nobody: beyond the joint's it is refused and named") {
+  // Of a single sample; where the greatest torque is not declared, 1000 N m lead by half a radian.
+  const auto led = [](double garbled, const std::array<double, 6>& most, Nanoseconds period, Status& all) {
+    auto motors = MotorTouchSettings<ur5::Model>{.gates = same_gate(model, EventGate<>::dead_band(3))};
+    motors.max_torque = most;
+    const Cycle scene(by_velocity(model, {.limits = limits_of<ur5::Description>(15.0),
+                                          .period = period,
+                                          .delay = period,
+                                          .virtual_damping = 4}),
+                      MotorTouch(model, motors), SkinJointControl{} + GravityControl{});
+    using Scene = std::remove_const_t<decltype(scene)>;
+    const auto memory = std::make_unique<Scene::Memory>();
+    State<6> arm{0ns, home, {}};
+    scene.start(*memory, arm);
+    double most_moved = 0;
+    for (int k = 1; k * period < 4s; ++k) {
+      Scene::Input input;
+      input.now = arm.time = k * period;
+      input.measured = arm;
+      input.sensed.motor_torque = gravity_torque(model, arm.q);
+      if (k == 100) input.sensed.motor_torque[1] = garbled;
+      const auto out = scene.step(*memory, input);
+      REQUIRE(out.command.valid);
+      all |= out.status;
+      arm.dq = out.command.velocity;
+      for (std::size_t i = 0; i < 6; ++i) {
+        arm.q[i] += arm.dq[i] * seconds<double>(period);
+        most_moved = std::max(most_moved, std::abs(arm.q[i] - home[i]));
+      }
+    }
+    return most_moved;
+  };
+  for (const Nanoseconds period : {8ms, 1ms})
+    for (const double garbled : {1e3, -1e3, 1e5, 1e12, 1e38, -1e150, 1e300}) {
+      CAPTURE(period.count());
+      CAPTURE(garbled);
+      Status declared, undeclared;
+      CHECK(led(garbled, ur5::Description::max_torque, period, declared) < 1e-3);
+      CHECK(declared.has(Reason::sample_out_of_range));
+      const double by_default = led(garbled, MotorTouchSettings<ur5::Model>{}.max_torque, period, undeclared);
+      CHECK(undeclared.has(Reason::sample_out_of_range) == (std::abs(garbled) > 1e4));
+      if (std::abs(garbled) > 1e4) CHECK(by_default < 1e-3);
+    }
+}

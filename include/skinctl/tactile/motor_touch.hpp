@@ -24,12 +24,27 @@ struct MotorInput {
   JointTorque<N, T> motor_torque;
 };
 
+namespace detail {
+/// Torque beyond that of any joint of a robot arm [N m].
+inline constexpr double no_joint_torque = 1e4;
+template <std::size_t N>
+[[nodiscard]] constexpr std::array<double, N> joints_of_any_robot() noexcept {
+  std::array<double, N> all{};
+  all.fill(no_joint_torque);
+  return all;
+}
+}  // namespace detail
+
 /// Observer, thresholds and times of `MotorTouch`.
 template <RobotModel M, Real T = double, class Observer = MomentumObserver<M, T>>
 struct MotorTouchSettings {
   typename Observer::Settings observer = {};
   /// Per joint, on |residual| [N m]: above what friction and the model leave. No default suits two robots.
   std::array<EventGate<T>, M::joints> gates;
+  /// Per joint, torque that its motor, or a contact, never has [N m], at most 1e4: a sample beyond was garbled and
+  /// is refused. By default 1e4, of which one sample leads an arm by a radian. Twice the joint's rating
+  /// leaves room for peaks: a motor that is refused while somebody pushes does not give way.
+  std::array<double, M::joints> max_torque = detail::joints_of_any_robot<M::joints>();
   T gain = T(1);  ///< torque that the laws see per torque found, > 0
   /// Per joint, standard deviation of the residual's mean over 8 ms [N m]: with all of them known, what friction
   /// or a payload that is told wrong leaves does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
@@ -83,6 +98,8 @@ class MotorTouch : public sensor_sums::Summand {
   SKINCTL_COLD MotorTouch(const M& model, const Settings& settings)
       : observer_(model, settings.observer), s_(settings), watch_(s_.life, noise_of(s_.noise), {}) {
     require_masses(model, "MotorTouch");
+    for (const double most : s_.max_torque)
+      require(most > 0 && most <= detail::no_joint_torque, "MotorTouch: max_torque", most, "> 0, <= 1e4 N m");
     require(s_.gain > T(0) && s_.gain <= T(1000), "MotorTouch: gain", double(s_.gain), "> 0, <= 1000");
     require(s_.fade > 0ns, "MotorTouch: fade", milliseconds(s_.fade), "> 0 ms");
     require(s_.max_age >= s_.fade && s_.max_age <= 10s, "MotorTouch: max_age", milliseconds(s_.max_age),
@@ -108,7 +125,8 @@ class MotorTouch : public sensor_sums::Summand {
   }
 
   /// Takes a measured state and gives the mean torque over each of `parts` >= 1 equal parts of `(from, to]`.
-  /// A repeated state is no sample; one that is not finite is refused (`sample_not_finite`).
+  /// A repeated state is no sample; one that is not finite is refused (`sample_not_finite`), and so is one whose
+  /// torque no joint has (`sample_out_of_range`).
   Status receive(Memory& memory, std::span<const CellSample> cells, const MotorInput<joints, T>& input,
                  const State<joints, T>& measured, Nanoseconds from, Nanoseconds to, std::size_t parts,
                  Wrenches* means) const noexcept {
@@ -121,7 +139,9 @@ class MotorTouch : public sensor_sums::Summand {
     if (memory.observer.started && memory.observer.stamp > to)
       memory.observer = {};  // the clock was set back
     if (!memory.observer.started || now.time != memory.observer.stamp) {
-      const Status seen = observer_.observe(memory.observer, now, input.motor_torque);
+      const Status seen = can_be(input.motor_torque)
+                              ? observer_.observe(memory.observer, now, input.motor_torque)
+                              : Status{Reason::sample_out_of_range};
       status |= seen;
       if (!seen.any() && !interval.admits(to).any()) {
         T value[joints];
@@ -161,6 +181,12 @@ class MotorTouch : public sensor_sums::Summand {
   }
 
  private:
+  /// Whether the joints can have this torque; NaN is left to the observer, which names it.
+  [[nodiscard]] bool can_be(const JointTorque<joints, T>& torque) const noexcept {
+    for (std::size_t i = 0; i < joints; ++i)
+      if (torque[i] > T(s_.max_torque[i]) || torque[i] < T(-s_.max_torque[i])) return false;
+    return true;
+  }
   /// Of the contact that stands for the unknown one [N].
   [[nodiscard]] static double force_of(const T (&torque)[joints]) noexcept {
     double square = 0;
