@@ -1,7 +1,7 @@
 // PapillArray: packets among damage, and a controller at a pseudo terminal.
 //
 // Promise: a PapillArray's packets are found again behind any damage
-// Tried: 100 000 streams with bytes changed, lost and added, marks among the data: every packet that was not
+// Tried: 20 000 streams with bytes changed, lost and added, marks among the data: every packet that was not
 // hit is read, and of those that were the sum lets few through; packets of random bytes with a right sum
 
 #include "examples/adapters/skin/papill_array.hpp"
@@ -81,7 +81,7 @@ TEST_CASE("PapillArray: a packet by hand is read number by number") {
   }
 }
 
-TEST_CASE("PapillArray: 100 000 damaged streams: what was not hit is read, and little else is") {
+TEST_CASE("PapillArray: 20 000 damaged streams: what was not hit is read, and little else is") {
   auto random = seeded(1);
   std::size_t written = 0, hit = 0, foreign = 0, kept = 0;
   std::vector<PapillArrayPacket> sent;
@@ -89,7 +89,7 @@ TEST_CASE("PapillArray: 100 000 damaged streams: what was not hit is read, and l
   for (std::uint32_t k = 0; k < 200; ++k)
     sent.push_back(packet(random, k, k % 2 == 0)), wire.push_back(papill_array_bytes(sent.back()));
   PapillArrayParser parser;
-  for (int k = 0; k < 100'000; ++k) {
+  for (int k = 0; k < 20'000; ++k) {
     Bytes stream;
     std::vector<const PapillArrayPacket*> whole;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -137,7 +137,7 @@ TEST_CASE("PapillArray: blocks that contradict themselves are refused, whatever 
   PapillArrayPacket p;
   std::size_t read = 0;
   const Bytes good = papill_array_bytes(packet(random, 1));
-  for (int k = 0; k < 100'000; ++k) {
+  for (int k = 0; k < 20'000; ++k) {
     Bytes bytes(good.begin() + 4, good.end() - 6);
     for (std::size_t hits = 1 + below(random, 6); hits > 0; --hits)
       bytes[below(random, k % 2 == 0 ? 40 : bytes.size())] = static_cast<std::uint8_t>(random());
@@ -150,9 +150,9 @@ TEST_CASE("PapillArray: blocks that contradict themselves are refused, whatever 
     REQUIRE(p.sensors <= 4);
     for (std::size_t s = 0; s < p.sensors; ++s) REQUIRE(p.sensor[s].pillars <= 100);
   }
-  MESSAGE(read, " of 100 000 with a right sum made sense");
-  CHECK(read < 80'000);
-  CHECK(read > 1000);
+  MESSAGE(read, " of 20 000 with a right sum made sense");
+  CHECK(read < 16'000);
+  CHECK(read > 200);
 }
 
 TEST_CASE("PapillArray: starts without end, ends without start, and nothing at all do not stall it") {
