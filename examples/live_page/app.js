@@ -187,11 +187,13 @@ function parameters(list) {
     let input = document.getElementById('p-' + p.name);
     if (!input) {
       const label = document.createElement('label'), name = document.createElement('span'), value = document.createElement('output');
-      input = Object.assign(document.createElement('input'), {type: 'range', min: low, max: high, step: 0.01 * (high - low), id: 'p-' + p.name, disabled: !state.control});
+      input = Object.assign(document.createElement('input'), {type: 'range', min: low, max: high, step: 'any', id: 'p-' + p.name, disabled: !state.control});
       name.textContent = p.name.replace('weight of ', '');
+      // Whole hundredths, both ends among them: counted from a lower end of 0.1, the last step would miss 1.
       input.addEventListener('input', () => { value.textContent = Number(input.value).toFixed(2); });
       input.addEventListener('change', async () => {
-        if (await ask(`Set ${p.name} to ${input.value}? The robot's behaviour changes.`)) state.stream.set(p.name, Number(input.value));
+        const asked = Math.min(high, Math.max(low, Number(Number(input.value).toFixed(2))));
+        if (await ask(`Set ${p.name} to ${asked}? The robot's behaviour changes.`)) state.stream.set(p.name, asked);
         else input.value = input.dataset.known, value.textContent = Number(input.value).toFixed(2);
       });
       label.append(name, input, value);

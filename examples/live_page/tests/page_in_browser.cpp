@@ -259,6 +259,15 @@ TEST_CASE(
   CHECK(page.evaluate(known) == 0);
   slide(1, "yes");
   CHECK(page.until(share + " > 0.02"));
+  // Both ends of a range can be reached, also where it begins at 0.1.
+  page.evaluate(
+      "skinctl.stream.facts['range of tried'] = '[0.1,1]', skinctl.stream.on.parameters([{name: 'tried', "
+      "value: 0.5}])");
+  CHECK(
+      page.evaluate(
+          "(() => { const s = document.getElementById('p-tried'); s.value = 1; const most = Number(s.value); "
+          "s.value = 0.1; return [most, Number(s.value)].join(); })()") == "1,0.1");
+  page.evaluate("document.getElementById('p-tried').parentElement.remove()");
   // One second back the page stays there while the run goes on.
   page.evaluate(
       "(() => { const s = document.getElementById('scrub'); s.value = -1; s.dispatchEvent(new "
