@@ -10,13 +10,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/robots/ur5.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 using namespace skinctl;
+using namespace skinctl::testing;
 
 namespace {
 using Arm = ur5::Model;
@@ -53,6 +57,7 @@ struct Jumps : Composable {
   }
 };
 
+constexpr auto any_torque = [](const JointTorque<2>&) { return false; };  ///< no limit
 struct TwoParts {
   static constexpr std::size_t terms = 2;
   static constexpr std::array<LawRole, 2> roles{LawRole::tracking, LawRole::reactive};
@@ -116,7 +121,7 @@ TEST_CASE("torque rate: the first torque passes, within the rate all pass to the
   const JointTorque<2> step{1, 0.1};
   const auto bound = [&](JointTorque<2> tau, bool acts) {
     JointTorque<2> kept = tau;
-    CHECK(own.bound<L>(std::array<JointTorque<2>, 1>{tau}, step, kept) == acts);
+    CHECK(own.bound<L>(std::array<JointTorque<2>, 1>{tau}, step, any_torque, kept) == acts);
     return kept;
   };
   CHECK(bound({50, 50}, false) == JointTorque<2>{50, 50});
@@ -126,14 +131,54 @@ TEST_CASE("torque rate: the first torque passes, within the rate all pass to the
   // The law's own part gives way to a reactive one: the whole stays.
   detail::OwnTorque<2, double> beside;
   JointTorque<2> whole{10, 1};
-  CHECK_FALSE(beside.bound<TwoParts>(std::array<JointTorque<2>, 2>{whole, {}}, step, whole));
-  CHECK_FALSE(beside.bound<TwoParts>(std::array<JointTorque<2>, 2>{{{-20, -2}, {30, 3}}}, step, whole));
+  CHECK_FALSE(beside.bound<TwoParts>(std::array<JointTorque<2>, 2>{whole, {}}, step, any_torque, whole));
+  CHECK_FALSE(
+      beside.bound<TwoParts>(std::array<JointTorque<2>, 2>{{{-20, -2}, {30, 3}}}, step, any_torque, whole));
   CHECK(whole == JointTorque<2>{10, 1});
   // A touch passes, the law's own jump beside it does not.
   whole = {150, 1};
-  CHECK(beside.bound<TwoParts>(std::array<JointTorque<2>, 2>{{{20, -2}, {130, 3}}}, step, whole));
+  CHECK(beside.bound<TwoParts>(std::array<JointTorque<2>, 2>{{{20, -2}, {130, 3}}}, step, any_torque, whole));
   CHECK(whole == JointTorque<2>{111, 1});
   auto c = configuration;
   c.torque_rate = 0;
   CHECK_THROWS_AS(static_cast<void>(by_position(Arm{}, c)), ConfigurationError);
+}
+
+TEST_CASE(
+    "torque rate: what no joint gives is cut off first, so that a law that asks for far more turns round at "
+    "once") {
+  // An arm that was held is let go far from its goal. With the rate before the limit it swung about the goal for ever.
+  const ur5::Model model;
+  for (const double held : {0.2, 0.6}) {
+    CAPTURE(held);
+    RobotConfiguration<6> c{
+        .limits = limits_of<ur5::Description>(15.0), .period = 500us, .lag = 20ms, .virtual_damping = 5};
+    c.virtual_inertia = JointTorque<6>::constant(4.7);
+    const auto arm = by_position(model, c);
+    const Cycle scene(arm, SplineJoint(arm) + GravityControl{});
+    using Scene = std::remove_const_t<decltype(scene)>;
+    const JointPosition<6> home{0.3, -1.2, 1.4, -1.8, -1.4, 0.3};
+    JointPosition<6> goal = home;
+    goal[4] -= held;
+    SimulatedJoints<6> joints(SimulatedJoints<6>::Kind::position, 0, 0.02, std::to_array(home.data));
+    const auto memory = std::make_unique<Scene::Memory>();
+    scene.start(*memory, {0ns, home, {}});
+    double fastest = 0;
+    for (int k = 1; k <= 20'000; ++k) {
+      const double t = 5e-4 * k;
+      joints.hold_fast(4, t < 2);
+      joints.advance(t);
+      Scene::Input input;
+      input.now = input.measured.time = k * 500us;
+      for (std::size_t i = 0; i < 6; ++i)
+        input.measured.q[i] = joints.q()[i], input.measured.dq[i] = joints.dq()[i];
+      if (k == 1) input.goal = {goal, 1s};
+      const auto out = scene.step(*memory, input);
+      REQUIRE(out.command.valid);
+      joints.command(t, std::to_array(out.command.position.data));
+      if (t > 9) fastest = std::max(fastest, std::abs(out.planned.velocity[4]));
+    }
+    CHECK(std::abs(joints.q()[4] - goal[4]) < 1e-3);
+    CHECK(fastest < 1e-3);
+  }
 }

@@ -208,7 +208,7 @@ class JerkLimits {
 };
 
 /// For `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the guard's
-/// braking.
+/// braking. Gains of a law that follows goals have to fit: `tracking_settings(robot, jerk)`.
 template <std::size_t N, Real T = double>
 struct MaxJerk {
   using Kind = JerkLimit;

@@ -2,6 +2,7 @@
 // Settings of a tracking law in joint space, and their ranges.
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 #include "skinctl/core/joint.hpp"
@@ -227,8 +228,27 @@ template <class Robot>
   }
   return s;
 }
-/// The same by torque for a robot that may carry less than `robot` says: `lightest` describes it without its
-/// payload.
+/// The same by position or velocity for a scene with `MaxJerk`. A joint takes A/J to bring up its acceleration:
+/// with `lambda K_c (A/J)^2 > 1` a touch that leads the arm from its goal may leave it swinging about it for
+/// ever. Both gains are lowered alike, and K_c to half of lambda at most.
+template <class Robot, class T = typename Robot::scalar>
+  requires(Robot::interface != Interface::torque)
+[[nodiscard]] JointControlSettings<Robot::joints, T> tracking_settings(
+    const Robot& robot, const JointJerk<Robot::joints, T>& jerk) {
+  using std::sqrt;
+  auto s = tracking_settings(robot);
+  T rise(0);
+  for (std::size_t i = 0; i < Robot::joints; ++i) {
+    require(jerk[i] > T(0), "jerk", static_cast<double>(jerk[i]), "> 0 rad/s^3");
+    if (robot.limits().acceleration()[i] > rise * jerk[i]) rise = robot.limits().acceleration()[i] / jerk[i];
+  }
+  const T both = sqrt(s.lambda * s.K_c) * rise;
+  if (!(both > T(1))) return s;
+  s.lambda = s.lambda / both, s.K_c = s.K_c / both, s.K_i1 = s.K_i1 / both, s.K_i2 = s.K_i2 / (both * both);
+  if (s.K_c > T(0.5) * s.lambda) s.lambda = sqrt(T(2)) / rise, s.K_c = T(0.5) * s.lambda;
+  return s;
+}
+/// The same by torque for a robot that may lose its payload: `lightest` describes it without.
 template <DescribedRobot Robot, DescribedRobot Lightest>
   requires(Robot::interface == Interface::torque && Robot::joints == Lightest::joints)
 [[nodiscard]] JointControlSettings<Robot::joints, typename Robot::scalar> tracking_settings(

@@ -107,10 +107,17 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
     }
     StiffTorque own = Stiff::of(out.law.torque);
     const StiffTorque step = T(this->torque_rate_ * h) * Stiff::of(limits_.torque());
-    if (m.own.template bound<L, Stiff>(out.law.shares, step, own)) [[unlikely]]
+    const Velocity v = stiff_only(now.dq);
+    const auto cut = [&](StiffTorque& torque) SKINCTL_INLINE_LAMBDA {
+      Torque whole;
+      Stiff::put(torque, whole);
+      if (limits_.within(whole, v) == whole) return false;
+      torque = Stiff::of(this->limited(now, whole));
+      return true;
+    };
+    if (m.own.template bound<L, Stiff>(out.law.shares, step, cut, own)) [[unlikely]]
       out.status |= Reason::torque_limited;
     Stiff::put(own, out.torque);
-    const Velocity v = stiff_only(now.dq);
     if (!(limits_.within(out.torque, v) == out.torque)) [[unlikely]] {
       out.status |= Reason::torque_limited;
       out.torque = this->limited(now, out.torque);

@@ -151,7 +151,15 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     }
     load.given = Driven::of(evaluation.torque);
     const DrivenTorque step = T(this->driven_torque_rate_ * dt) * Driven::of(limits_.torque());
-    if (m.driven.own.template bound<L, Driven>(evaluation.shares, step, load.given)) [[unlikely]]
+    const auto cut = [&](DrivenTorque& torque) SKINCTL_INLINE_LAMBDA {
+      Torque whole;
+      Driven::put(torque, whole);
+      const DrivenTorque within = Driven::of(limits_.within(whole, known.dq()));
+      const bool acts = !(within == torque);
+      torque = within;
+      return acts;
+    };
+    if (m.driven.own.template bound<L, Driven>(evaluation.shares, step, cut, load.given)) [[unlikely]]
       out.status |= Reason::torque_limited;
     load.given -= load.resists;
     if constexpr (has_tank) out.status |= this->pay(m, load.passive, Driven::of(load.gravity), load.given);

@@ -1,0 +1,351 @@
+// Random legal scenes in a world that keeps what was declared and does all else: touches, goals, late cycles, joints held
+// fast, stops and resumes in any order, with every limit and passive part in or out.
+//
+//     attack [CYCLES = 500000] [SEED = 1]     that many cycles by position, and by velocity
+//     attack run SEED                         one scene, each second of it
+//
+// Each scene ends with some time in which nobody does anything, and a stop. Judged in the servo's time, in which a command lasts one
+// period: velocity, acceleration and jerk of each joint, the way of the tool in a period, the ends of the joints; the speed
+// that is left at rest, and after the stop. Returns 1 if any of them is passed.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <random>
+#include <type_traits>
+#include <vector>
+
+#include "skinctl/skinctl.hpp"
+#include "tests/support/touched_arm.hpp"
+
+using namespace skinctl;
+using namespace skinctl::testing;
+
+namespace {
+
+constexpr double rounding = 1e-4;        ///< share of a limit that is no breach
+constexpr double jerk_gives_way = 0.03;  ///< of the tool's way, in cycles in which jerk is the harder limit
+constexpr double rests = 1e-3;   ///< speed of a joint at rest, when nothing has happened for long [rad/s]
+constexpr double stands = 1e-6;  ///< the same after a stop [rad/s]
+/// Nobody does anything for so many time constants of the goal's gain, and for this time [s].
+constexpr double constants = 15, quiet = 12;
+
+struct Found {
+  const char* what;
+  double worst = 0;
+  std::uint64_t seed = 0, scenes = 0;
+  double bound;
+  void take(double value, std::uint64_t of) {
+    if (!(value <= bound)) ++scenes;
+    if (!(value <= worst)) worst = value, seed = of;
+  }
+};
+struct Findings {
+  Found velocity{"velocity over its limit", 0, 0, 0, 1 + rounding};
+  Found acceleration{"acceleration over its limit", 0, 0, 0, 1 + rounding};
+  Found jerk{"jerk over its limit", 0, 0, 0, 1 + rounding};
+  Found tool{"way of the tool in a period over its limit", 0, 0, 0, 1 + jerk_gives_way};
+  Found ends{"beyond the ends of a joint [rad]", 0, 0, 0, 1e-3};
+  Found rest{"speed at rest [rad/s]", 0, 0, 0, rests};
+  Found stop{"speed after a stop [rad/s]", 0, 0, 0, stands};
+  Found invalid{"commands that are none", 0, 0, 0, 0};
+  std::uint64_t cycles = 0, scenes = 0, refused = 0;
+};
+
+/// Which parts a scene has.
+template <bool Jerk, bool Tool, bool Tank, bool Observer>
+struct Parts {
+  static constexpr bool jerk = Jerk, tool = Tool, tank = Tank, observer = Observer;
+};
+
+Xyz<double> tool_at(const JointPosition<6>& q) {
+  return Poses<ur5::Model, closure<ur5::Model>(link_bit<5>)>(ur5::Model{}, q).get<5>().origin();
+}
+auto skin() {
+  const std::vector<PlacedCell<2>> forearm{cell_at<2>(1, {-0.2, 0.04, 0.02}, {0, 1, 0}),
+                                           cell_at<2>(2, {-0.2, -0.04, 0.02}, {0, -1, 0}),
+                                           cell_at<2>(3, {-0.25, 0, 0.06}, {0, 0, 1})};
+  const std::vector<PlacedCell<5>> hand{cell_at<5>(4, {0, 0.04, 0.02}, {0, 1, 0}),
+                                        cell_at<5>(5, {0.04, 0, 0.02}, {1, 0, 0}),
+                                        cell_at<5>(6, {0, 0, 0.05}, {0, 0, 1})};
+  return open_skin(Patch<2, 3>(forearm, open_gains), Patch<5, 3>(hand, open_gains));
+}
+constexpr std::size_t cells = 6;
+
+/// Numbers of a scene: anything that is legal.
+struct Drawn {
+  RobotConfiguration<6> robot;
+  double softer = 1;  ///< gain of the law, of the one that fits the robot
+  MaxJerk<6> jerk{};
+  MaxToolSpeed<5> tool{.speed = 0.2, .reach = 1.3};
+  double late = 0;  ///< share of cycles that are late
+
+  explicit Drawn(std::mt19937_64& rng) : robot{.limits = limits_of<ur5::Description>(15.0), .period = 8ms} {
+    const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
+    auto v = limits_of<ur5::Description>(roll(3, 40)).values();
+    for (std::size_t i = 0; i < 6; ++i) {
+      v.velocity[i] = roll(0.2, 1) * v.velocity[i];
+      v.lower[i] = home[i] - roll(0.1, 3), v.upper[i] = home[i] + roll(0.1, 3);
+    }
+    robot.limits = JointLimits<6>(v);
+    robot.period = nanoseconds(5e-4 * std::pow(40.0, roll(0, 1)));
+    robot.delay = rng() % 4 == 0 ? 0ns : nanoseconds(roll(0, 0.06));
+    robot.lag = rng() % 4 == 0 ? 0ns : nanoseconds(roll(0, 0.06));
+    robot.virtual_damping = roll(2, 8);
+    for (std::size_t i = 0; i < 6; ++i) {
+      if (rng() % 3 == 0) robot.viscous_friction[i] = roll(0, 20);
+      if (rng() % 3 == 0) robot.coulomb_friction[i] = roll(0, 3);
+      if (rng() % 3 == 0) robot.virtual_inertia[i] = roll(0, 5);
+    }
+    for (double& j : jerk.jerk) j = 20 * std::pow(5000.0, roll(0, 1));
+    tool.speed = roll(0.05, 1);
+    late = rng() % 2 == 0 ? 0.0 : roll(0, 0.2);
+    softer = roll(0.2, 1);
+  }
+  static constexpr std::array<double, 6> home{0, -1.2, 1.4, -1.8, -1.57, 0.3};
+};
+
+template <Interface I, class... Parts>
+auto robot_of(const Drawn& d, const Parts&... parts) {
+  if constexpr (I == Interface::position) {
+    return by_position(ur5::Model{}, d.robot, parts...);
+  } else {
+    return by_velocity(ur5::Model{}, d.robot, parts...);
+  }
+}
+template <Interface I, class P>
+JointControlSettings<6> tracking_of(const Drawn& d) {
+  const auto robot = robot_of<I>(d);
+  auto tracking = P::jerk ? tracking_settings(robot, d.jerk.jerk) : tracking_settings(robot);
+  tracking.lambda *= d.softer, tracking.K_c *= d.softer;
+  return tracking;
+}
+template <Interface I, class P>
+auto scene_of(const Drawn& d) {
+  const auto robot = [&](const auto&... parts) { return robot_of<I>(d, parts...); };
+  const auto law = SplineJoint<6>(tracking_of<I, P>(d)) + SkinJointControl{} + GravityControl{};
+  const EnergyTank<> tank({.start = 1, .max = 1});
+  const PassivityObserver<> observer({.start = 1, .max = 1});
+  const auto plain = [&] {
+    if constexpr (P::tank && P::observer) {
+      return Cycle(robot(tank, observer), skin(), law);
+    } else if constexpr (P::tank) {
+      return Cycle(robot(tank), skin(), law);
+    } else if constexpr (P::observer) {
+      return Cycle(robot(observer), skin(), law);
+    } else {
+      return Cycle(robot(), skin(), law);
+    }
+  }();
+  if constexpr (P::jerk && P::tool) {
+    return plain.with(d.jerk, d.tool);
+  } else if constexpr (P::jerk) {
+    return plain.with(d.jerk);
+  } else if constexpr (P::tool) {
+    return plain.with(d.tool);
+  } else {
+    return plain;
+  }
+}
+
+template <Interface I, class P>
+void run(std::uint64_t seed, Findings& found, bool trace) {
+  std::mt19937_64 rng(seed);
+  const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
+  const Drawn d(rng);
+  const auto made = [&]() -> std::optional<decltype(scene_of<I, P>(d))> {
+    try {
+      return scene_of<I, P>(d);
+    } catch (const ConfigurationError& e) {
+      if (trace) std::printf("refused: %s\n", e.what());
+      return {};
+    }
+  }();
+  if (!made) {
+    ++found.refused;
+    return;
+  }
+  const auto& scene = *made;
+  using Scene = std::remove_cvref_t<decltype(scene)>;
+  const double dt = seconds<double>(d.robot.period);
+  using Joints = SimulatedJoints<6>;
+  Joints robot(I == Interface::position ? Joints::Kind::position : Joints::Kind::velocity,
+               seconds<double>(d.robot.delay), seconds<double>(d.robot.lag), Drawn::home);
+  State<6> measured;
+  const auto measure = [&](Nanoseconds now) {
+    measured.time = now;
+    for (std::size_t i = 0; i < 6; ++i) measured.q[i] = robot.q()[i], measured.dq[i] = robot.dq()[i];
+  };
+  measure(0ns);
+  const auto memory = std::make_unique<typename Scene::Memory>();
+  scene.start(*memory, measured);
+
+  const double busy = roll(3, 8), ends = busy + quiet + constants / tracking_of<I, P>(d).K_c;
+  double most_jerk_time = 0;
+  for (std::size_t i = 0; i < 6; ++i)
+    most_jerk_time =
+        std::max(most_jerk_time, d.robot.limits.velocity()[i] / d.robot.limits.acceleration()[i] +
+                                     2 * d.robot.limits.acceleration()[i] / d.jerk.jerk[i]);
+  const double stops_in = 6 * most_jerk_time + 8 * dt;
+  std::array<double, cells> force{};
+  JointVelocity<6> last;
+  JointAcceleration<6> before;
+  JointPosition<6> at = measured.q;
+  double velocity = 0, acceleration = 0, jerk = 0, tool = 0, beyond = 0, rest = 0, stop = 0, invalid = 0;
+  Nanoseconds now{}, asked{};
+  bool stopping = false;
+  Status all;
+  double printed = 0;
+  while (seconds<double>(now) < ends + stops_in + 1) {
+    now += roll(0, 1) < d.late ? d.robot.period * (2 + long(rng() % 4)) : d.robot.period;
+    const double t = seconds<double>(now);
+    robot.advance(t);
+    measure(now);
+    typename Scene::Input input;
+    input.now = now;
+    input.measured = measured;
+    // What happens: about three events a second, until it is quiet.
+    if (t < busy && roll(0, 1) < 3 * dt) switch (rng() % 8) {
+        case 0:
+        case 1:
+        case 2:
+          force[rng() % cells] = roll(0, 60);
+          break;
+        case 3:
+          force = {};
+          break;
+        case 4:
+          robot.hold_fast(rng() % 6, rng() % 2 == 0);
+          break;
+        case 5:
+          input.request = rng() % 2 == 0 ? CycleRequest::stop : CycleRequest::resume;
+          break;
+        default: {
+          JointPosition<6> goal;
+          for (std::size_t i = 0; i < 6; ++i) goal[i] = Drawn::home[i] + roll(-0.6, 0.6);
+          input.goal = {goal, nanoseconds(roll(0.2, 4))};
+        }
+      }
+    if (t >= busy) {
+      force = {};
+      for (std::size_t i = 0; i < 6; ++i) robot.hold_fast(i, false);
+    }
+    if (t >= busy && t < busy + 2 * dt) input.request = CycleRequest::resume;
+    if (t >= ends && !stopping) input.request = CycleRequest::stop, stopping = true, asked = now;
+    std::array<CellSample, cells> samples{};
+    for (std::size_t c = 0; c < cells; ++c) {
+      samples[c].time = now, samples[c].cell = static_cast<std::uint32_t>(c + 1);
+      samples[c].force.fill(static_cast<float>(std::min(1.0, force[c] / (3 * newtons_per_unit))));
+    }
+    input.samples = samples;
+    const auto out = scene.step(*memory, input);
+    ++found.cycles;
+    all |= out.status;
+    invalid += !out.command.valid;
+    const auto& v = out.planned.velocity;
+    Joints::Row sent{};
+    double fastest = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      sent[i] = I == Interface::position ? out.planned.position[i] : v[i];
+      velocity = std::max(velocity, std::abs(v[i]) / d.robot.limits.velocity()[i]);
+      acceleration =
+          std::max(acceleration, std::abs(v[i] - last[i]) / (d.robot.limits.acceleration()[i] * dt));
+      if (P::jerk && !P::tool)
+        jerk = std::max(jerk,
+                        (std::abs(out.planned.acceleration[i] - before[i]) - 1e-9) / (d.jerk.jerk[i] * dt));
+      beyond = std::max(
+          {beyond, robot.q()[i] - d.robot.limits.upper()[i], d.robot.limits.lower()[i] - robot.q()[i]});
+      fastest = std::max(fastest, std::abs(v[i]));
+    }
+    if (t > ends - 1 && !stopping) rest = std::max(rest, fastest);
+    if (stopping && seconds<double>(now - asked) > stops_in) stop = std::max(stop, fastest);
+    if constexpr (I == Interface::position && P::tool) {
+      const auto from = tool_at(at), to = tool_at(out.planned.position);
+      tool = std::max(tool, std::sqrt(dot(to - from, to - from)) / (d.tool.speed * dt));
+      at = out.planned.position;
+    }
+    last = v;
+    before = out.planned.acceleration;
+    robot.command(t, sent);
+    if (trace && t >= printed) {
+      std::printf("%5.1f s  fastest %.2g rad/s  ", t, fastest);
+      for (const Fault& f : faults)
+        if (out.status.has(f.reason))
+          std::printf(" %.*s", int(std::string_view(f.name).size()), std::string_view(f.name).data());
+      std::printf("\n");
+      printed += 0.25;
+    }
+  }
+  ++found.scenes;
+  found.velocity.take(velocity, seed), found.acceleration.take(acceleration, seed),
+      found.jerk.take(jerk, seed);
+  found.tool.take(tool, seed), found.ends.take(beyond, seed), found.rest.take(rest, seed);
+  found.stop.take(stop, seed), found.invalid.take(invalid, seed);
+  if (trace)
+    std::printf(
+        "period %.2f ms, delay %.1f ms, lag %.1f ms, late %.2f: velocity %.4f, acceleration %.4f, jerk %.4f, "
+        "tool "
+        "%.4f, beyond %.2g rad, rest %.2g, stop %.2g rad/s\n",
+        1e3 * dt, 1e3 * seconds<double>(d.robot.delay), 1e3 * seconds<double>(d.robot.lag), d.late, velocity,
+        acceleration, jerk, tool, beyond, rest, stop);
+}
+
+/// The scene of a seed: its number says which parts it has.
+template <Interface I>
+void run(std::uint64_t seed, Findings& found, bool trace) {
+  switch (seed % 7) {
+    case 0:
+      return run<I, Parts<false, false, false, false>>(seed, found, trace);
+    case 1:
+      return run<I, Parts<true, false, false, false>>(seed, found, trace);
+    case 2:
+      return run<I, Parts<false, true, false, false>>(seed, found, trace);
+    case 3:
+      return run<I, Parts<false, false, true, false>>(seed, found, trace);
+    case 4:
+      return run<I, Parts<true, true, false, false>>(seed, found, trace);
+    case 5:
+      return run<I, Parts<false, true, false, true>>(seed, found, trace);
+    default:
+      return run<I, Parts<true, true, true, true>>(seed, found, trace);
+  }
+}
+
+template <Interface I>
+bool attack(const char* name, std::uint64_t cycles, std::uint64_t seed) {
+  Findings found;
+  while (found.cycles < cycles) run<I>(seed++, found, false);
+  std::printf(
+      "\n%s: %llu scenes, %llu cycles; %llu drawings refused\n\n| | worst | scenes beyond | seed of the "
+      "worst |\n|---|---|---|---|\n",
+      name, static_cast<unsigned long long>(found.scenes), static_cast<unsigned long long>(found.cycles),
+      static_cast<unsigned long long>(found.refused));
+  bool good = true;
+  for (const Found* f : {&found.velocity, &found.acceleration, &found.jerk, &found.tool, &found.ends,
+                         &found.rest, &found.stop, &found.invalid}) {
+    std::printf("| %s | %.6g | %llu | %llu |\n", f->what, f->worst,
+                static_cast<unsigned long long>(f->scenes), static_cast<unsigned long long>(f->seed));
+    good = good && f->scenes == 0;
+  }
+  return good;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc > 2 && std::strcmp(argv[1], "run") == 0) {
+    Findings found;
+    const std::uint64_t seed = std::strtoull(argv[2], nullptr, 10);
+    std::printf("by position\n"), run<Interface::position>(seed, found, true);
+    std::printf("by velocity\n"), run<Interface::velocity>(seed, found, true);
+    return 0;
+  }
+  const std::uint64_t cycles = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 500'000;
+  const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  const bool by_position = attack<Interface::position>("By position", cycles, seed);
+  const bool by_velocity = attack<Interface::velocity>("By velocity", cycles, seed);
+  return by_position && by_velocity ? 0 : 1;
+}
