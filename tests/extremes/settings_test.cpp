@@ -61,8 +61,8 @@ TEST_CASE_TEMPLATE("extremes: settings of filters, tanks and time bases", T, flo
   check_part<Squeeze<T>>("Squeeze", &Grip::from, &Grip::to, &Grip::own, &Grip::swing, &Grip::min_span);
   using Slide = typename Slip<T>::Settings;
   check_part<Slip<T>>("Slip", &Slide::friction, &Slide::max_friction, &Slide::probe, &Slide::reserve,
-                      &Slide::noise, &Slide::drop, &Slide::max_drop, &Slide::near_highest, &Slide::filter,
-                      &Slide::fall, &Slide::highest_for, &Slide::slip_for, &Slide::min_normal);
+                      &Slide::noise, &Slide::drop, &Slide::max_drop, &Slide::filter, &Slide::fall,
+                      &Slide::min_normal);
   using Motion = typename TouchMotion<T>::Settings;
   check_part<TouchMotion<T>>("TouchMotion", &Motion::impact, &Motion::slip, &Motion::window, &Motion::learn,
                              &Motion::noise);

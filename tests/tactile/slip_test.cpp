@@ -144,7 +144,7 @@ TEST_CASE_TEMPLATE("Slip: what is carried and shaken does not slip", T, float, d
   const double hours = runs * length / 3600;
   MESSAGE(alarms << " false alarms in " << hours << " h shaken by up to 3 m/s^2, the last after " << last
                  << " s");
-  CHECK(alarms <= runs);  // while it is lifted and the unrest is not yet known
+  CHECK(alarms <= 2 * runs);  // while it is lifted and the unrest is not yet known
   CHECK(last < 0.5);
 }
 

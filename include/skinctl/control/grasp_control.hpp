@@ -14,8 +14,8 @@ SKINCTL_BEGIN_NAMESPACE
 template <Scalar T = double>
 struct GraspGoal {
   T internal{0};  ///< mean force of a fingertip [N]; negative: the fingers open
-  /// Force that the contacts ask for [N], the largest `Slip::Result::hold` of the fingertips; 0: none. The
-  /// grip holds with the larger of the two, up to `max_force`, unless the fingers are to open.
+  /// Mean force that the contacts ask for [N]: the largest `GraspControl::force_for` of the fingertips'
+  /// `Slip::Result::hold`; 0: none. The grip holds with the larger of the two, unless the fingers are to open.
   T hold{0};
 
   template <class F>
@@ -132,6 +132,12 @@ class GraspControl : public Composable {
   [[nodiscard]] Shape shape(const K& known) const noexcept {
     const auto X_LP = tips();
     return shape_of(known, jacobians(known, X_LP));
+  }
+
+  /// The mean force [N] at which fingertip `k` presses with `normal` [N]; 0 for one that takes no part.
+  [[nodiscard]] T force_for(const Shape& shape, std::size_t k, const T& normal) const noexcept {
+    const T share = weight_[k] * norm(Xyz<T>(shape.p[k] - shape.centroid));
+    return share > T(1e-6) ? T(normal * shape.size / share) : T(0);
   }
 
   template <class K>

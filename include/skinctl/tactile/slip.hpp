@@ -14,16 +14,18 @@ SKINCTL_BEGIN_NAMESPACE
 /// < mu; it falls between the two within some 60 ms (LuGre: Canudas de Wit et al., IEEE TAC 40(3), 1995).
 ///
 ///     demand    d = |f_t| / f_n,  forces low-passed with `filter`
-///     peak      P' = -(P - |f_t|) / fall,  P >= |f_t|;  D of d alike, and H within `highest_for`
+///     peak      P' = -(P - |f_t|) / fall,  P >= |f_t|;  D of d alike, and H within 300 s
+///     noise     sigma: what the low-pass leaves of `noise`
 ///     unrest    u^2: mean square of P - |f_t|, which rises within 0.2 s and falls within 5 s
-///     slip      P - |f_t| > max(2.5 noise, drop P, 3 u),  D >= near_highest H,  |f_t| >= max_drop P
+///     slip      P - |f_t| > max(5 sigma, drop P, 3 u),  D >= 0.85 H,  |f_t| >= max_drop P
 ///     friction  a slip: mu = min(mu, d), that of the slide; else mu' = probe mu, a tenth of it after a slip
 ///     hold      f_n = reserve |f_t| / mu,  at least `min_normal`
 ///
-/// A contact slips from its highest demand. Shaking is unrest; a load that is taken off leaves less than
-/// `max_drop`, and was no slip. While it slides, `hold` is `reserve` times the present force: a grip that
-/// follows tightens until it sticks. mu grows while it is tried, at `d >= 0.9 mu / reserve`: a grip that
-/// follows loosens until the contact slides by some millimetres, and tells its friction. Each begins anew.
+/// A contact slips from its highest demand. Shaking is unrest. While it slides, `hold` is `reserve` times
+/// the present force: a grip that follows tightens until it sticks, and the shear is again what it was. If
+/// it is not within 0.2 s, or less than `max_drop` is left, a load was taken off, and mu is as before. mu
+/// grows while it is tried, at `d >= 0.9 mu / reserve`: a grip that follows loosens until the contact slides
+/// by some millimetres, and tells its friction. Each contact begins anew.
 ///
 /// Not found: a slide whose force does not fall (a pull faster than the fall; friction that rises with
 /// speed), or by less than noise and unrest; a turn about the normal. A pull is met by `hold`: it follows.
@@ -31,19 +33,16 @@ template <Real T = double>
 class Slip {
  public:
   struct Settings {
-    T friction = T(0.25);      ///< mu of a new contact, > 0: moist plastic on silicone
-    T max_friction = T(0.8);   ///< up to which it grows: what the cone of a kind (`with_normal`) reads
-    T probe = T(0.05);         ///< growth of mu while nothing slips, 0: none [1/s]
-    T reserve = T(1.4);        ///< normal force over the least one that holds, > 1
-    T noise = T(0.05);         ///< standard deviation of a sample's sum, each axis, > 0 [N]
-    T drop = T(0.05);          ///< smallest drop as a share of the shear; mu_k is 5 to 30 % below mu
-    T max_drop = T(0.5);       ///< smallest share of the shear that a slip leaves
-    T near_highest = T(0.85);  ///< share of the highest demand from which a contact may slip
-    T filter = T(0.01);        ///< time constant of the forces, > 0 [s]
-    T fall = T(0.1);           ///< time constant of the peak, > 0 [s]
-    T highest_for = T(300);    ///< time constant of the highest demand, > 0 [s]
-    T slip_for = T(0.05);      ///< time that a slip counts after its last drop, > 0 [s]
-    T min_normal = T(0.3);     ///< normal force of a contact, > 0; it ends below half of that [N]
+    T friction = T(0.25);     ///< mu of a new contact, > 0: moist plastic on silicone
+    T max_friction = T(0.8);  ///< up to which it grows: what the cone of a kind (`with_normal`) reads
+    T probe = T(0.05);        ///< growth of mu while nothing slips, 0: none [1/s]
+    T reserve = T(1.4);       ///< normal force over the least one that holds, > 1
+    T noise = T(0.05);        ///< standard deviation of a sample's sum, each axis, > 0 [N]
+    T drop = T(0.05);         ///< smallest drop as a share of the shear; mu_k is 5 to 30 % below mu
+    T max_drop = T(0.5);      ///< smallest share of the shear that a slip leaves
+    T filter = T(0.01);       ///< time constant of the forces, > 0 [s]
+    T fall = T(0.1);          ///< time constant of the peak, > 0 [s]
+    T min_normal = T(0.3);    ///< normal force of a contact, > 0; it ends below half of that [N]
   };
   /// Trivially copyable; `Memory{}` touches nothing.
   struct Memory {
@@ -53,6 +52,7 @@ class Slip {
     T peak = T(0), peak_demand = T(0), highest = T(0);  ///< P [N], D, H
     T friction = T(0);                                  ///< 0: that of the settings
     T from = T(0), pressed = T(0), before = T(0);       ///< shear, normal force, friction before the slip
+    T slide = T(0);                                     ///< shear at `pressed` while it slid [N]
     T since = T(1e9);                                   ///< time since the last drop [s]
     bool touches = false, slipped = false;              ///< slipped: its friction has been told
   };
@@ -77,11 +77,8 @@ class Slip {
     in(s.noise, 1e-6, 1e3, "Slip: noise", "1e-6 to 1e3 N");
     in(s.drop, 1e-3, 0.9, "Slip: drop", "0.001 to 0.9");
     in(s.max_drop, 0.01, 0.99, "Slip: max_drop", "0.01 to 0.99");
-    in(s.near_highest, 0.01, 1, "Slip: near_highest", "0.01 to 1");
     in(s.filter, 1e-5, 1, "Slip: filter", "1e-5 to 1 s");
     in(s.fall, 1e-5, 1, "Slip: fall", "1e-5 to 1 s");
-    in(s.highest_for, 1e-3, 1e6, "Slip: highest_for", "1e-3 to 1e6 s");
-    in(s.slip_for, 1e-3, 10, "Slip: slip_for", "1e-3 to 10 s");
     in(s.min_normal, 1e-3, 1e3, "Slip: min_normal", "1e-3 to 1e3 N");
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
@@ -106,17 +103,16 @@ class Slip {
     const T demand = m.shear / m.normal;
     if (gap) m.peak = m.shear, m.peak_demand = demand;
     m.touches = true;
-    const auto top = [&part](const T& y, const T& x, const T& time) {
-      return x > y ? x : T(y - part(time) * (y - x));
-    };
+    const auto top = [&](T y, T x, T time) { return x > y ? x : T(y - part(time) * (y - x)); };
     m.peak = top(m.peak, m.shear, s_.fall), m.peak_demand = top(m.peak_demand, demand, s_.fall);
-    m.highest = top(m.highest, demand, s_.highest_for);
+    m.highest = top(m.highest, demand, T(300));
     const T drop = m.peak - m.shear, square = drop * drop;
-    const bool drops = drop > T(2.5) * s_.noise && drop > s_.drop * m.peak && square > T(9) * m.unrest &&
-                       m.peak_demand >= s_.near_highest * m.highest && m.shear >= s_.max_drop * m.peak;
+    const T sigma = dt / (T(2) * s_.filter + dt) * s_.noise * s_.noise;  // squared
+    const bool drops = square > T(25) * sigma && drop > s_.drop * m.peak && square > T(9) * m.unrest &&
+                       m.peak_demand >= T(0.85) * m.highest && m.shear >= s_.max_drop * m.peak;
     m.unrest = m.unrest + part(square > m.unrest ? T(0.2) : T(5)) * (square - m.unrest);
-    const bool slipping = m.since <= s_.slip_for;
-    const T mu = friction(m);
+    const bool slipping = m.since <= T(0.05);
+    const T mu = friction(m), full = m.slide * m.normal / (m.pressed > T(0) ? m.pressed : T(1));
     if (drops && !slipping) m.from = m.peak, m.pressed = m.normal, m.before = mu;
     m.since = drops ? T(0) : m.since < T(1e8) ? T(m.since + dt) : m.since;
     if (drops || slipping) {
@@ -125,7 +121,11 @@ class Slip {
       const T slide = m.shear / (m.normal < m.pressed ? m.normal : m.pressed);
       m.friction = released ? m.before : slide < mu ? slide : mu;
       m.slipped = m.slipped || !released;
+      m.slide = m.friction * m.pressed;
       if (released) m.since = T(1e9);
+    } else if (m.since <= T(0.2) && m.since + dt > T(0.2) && m.normal > T(1.1) * m.pressed &&
+               T(2) * (m.shear - m.slide) < (m.from < full ? m.from : full) - m.slide) {
+      m.friction = m.before;
     } else if (s_.reserve * demand >= T(0.9) * mu) {
       const T grown = mu + (m.slipped ? T(0.1) : T(1)) * s_.probe * dt * mu;
       m.friction = grown < s_.max_friction ? grown : s_.max_friction;
@@ -136,7 +136,7 @@ class Slip {
   [[nodiscard]] Result result(const Memory& m) const noexcept {
     if (!m.touches) return {};
     const T mu = friction(m), demand = m.shear / m.normal, hold = s_.reserve * m.shear / mu;
-    return {m.since <= s_.slip_for, demand, T(1) - demand / mu, hold > s_.min_normal ? hold : s_.min_normal};
+    return {m.since <= T(0.05), demand, T(1) - demand / mu, hold > s_.min_normal ? hold : s_.min_normal};
   }
   /// The friction that is reckoned with.
   [[nodiscard]] T friction(const Memory& m) const noexcept {

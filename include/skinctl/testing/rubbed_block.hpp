@@ -7,11 +7,13 @@
 
 namespace skinctl::testing {
 
-/// Friction of a contact after LuGre, per newton of normal force, as tyre models have it:
+/// Friction of a contact per newton of normal force: LuGre, elasto-plastic, so that what sticks does not creep:
 ///
-///     g(v) = mu_k + (mu - mu_k) exp(-(v/v_s)^2),   z' = v - k |v| z / g,   f_t = f_n (k z + c z')
+///     g(v) = mu_k + (mu - mu_k) exp(-(v/v_s)^2),   z' = v - a k |v| z / g,   f_t = f_n (k z + c z'),
+///     a = 0 for |k z| <= 0.7 g or z v < 0, to 1 at |k z| = g
 ///
-/// C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, IEEE TAC 40(3), 1995.
+/// C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, IEEE TAC 40(3), 1995; P. Dupont, V. Hayward,
+/// B. Armstrong, F. Altpeter, IEEE TAC 47(5), 2002.
 struct Bristle {
   double mu = 0.5;           ///< friction at rest
   double share = 0.8;        ///< mu_k / mu
@@ -23,7 +25,8 @@ struct Bristle {
   /// The force against the speed `v` of what is dragged [N], after `dt`. Implicit in z: stiff ones do not ring.
   double step(double dt, double v, double f_n) {
     const double g = mu * (share + (1 - share) * std::exp(-v * v / (v_s * v_s)));
-    const double next = (z + dt * v) / (1 + dt * k * std::abs(v) / g);
+    const double a = z * v < 0 ? 0 : std::clamp((k * std::abs(z) / g - 0.7) / 0.3, 0.0, 1.0);
+    const double next = (z + dt * v) / (1 + dt * a * k * std::abs(v) / g);
     z_rate = (next - z) / dt, z = next;
     return std::max(f_n, 0.0) * (k * z + c * z_rate);
   }
