@@ -1,4 +1,4 @@
-// Slip from shear beside normal force, against simulated blocks on bristles (LuGre), which know when they slide.
+// Slip from shear beside normal force, against simulated blocks on bristles, which know when they slide.
 #include "skinctl/tactile/slip.hpp"
 
 #include <doctest/doctest.h>
@@ -189,7 +189,7 @@ TEST_CASE(
   CHECK(said.slipping);
   CHECK(said.hold > 1.3 * 5);
   for (int k = 0; k < 100; ++k) said = slip.take(m, 0.001, {1.4, 0, 5 + 0.05 * k}, {0, 0, 1});
-  // The grip has tightened to 10 N, and it sticks: its friction is that of the slide, not of the stronger grip.
+  // The grip has tightened to 10 N, and it sticks: the friction is that of the slide.
   CHECK(slip.friction(m) == doctest::Approx(grown).epsilon(0.2));
   CHECK(said.margin > 0.4);
 }

@@ -19,8 +19,8 @@ struct Bristle {
   double share = 0.8;        ///< mu_k / mu
   double v_s = 0.005;        ///< Stribeck's speed [m/s]
   double k = 1000;           ///< stiffness of the fingertip's skin [1/m]
-  double c = 5;              ///< its damping [s/m]
-  double z = 0, z_rate = 0;  ///< its bend [m], [m/s]
+  double c = 5;              ///< damping of the fingertip's skin [s/m]
+  double z = 0, z_rate = 0;  ///< bend of the skin [m], its rate [m/s]
 
   /// The force against the speed `v` of what is dragged [N], after `dt`. Implicit in z: stiff ones do not ring.
   double step(double dt, double v, double f_n) {
