@@ -108,18 +108,19 @@ class Slip {
     m.highest = top(m.highest, demand, T(300));
     const T drop = m.peak - m.shear, square = drop * drop;
     const T sigma = dt / (T(2) * s_.filter + dt) * s_.noise * s_.noise;  // squared
-    const bool drops = square > T(25) * sigma && drop > s_.drop * m.peak && square > T(9) * m.unrest &&
-                       m.peak_demand >= T(0.85) * m.highest && m.shear >= s_.max_drop * m.peak;
+    // Until 0.2 s after a slip the shear also falls as what slid comes to rest.
+    const bool slipping = m.since <= T(0.05), arrested = !slipping && m.since <= T(0.2);
+    const bool drops = !arrested && square > T(25) * sigma && drop > s_.drop * m.peak &&
+                       square > T(9) * m.unrest && m.peak_demand >= T(0.85) * m.highest &&
+                       m.shear >= s_.max_drop * m.peak;
     m.unrest = m.unrest + part(square > m.unrest ? T(0.2) : T(5)) * (square - m.unrest);
-    const bool slipping = m.since <= T(0.05);
     const T mu = friction(m), full = m.slide * m.normal / (m.pressed > T(0) ? m.pressed : T(1));
     if (drops && !slipping) m.from = m.peak, m.pressed = m.normal, m.before = mu;
     m.since = drops ? T(0) : m.since < T(1e8) ? T(m.since + dt) : m.since;
     if (drops || slipping) {
       const bool released = m.shear < s_.max_drop * m.from;
-      // A grip that tightens on what sticks again lowers the demand: that is not its friction.
-      const T slide = m.shear / (m.normal < m.pressed ? m.normal : m.pressed);
-      m.friction = released ? m.before : slide < mu ? slide : mu;
+      const bool slides = m.normal <= T(1.05) * m.pressed && demand < mu;  // a tightened grip sticks
+      m.friction = released ? m.before : slides ? demand : mu;
       m.slipped = m.slipped || !released;
       m.slide = m.friction * m.pressed;
       if (released) m.since = T(1e9);
@@ -132,7 +133,6 @@ class Slip {
     }
     return result(m);
   }
-  /// What the last sample said.
   [[nodiscard]] Result result(const Memory& m) const noexcept {
     if (!m.touches) return {};
     const T mu = friction(m), demand = m.shear / m.normal, hold = s_.reserve * m.shear / mu;
