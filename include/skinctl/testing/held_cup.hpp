@@ -78,8 +78,10 @@ class HeldCup {
   /// @param pull   on the cup, downwards [N].
   void advance(double dt, const JointTorque<16>& grip, double mass, double borne, double pull) {
     const Known known(hand_, x_, dt, NoTouch{});
-    const std::tuple J{known.jacobian<3>(tip<3>(0)), known.jacobian<7>(tip<7>(1)),
-                       known.jacobian<15>(tip<15>(2))};
+    const auto index = tip<3>(0);  // the Jacobians refer to them
+    const auto middle = tip<7>(1);
+    const auto thumb = tip<15>(2);
+    const std::tuple J{known.jacobian<3>(index), known.jacobian<7>(middle), known.jacobian<15>(thumb)};
     auto at = places();
     auto motors = grip + known.gravity();
     const auto push = [](const auto& J_f, const Xyz<double>& force, JointTorque<16>& tau) {
