@@ -77,7 +77,7 @@ Run hold(double mu, double fixed) {
   const auto memory = std::make_unique<Scene::Memory>();
   scene.start(*memory, cup.state());
   const Grip grip(HeldCup::tips);
-  const Slip<> slip({.noise = 0.06});
+  const Slip<> slip({.probe = 0.05, .noise = 0.06});  // without: heavier, and safe against any pull
   std::array<Slip<>::Memory, fingers> felt{};
   std::array<Slip<>::Result, fingers> said{};
   std::mt19937 random(4);

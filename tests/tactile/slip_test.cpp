@@ -55,7 +55,7 @@ Found carry(Why why, double mu, double share, double noise, double rate) {
     Random rng = seeded(run);
     Fingertip<T> tip(noise, rng);
     RubbedBlock block{.bristle = {.mu = mu, .share = share}};
-    const Slip<T> slip({.friction = T(mu), .max_friction = T(2), .noise = T(noise)});
+    const Slip<T> slip({.friction = T(mu), .max_friction = T(2), .probe = T(0.05), .noise = T(noise)});
     typename Slip<T>::Memory m;
     const double weight = 0.5 * mu * 5, later = 1 + 0.003 * run;
     double slides = -1, found = -1, from = 0, friction = 0;
@@ -128,7 +128,7 @@ TEST_CASE_TEMPLATE("Slip: what is carried and shaken does not slip", T, float, d
       Fingertip<T> tip(noise, rng);
       double phase[6], hertz[6];
       for (int i = 0; i < 6; ++i) phase[i] = uniform(rng, 0.0, 6.28), hertz[i] = uniform(rng, 2.0, 30.0);
-      const Slip<T> slip({.friction = T(0.5), .probe = T(0), .noise = T(noise)});
+      const Slip<T> slip({.friction = T(0.5), .noise = T(noise)});
       typename Slip<T>::Memory m;
       bool was = false;
       for (double t = 0; t < length; t += 0.002) {
@@ -151,7 +151,7 @@ TEST_CASE_TEMPLATE("Slip: what is carried and shaken does not slip", T, float, d
 TEST_CASE("Slip: a pull that ends and a thing that is put down are no slips, and the demand leads the grip") {
   Random rng = seeded(3);
   Fingertip<double> tip(0.05, rng);
-  const Slip<> slip;
+  const Slip<> slip({.probe = 0.05});
   Slip<>::Memory m;
   const auto hold = [&](double seconds, double from, double to, double f_n) {
     int slips = 0;
@@ -179,7 +179,7 @@ TEST_CASE("Slip: a pull that ends and a thing that is put down are no slips, and
 
 TEST_CASE(
     "Slip: while it slides the grip is asked for more, until it sticks; what sticks is loosened slowly") {
-  const Slip<> slip;
+  const Slip<> slip({.probe = 0.05});
   Slip<>::Memory m;
   for (int k = 0; k < 1000; ++k) slip.take(m, 0.001, {2, 0, 5}, {0, 0, 1});
   const double grown = slip.friction(m);

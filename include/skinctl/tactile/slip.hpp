@@ -21,21 +21,22 @@ SKINCTL_BEGIN_NAMESPACE
 ///     friction  a slip: mu = min(mu, d), that of the slide; else mu' = probe mu, a tenth of it after a slip
 ///     hold      f_n = reserve |f_t| / mu,  at least `min_normal`
 ///
-/// A contact slips from its highest demand. Shaking is unrest. While it slides, `hold` is `reserve` times
-/// the present force: a grip that follows tightens until it sticks, and the shear is again what it was. If
-/// it is not within 0.2 s, or less than `max_drop` is left, a load was taken off, and mu is as before. mu
-/// grows while it is tried, at `d >= 0.9 mu / reserve`: a grip that follows loosens until the contact slides
-/// by some millimetres, and tells its friction. Each contact begins anew.
+/// A contact slips from its highest demand. Shaking is unrest. While it slides, `hold` is `reserve` times the
+/// present force: a grip that follows tightens until it sticks, and the shear is again what it was. If it is
+/// not within 0.2 s, or less than `max_drop` is left, a load was taken off, and mu is as before. With `probe`
+/// mu grows while it is tried, at `d >= 0.9 mu / reserve`: a grip that follows loosens until the contact
+/// slides by some millimetres, and tells its friction; a pull just before that drops it. Each contact begins
+/// anew.
 ///
-/// Not found: a slide whose force does not fall (a pull faster than the fall; friction that rises with
-/// speed), or by less than noise and unrest; a turn about the normal. A pull is met by `hold`: it follows.
+/// Not found: a slide whose force does not fall (a fast pull; friction that rises with speed), or by less
+/// than noise and unrest; a turn about the normal. `friction` is to be below that of all that is held.
 template <Real T = double>
 class Slip {
  public:
   struct Settings {
     T friction = T(0.25);     ///< mu of a new contact, > 0: moist plastic on silicone
     T max_friction = T(0.8);  ///< up to which it grows: what the cone of a kind (`with_normal`) reads
-    T probe = T(0.05);        ///< growth of mu while nothing slips, 0: none [1/s]
+    T probe = T(0);           ///< growth of mu while nothing slips, 0: none [1/s]
     T reserve = T(1.4);       ///< normal force over the least one that holds, > 1
     T noise = T(0.05);        ///< standard deviation of a sample's sum, each axis, > 0 [N]
     T drop = T(0.05);         ///< smallest drop as a share of the shear; mu_k is 5 to 30 % below mu
@@ -124,7 +125,7 @@ class Slip {
       m.slipped = m.slipped || !released;
       m.slide = m.friction * m.pressed;
       if (released) m.since = T(1e9);
-    } else if (m.since <= T(0.2) && m.since + dt > T(0.2) && m.normal > T(1.1) * m.pressed &&
+    } else if (m.since <= T(0.2) && m.since + dt > T(0.2) && m.normal > T(1.04) * m.pressed &&
                T(2) * (m.shear - m.slide) < (m.from < full ? m.from : full) - m.slide) {
       m.friction = m.before;
     } else if (s_.reserve * demand >= T(0.9) * mu) {
