@@ -108,9 +108,8 @@ class Slip {
     m.peak = top(m.peak, m.shear, s_.fall), m.peak_demand = top(m.peak_demand, demand, s_.fall);
     m.highest = top(m.highest, demand, T(300));
     const T drop = m.peak - m.shear, square = drop * drop;
-    const T sigma = dt / (T(2) * s_.filter + dt) * s_.noise * s_.noise;  // squared
-    // Until 0.2 s after a slip the shear also falls as what slid comes to rest.
-    const bool slipping = m.since <= T(0.05), arrested = !slipping && m.since <= T(0.2);
+    const T sigma = dt / (T(2) * s_.filter + dt) * s_.noise * s_.noise;                   // squared
+    const bool slipping = m.since <= T(0.05), arrested = !slipping && m.since <= T(0.2);  // comes to rest
     const bool drops = !arrested && square > T(25) * sigma && drop > s_.drop * m.peak &&
                        square > T(9) * m.unrest && m.peak_demand >= T(0.85) * m.highest &&
                        m.shear >= s_.max_drop * m.peak;
