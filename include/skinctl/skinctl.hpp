@@ -145,6 +145,7 @@
 #include "skinctl/tactile/skin_of.hpp"
 #include "skinctl/tactile/skin_settings.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
+#include "skinctl/tactile/slip.hpp"
 #include "skinctl/tactile/squeeze.hpp"
 #include "skinctl/tactile/told_skin.hpp"
 #include "skinctl/tactile/touch.hpp"

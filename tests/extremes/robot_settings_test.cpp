@@ -197,6 +197,8 @@ TEST_CASE("extremes: settings of what feels, learns and grasps") {
     GraspSettings<double> grasp;
     grasp.max_force = wrong;
     CHECK(refused([&] { GraspControl<6, double, 1, 2>({}, grasp); }));
+    grasp = {.lowering = wrong};
+    CHECK(refused([&] { GraspControl<6, double, 1, 2>({}, grasp); }));
   }
 }
 

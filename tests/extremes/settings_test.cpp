@@ -3,7 +3,7 @@
 //
 // Promise: a number of a part's settings that is NaN, infinite or beyond any range is refused, with the
 // number; the least allowed ones build
-// Tried: 37 classes, each of their numbers and durations alone
+// Tried: 38 classes, each of their numbers and durations alone
 
 #include <doctest/doctest.h>
 
@@ -25,6 +25,7 @@
 #include "skinctl/sensing/send_on_delta.hpp"
 #include "skinctl/sensing/velocity_estimator.hpp"
 #include "skinctl/skills/one_gripper.hpp"
+#include "skinctl/tactile/slip.hpp"
 #include "skinctl/tactile/squeeze.hpp"
 #include "skinctl/tactile/touch_motion.hpp"
 #include "skinctl/trajectory/gain_schedule.hpp"
@@ -58,6 +59,10 @@ TEST_CASE_TEMPLATE("extremes: settings of filters, tanks and time bases", T, flo
                                    &Port::reserve, &Port::newtons);
   using Grip = typename Squeeze<T>::Settings;
   check_part<Squeeze<T>>("Squeeze", &Grip::from, &Grip::to, &Grip::own, &Grip::swing, &Grip::min_span);
+  using Slide = typename Slip<T>::Settings;
+  check_part<Slip<T>>("Slip", &Slide::friction, &Slide::max_friction, &Slide::probe, &Slide::reserve,
+                      &Slide::noise, &Slide::drop, &Slide::max_drop, &Slide::filter, &Slide::fall,
+                      &Slide::min_normal);
   using Motion = typename TouchMotion<T>::Settings;
   check_part<TouchMotion<T>>("TouchMotion", &Motion::impact, &Motion::slip, &Motion::window, &Motion::learn,
                              &Motion::noise);

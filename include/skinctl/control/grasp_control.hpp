@@ -14,10 +14,13 @@ SKINCTL_BEGIN_NAMESPACE
 template <Scalar T = double>
 struct GraspGoal {
   T internal{0};  ///< mean force of a fingertip [N]; negative: the fingers open
+  /// Mean force that the contacts ask for [N]: the largest `GraspControl::force_for` of the fingertips'
+  /// `Slip::Result::hold`; 0: none. The grip holds with the larger of the two, unless the fingers are to open.
+  T hold{0};
 
   template <class F>
   friend void each_number(GraspGoal& g, F&& f) {
-    f(g.internal);
+    f(g.internal), f(g.hold);
   }
 };
 
@@ -27,6 +30,8 @@ struct GraspSettings {
   T damping = T(40);   ///< of the closing of the fingertips [N s/m]: free fingers close at force over damping
   T max_rate = T(20);  ///< of the force [N/s]
   T max_force = T(20);  ///< largest internal force [N]
+  T lowering =
+      T(2);  ///< how fast the force falls to a `hold` [N/s]: a grip that loosens slowly slips by little
 };
 
 /// Joint torques with which fingertips on the links `Ix...` press on an object between them, and nothing else:
@@ -36,7 +41,8 @@ struct GraspSettings {
 /// The forces point at the centroid of the fingertips, in proportion to their distance from it. They add up to no
 /// force and no moment on the object whatever its shape and whatever the number of fingers; so an arm, gravity
 /// compensation or a touch that move the hand are not disturbed. F follows the goal at `max_rate`, and
-/// `damping ds/dt` is added, which damps the closing of the fingers and nothing else.
+/// `damping ds/dt` is added, which damps the closing of the fingers and nothing else. With a `hold`
+/// that follows the fingertips' shear (`Slip`) the grip tightens at `max_rate`, and loosens at `lowering`.
 ///
 /// The object stays between the fingers if the centroid sees each fingertip within its friction cone. F goes to zero
 /// below 1 mm of s.
@@ -60,6 +66,7 @@ class GraspControl : public Composable {
   struct Memory {
     T force = T(0);  ///< now [N]
     T goal = T(0);   ///< [N]
+    T hold = T(0);   ///< [N]; 0: none
   };
 
   /// @param p_LP  the point of each fingertip that touches, in its link [m], in the order of `Ix`.
@@ -89,6 +96,8 @@ class GraspControl : public Composable {
             static_cast<double>(s.max_rate), "> 0, <= 1e6 N/s");
     require(s.max_force > T(0) && s.max_force <= T(1e4), "GraspControl: max_force",
             static_cast<double>(s.max_force), "> 0, <= 1e4 N");
+    require(s.lowering > T(0) && s.lowering <= T(1e6), "GraspControl: lowering",
+            static_cast<double>(s.lowering), "> 0, <= 1e6 N/s");
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
@@ -99,9 +108,17 @@ class GraspControl : public Composable {
   /// Another force; refused if it is not finite, cut off at `max_force`.
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& m, const K&, const Goal& goal) const noexcept {
-    if (!(goal.internal - goal.internal == T(0))) return {m, Reason::goal_refused};
+    if (!(goal.internal - goal.internal == T(0)) || !(goal.hold - goal.hold == T(0)))
+      return {m, Reason::goal_refused};
     const T most = s_.max_force;
-    return {{m.force, goal.internal > most ? most : goal.internal < -most ? T(-most) : goal.internal}, {}};
+    return {{m.force,
+             goal.internal > most    ? most
+             : goal.internal < -most ? T(-most)
+                                     : goal.internal,
+             goal.hold > most   ? most
+             : goal.hold > T(0) ? goal.hold
+                                : T(0)},
+            {}};
   }
 
   /// Where the fingertips are, their mean distance from their centroid, and how fast it grows.
@@ -115,6 +132,12 @@ class GraspControl : public Composable {
   [[nodiscard]] Shape shape(const K& known) const noexcept {
     const auto X_LP = tips();
     return shape_of(known, jacobians(known, X_LP));
+  }
+
+  /// The mean force [N] at which fingertip `k` presses with `normal` [N]; 0 for one that takes no part.
+  [[nodiscard]] T force_for(const Shape& shape, std::size_t k, const T& normal) const noexcept {
+    const T share = weight_[k] * norm(Xyz<T>(shape.p[k] - shape.centroid));
+    return share > T(1e-6) ? T(normal * shape.size / share) : T(0);
   }
 
   template <class K>
@@ -143,14 +166,15 @@ class GraspControl : public Composable {
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& m, const K&, const T& dt,
                                               Opposition) const noexcept {
-    const T step = s_.max_rate * dt, off = m.goal - m.force;
-    return {off > step ? m.force + step : off < -step ? m.force - step : m.goal, m.goal};
+    const T to = wanted(m), off = to - m.force, step = s_.max_rate * dt;
+    const T down = m.hold > T(0) && m.goal >= T(0) ? T(s_.lowering * dt) : step;
+    return {off > step ? m.force + step : off < -down ? m.force - down : to, m.goal, m.hold};
   }
   /// The force is the goal's, and the fingertips have come to rest against each other.
   template <class K>
   [[nodiscard]] bool settled(const Memory& m, const K& known, const T& still) const noexcept {
     const T rate = shape(known).rate;
-    return m.force == m.goal && rate <= still && -rate <= still;
+    return m.force == wanted(m) && rate <= still && -rate <= still;
   }
 
   [[nodiscard]] static constexpr std::array<T, fingers> all_alike() noexcept {
@@ -160,6 +184,9 @@ class GraspControl : public Composable {
   }
 
  private:
+  [[nodiscard]] static SKINCTL_INLINE T wanted(const Memory& m) noexcept {
+    return m.goal >= T(0) && m.hold > m.goal ? m.hold : m.goal;
+  }
   template <std::size_t L>
   static constexpr std::size_t place() noexcept {
     constexpr std::size_t links[] = {Ix...};
