@@ -183,6 +183,21 @@ int main(int argc, char** argv) {
   app.add_option("--touch-every", s.touch_every, "a person pushes each forearm so often [s]; 0: never")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  std::string world = "ideal";
+  app.add_option("--world", world,
+                 "ideal: the detector tells which orange it sees; honest: class and place only, 2 % flashes, "
+                 "1 % of wrong "
+                 "classes, what hands hide, and --ghosts and --bias")
+      ->check(CLI::IsMember({"ideal", "honest"}))
+      ->capture_default_str();
+  app.add_option("--ghosts", s.detector.ghosts,
+                 "honest: oranges that the detector sees in the feeds, and that do not exist")
+      ->check(CLI::Range(0, 6))
+      ->capture_default_str();
+  double bias = 0;
+  app.add_option("--bias", bias, "honest: the detector is off by this [mm]")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
   app.add_option("--obstacle", s.obstacle,
                  "something moves through the room at this speed [m/s]: the arms' skin sees it and they give "
                  "way; 0: nothing does")
@@ -237,6 +252,10 @@ int main(int argc, char** argv) {
     if (!task.empty() && (taught || taught_lessons > 0 || faults))
       throw std::runtime_error("--task: a plan of its own; not with --teach, --lessons or --faults");
     s.fault = fault_named(fault);
+    s.honest = world == "honest";
+    s.detector.bias = 1e-3 * bias;
+    if (!s.honest && (s.detector.ghosts > 0 || bias > 0))
+      throw std::runtime_error("--ghosts, --bias: --world honest");
     if (onto && (gripper.rfind("hand", 0) != 0 || (!taught && taught_lessons == 0)))
       throw std::runtime_error("--onto: a lesson with hands: --teach or --lessons, and --gripper hand");
     if (s.supply.oranges == 0 && (taught_lessons == 0 || gripper != "hand"))

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
-#include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/believed.hpp"
 #include "examples/packing_oranges/finger_room.hpp"
 #include "examples/packing_oranges/giving_way.hpp"
 #include "examples/packing_oranges/right_of_way.hpp"
@@ -23,9 +24,8 @@ class Worker {
   using Scene = typename A::Scene;
   using Set = typename A::Set;
   using Executor = skinctl::Executor<Plan::capacity>;
-  using Objects = skinctl::ObjectWorld<arms * slots>;
+  using Objects = Believed::Objects;
   struct Judged {
-    std::uint8_t object = skinctl::no_object;
     double stiffness = 0;
     bool good = false;
     double time = 0;
@@ -42,7 +42,7 @@ class Worker {
                   .swing = 3,
                   .min_span = settings.judge_span}),
         objects_([] {
-          std::array<skinctl::ObjectClass, arms * slots> kinds{};
+          std::array<skinctl::ObjectClass, Objects::capacity> kinds{};
           kinds.fill(orange_class);
           return kinds;
         }()),
@@ -75,6 +75,9 @@ class Worker {
   void see(const Picture& picture) {
     last_picture_ = picture.taken;
     for (const auto& d : picture.seen) static_cast<void>(objects_.detect(known_, d));
+    if (!s_.honest) return;
+    believed_.see(picture, X_WH_.origin());
+    believed_.write(known_);
   }
   /// What it says about the box, before a cycle.
   [[nodiscard]] skinctl::PlaceRequest place_request() const {
@@ -175,7 +178,9 @@ class Worker {
                                                  .granted = granted,
                                                  .resume = resume});
       note(plan_, result.memory, result.request);
+      const auto was = plan_;
       plan_ = result.memory;
+      if (s_.honest) learn(was, resume);
       request_ = result.request;
       perform(result.request);
     }
@@ -198,6 +203,7 @@ class Worker {
 
   [[nodiscard]] bool finished() const { return plan_.phase == Executor::Phase::finished; }
   [[nodiscard]] bool asks() const { return plan_.phase == Executor::Phase::ask; }
+  [[nodiscard]] const Believed& believed() const { return believed_; }
   [[nodiscard]] bool carries() const {
     return features_.in_hand && does(skinctl::activity::Put::rule, skinctl::activity::Carry::rule) &&
            plan_.phase == Executor::Phase::run;
@@ -271,6 +277,23 @@ class Worker {
                        skinctl::StepFailure::none, t, t});
   }
 
+  /// What a take, or fingers that came down on something, tell of the place. A person is asked when camera or hand are at
+  /// fault; that a place is empty is no failure that somebody is asked for.
+  void learn(const typename Executor::Memory& was, bool resume) {
+    using Phase = typename Executor::Phase;
+    const bool take = executor_.task().steps[was.step].does == &skinctl::activity::Take::rule;
+    const bool began = was.phase == Phase::run || was.phase == Phase::confirm;
+    const bool failed = plan_.phase == Phase::begin_reverse || plan_.tries > was.tries;
+    if (take && began && failed && !empty_) empty_ = true, believed_.failed();
+    if (take && began && plan_.step != was.step) believed_.took();
+    if (std::exchange(stood_, false)) believed_.failed(), empty_ = true;
+    if (plan_.phase == Phase::reverse && empty_) empty_ = false, plan_.reverses = 0;
+    if (was.phase == Phase::ask && resume) believed_.answered();
+    if (believed_.asks() && plan_.phase == Phase::begin && does(skinctl::activity::Look::rule))
+      plan_.phase = Phase::ask;
+    believed_.write(known_);
+  }
+
   void perform(const skinctl::StepRequest& r) {
     using Kind = skinctl::StepRequest::Kind;
     if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
@@ -290,6 +313,7 @@ class Worker {
     // A finger has come down on something: no further.
     if (asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
         gripper_.force > stands_on) {
+      stood_ = true;
       send(Set::start_skill(Set::template index<behaviour::Rest>()));
       return end(false);
     }
@@ -348,7 +372,7 @@ class Worker {
         send(away);
       }
       using Others = typename GivingWay<R>::Others;
-      std::array<skinctl::Xyz<double>, arms * slots> oranges;
+      std::array<skinctl::Xyz<double>, Objects::capacity> oranges;
       const std::size_t count = lying(oranges);
       if (gives_way_ || !input_.goal) input_.goal.emplace();
       auto& wish = input_.goal->goals.template of<VelocityGoal<6>>();
@@ -417,7 +441,7 @@ class Worker {
   }
   static constexpr skinctl::Nanoseconds hesitates = 300ms;  ///< after it saw something for the last time
   /// Middles of the oranges that lie, for an arm that gives way: not what it holds or has between its fingers.
-  [[nodiscard]] std::size_t lying(std::array<skinctl::Xyz<double>, arms * slots>& out) const {
+  [[nodiscard]] std::size_t lying(std::array<skinctl::Xyz<double>, Objects::capacity>& out) const {
     std::size_t count = 0;
     const bool goes_for_one = is_at_feed();
     // A finger that stands on an orange feels a force, too.
@@ -574,6 +598,7 @@ class Worker {
       parts_.push_back({Set::start_skill(let_go), false, {}});
       add(skill, at(features_.in_hand && features_.carried ? taken_ : here, s_.carry), 0.05);
     } else {
+      if (r.does == &activity::Take::rule && empty_) return end(false);  // the same place, at once
       parts_.push_back({Set::start_skill(skill), false, {}});
       // It may wait for the box with the orange in the hand, and somebody pushes it meanwhile.
       if (r.does == &activity::Take::rule && next_does(activity::Carry::rule)) grip({0, s_.lightly, 0.08});
@@ -621,24 +646,37 @@ class Worker {
     if (features_.in_hand) return end(false);
     const bool sees = now_ - last_picture_ < 300ms;
     if (!sees) looks_since_ = now_;
-    // Where there is room for its fingers; else where there is most.
-    double best = 1e9, most = 0;
-    for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
+    const auto fits = [&](std::uint8_t k) {
       const auto& o = known_.objects[k];
       const auto p = o.X_WO.origin();
-      if (!sees || !o.known || now_ - o.time > 500ms || o.sigma > 0.003 || o.misses > 0 || p.z > 0.07 ||
-          !feed_tray(arm_).holds(p))
-        continue;
-      const auto [turn, room] = room_beside(k);
-      const double way = norm(skinctl::Xyz<double>(p - X_WH_.origin()));
-      const bool better = room < FingerRoom::enough ? room > most : most < FingerRoom::enough || way < best;
-      if (better) best = way, object_ = k, turned_ = turn;
-      most = std::max(most, room);
+      return sees && o.known && now_ - o.time <= 500ms && o.sigma <= 0.003 && o.misses == 0 && p.z <= 0.07 &&
+             feed_tray(arm_).holds(p);
+    };
+    // The nearest one with room for its fingers; else where there is most.
+    const auto cost = [&](std::uint8_t k) {
+      const double room = room_beside(k).room;
+      return room < FingerRoom::enough
+                 ? 10 - room
+                 : norm(skinctl::Xyz<double>(known_.objects[k].X_WO.origin() - X_WH_.origin()));
+    };
+    const std::uint8_t chosen = s_.honest ? believed_.choose(fits, cost) : cheapest(fits, cost);
+    if (chosen != skinctl::no_object) {
+      object_ = chosen;
+      turned_ = room_beside(chosen).turn;
+      return end(true);
     }
-    if (best < 1e9) return end(true);
     if (now_ - looks_since_ < 1500ms) return;
     answer_ = false;
     end(true);
+  }
+  [[nodiscard]] static std::uint8_t cheapest(const auto& fits, const auto& cost) {
+    std::uint8_t best = skinctl::no_object;
+    double least = 1e9;
+    for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
+      if (!fits(k)) continue;
+      if (const double c = cost(k); c < least) best = k, least = c;
+    }
+    return best;
   }
   /// Whether the squeeze told something.
   bool judge() {
@@ -648,7 +686,7 @@ class Worker {
     const std::uint8_t border = now_at().border;
     answer_ = border == skinctl::no_border || k.stiffness >= executor_.task().borders[border];
     // Each side of an orange gives by half of the closing.
-    judged_.push_back({object_, 2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
+    judged_.push_back({2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
     return true;
   }
 
@@ -660,6 +698,7 @@ class Worker {
   Objects objects_;
   skinctl::FeatureExtractor<> extractor_;
   typename Objects::Memory known_;
+  Believed believed_;
   skinctl::FeatureExtractor<>::Memory featured_{};
   skinctl::Features features_{};
   skinctl::Squeeze<>::Memory squeezed_{};
@@ -681,6 +720,7 @@ class Worker {
   std::size_t part_ = 0;
   std::uint16_t ticket_ = 0;
   bool asked_ = false, answer_ = true, judging_ = false, kept_ = false, other_waits_ = false;
+  bool empty_ = false, stood_ = false;  ///< the take failed; a finger stood on something on the way to it
   RightOfWay way_;
   WayBack way_back_ = WayBack::none;
   bool gives_way_ = false, displaced_ = false;

@@ -1,0 +1,83 @@
+// What an arm believes of oranges that its detector sees, and does not number.
+#pragma once
+
+#include <vector>
+
+#include "examples/packing_oranges/detector.hpp"
+
+namespace packing {
+
+class Believed {
+ public:
+  static constexpr std::size_t capacity = 16;  ///< all oranges of the world, ghosts and flashes
+  using Tracks = skinctl::Tracks<capacity>;
+  using Objects = skinctl::ObjectWorld<capacity>;
+  using Place = skinctl::Xyz<double>;
+
+  /// A picture that has arrived, while the arm's hand is there. What is beside the hand may be hidden: from where it was when
+  /// the picture was taken, at 0.8 m/s for 60 ms.
+  void see(const Picture& picture, const Place& hand) {
+    constexpr double beside = Detector::hides + 0.06, below = Detector::hides_below + 0.03;
+    const auto shows = [&](const Place& p) {
+      return std::hypot(hand.x - p.x, hand.y - p.y) > beside || hand.z - p.z > below;
+    };
+    static_cast<void>(tracks_.see(m_, picture.taken, std::span(picture.things), shows));
+  }
+  /// Writes what is believed to objects with the numbers of the tracks; not the one in the hand.
+  void write(Objects::Memory& known) const {
+    for (std::size_t k = 0; k < capacity; ++k) {
+      if (k == known.held) continue;
+      const auto& t = m_.tracks[k];
+      const Place p = tracks_.aim(m_, t.p);
+      auto& o = known.objects[k];
+      o.known = t.kind == orange_class && Tracks::belief(m_, t) > 0;
+      o.X_WO = skinctl::ObjectPose<>::translation_xyz(p.x, p.y, p.z);
+      o.sigma = t.sigma, o.time = t.seen, o.misses = 0;
+    }
+  }
+  /// The number of the orange to take, of those that fit, at the least cost; `no_object`: none.
+  template <class Fits, class Cost>
+  [[nodiscard]] std::uint8_t choose(const Fits& fits, const Cost& cost) {
+    const auto number = [&](const auto& t) { return static_cast<std::uint8_t>(&t - m_.tracks.data()); };
+    const std::uint8_t k = tracks_.choose(
+        m_, [&](const auto& t) { return fits(number(t)); }, [&](const auto& t) { return cost(number(t)); });
+    if (k < capacity) goes_for_ = m_.tracks[k].p;
+    return k;
+  }
+  /// The hand has the orange that was chosen last, or found none there.
+  void took() { tracks_.took(m_, chosen()); }
+  void failed() {
+    tracks_.failed(m_, chosen());
+    ++failures_;
+  }
+  [[nodiscard]] int failures() const { return failures_; }
+  [[nodiscard]] bool asks() const { return m_.asks; }
+  void answered() { tracks_.answered(m_); }
+  [[nodiscard]] const Place& bias() const { return m_.bias; }
+  /// Places in the tray at which it saw something that hands did not find.
+  [[nodiscard]] std::vector<Place> doubted(const Tray& tray) const {
+    std::vector<Place> out;
+    for (const auto& t : m_.tracks)
+      if (Tracks::is_doubted(m_, t) && tray.holds(t.p)) out.push_back(t.p);
+    return out;
+  }
+
+ private:
+  /// Its track now: numbers may change while the hand is on its way.
+  [[nodiscard]] std::uint8_t chosen() const {
+    std::uint8_t best = skinctl::no_object;
+    double least = 0.03;
+    for (std::size_t k = 0; k < capacity; ++k) {
+      const double far = norm(Place(m_.tracks[k].p - goes_for_));
+      if (m_.tracks[k].kind != 0 && far < least) best = static_cast<std::uint8_t>(k), least = far;
+    }
+    return best;
+  }
+
+  Tracks tracks_;
+  Tracks::Memory m_ = tracks_.start();
+  Place goes_for_{0, 0, 0};
+  int failures_ = 0;
+};
+
+}  // namespace packing
