@@ -51,6 +51,12 @@ class Believed {
     ++failures_;
   }
   [[nodiscard]] int failures() const { return failures_; }
+  /// Whether places are in doubt altogether: then fingers come down slowly, as they may come down on an orange. At this
+  /// speed [m/s] they stop within a millimetre, with the acceleration of a motion.
+  static constexpr double wary_speed = 0.06;
+  [[nodiscard]] bool is_wary() const {
+    return m_.takes == 0 || m_.places > 0 || m_.trial != Tracks::no_trial;
+  }
   [[nodiscard]] bool asks() const { return m_.asks; }
   void answered() { tracks_.answered(m_); }
   [[nodiscard]] const Place& bias() const { return m_.bias; }

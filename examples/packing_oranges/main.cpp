@@ -210,6 +210,9 @@ int main(int argc, char** argv) {
   app.add_option("--fault-lasts", s.fault_lasts, "how long [s]; 0: as is usual for it, as the report says")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  int worlds = 0;
+  app.add_option("--worlds", worlds, "instead: so many runs in each of several worlds, as a table")
+      ->check(CLI::Range(1, 1000));
   app.add_flag("--faults", faults, "instead: each fault at each step of the plan, as a table");
   app.add_flag("--teach", taught,
                "first a person leads an arm to the place in the box where oranges are let go");
@@ -262,11 +265,16 @@ int main(int argc, char** argv) {
       throw std::runtime_error("--oranges 0: only with --lessons and --gripper hand");
     if (taught_lessons > 0 && gripper == "hand") return lessons_by_hand(taught_lessons, s, onto, quiet);
     if (taught_lessons > 0) return lessons(taught_lessons, s.seed);
+    const auto one = [&](const RunSettings& given) {
+      return (robot == "ur10e" ? run_ur10e : run_ur5)(given, {}, {});
+    };
+    if (worlds > 0) {
+      bool well = true;
+      std::fputs(table_of_worlds(s, worlds, one, well).c_str(), stdout);
+      return code(well ? Exit::fine : Exit::not_following);
+    }
     if (faults) {
       bool over = true;
-      const auto one = [&](const RunSettings& given) {
-        return (robot == "ur10e" ? run_ur10e : run_ur5)(given, {}, {});
-      };
       std::fputs(table_of_faults(s, one, over).c_str(), stdout);
       return code(over ? Exit::fine : Exit::not_following);
     }

@@ -314,7 +314,13 @@ class Worker {
     if (asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
         gripper_.force > stands_on) {
       stood_ = true;
-      send(Set::start_skill(Set::template index<behaviour::Rest>()));
+      if (s_.honest) {  // off it: at rest the arm would go on along its spline
+        Part off{Set::start_skill(A::skills(&skinctl::activity::Reach::rule)), true,
+                 at(X_WH_.origin(), X_WH_.origin().z + 0.01)};
+        ask(off);
+      } else {
+        send(Set::start_skill(Set::template index<behaviour::Rest>()));
+      }
       return end(false);
     }
     // It goes on from where it was pushed aside to, or its orange has rolled off: it looks anew.
@@ -552,8 +558,10 @@ class Worker {
     } else if (r.does == &activity::Reach::rule) {
       const auto p = known_.objects[object_].X_WO.origin();
       taken_ = at(p, std::clamp(p.z, 0.032, 0.044)) + beside_;
-      if (!is_over(taken_)) return end(false);
+      if (!is_over(taken_) || empty_) return end(false);
       add(skill, taken_, 0.003);
+      if (s_.honest && believed_.is_wary())
+        parts_.back().slowest = 1.875 * norm(skinctl::Xyz<double>(taken_ - here)) / Believed::wary_speed;
     } else if (r.does == &activity::Squeeze::rule) {
       squeezed_ = {};
       judging_ = true;
