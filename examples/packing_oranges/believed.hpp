@@ -45,18 +45,20 @@ class Believed {
     return k;
   }
   /// The hand has the orange that was chosen last, or found none there.
-  void took() { tracks_.took(m_, chosen()); }
+  void took() {
+    tracks_.took(m_, chosen());
+    if (wary_ > 0) --wary_;
+  }
   void failed() {
     tracks_.failed(m_, chosen());
     ++failures_;
+    wary_ = 3;
   }
   [[nodiscard]] int failures() const { return failures_; }
-  /// Whether places are in doubt altogether: then fingers come down slowly, as they may come down on an orange. At this
-  /// speed [m/s] they stop within a millimetre, with the acceleration of a motion.
+  /// Whether it comes down slowly, at this speed [m/s], because fingers may come down on an orange: until the first
+  /// take has succeeded, and three after one that failed.
   static constexpr double wary_speed = 0.06;
-  [[nodiscard]] bool is_wary() const {
-    return m_.takes == 0 || m_.places > 0 || m_.trial != Tracks::no_trial;
-  }
+  [[nodiscard]] bool is_wary() const { return wary_ > 0; }
   [[nodiscard]] bool asks() const { return m_.asks; }
   void answered() { tracks_.answered(m_); }
   [[nodiscard]] const Place& bias() const { return m_.bias; }
@@ -81,9 +83,9 @@ class Believed {
   }
 
   Tracks tracks_;
-  Tracks::Memory m_ = tracks_.start();
+  Tracks::Memory m_;
   Place goes_for_{0, 0, 0};
-  int failures_ = 0;
+  int failures_ = 0, wary_ = 1;
 };
 
 }  // namespace packing

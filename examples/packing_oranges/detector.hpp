@@ -37,9 +37,11 @@ struct Picture {
 class Detector {
  public:
   Detector(const DetectorSettings& settings, std::uint64_t seed) : s_(settings), random_(seed) {
+    if (s_.bias > 0) {
+      const double angle = between(-M_PI, M_PI);
+      bias_ = {s_.bias * std::cos(angle), s_.bias * std::sin(angle), 0};
+    }
     if (s_.numbers) return;
-    const double angle = between(-M_PI, M_PI);
-    bias_ = {s_.bias * std::cos(angle), s_.bias * std::sin(angle), 0};
     for (int g = 0; g < s_.ghosts; ++g) ghosts_.push_back(empty_place(static_cast<std::size_t>(g) % arms));
   }
   /// Where it sees oranges that do not exist, without its bias.
@@ -63,7 +65,8 @@ class Detector {
       const auto at = world.orange(k);
       const auto noisy = [&](double x) { return x + s_.sigma * normal_(random_); };
       p.seen.push_back({.object = static_cast<std::uint8_t>(k),
-                        .X_WO = skinctl::ObjectPose<>::translation_xyz(noisy(at.x), noisy(at.y), noisy(at.z)),
+                        .X_WO = skinctl::ObjectPose<>::translation_xyz(noisy(at.x) + bias_.x,
+                                                                       noisy(at.y) + bias_.y, noisy(at.z)),
                         .sigma = s_.sigma,
                         .time = p.taken});
     }

@@ -187,7 +187,7 @@ int main(int argc, char** argv) {
   app.add_option("--world", world,
                  "ideal: the detector tells which orange it sees; honest: class and place only, 2 % flashes, "
                  "1 % of wrong "
-                 "classes, what hands hide, and --ghosts and --bias")
+                 "classes, what hands hide, and --ghosts")
       ->check(CLI::IsMember({"ideal", "honest"}))
       ->capture_default_str();
   app.add_option("--ghosts", s.detector.ghosts,
@@ -195,7 +195,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 6))
       ->capture_default_str();
   double bias = 0;
-  app.add_option("--bias", bias, "honest: the detector is off by this [mm]")
+  app.add_option("--bias", bias, "the detector is off by this, in some direction [mm]")
       ->check(CLI::Range(0.0, 50.0))
       ->capture_default_str();
   app.add_option("--obstacle", s.obstacle,
@@ -257,8 +257,7 @@ int main(int argc, char** argv) {
     s.fault = fault_named(fault);
     s.honest = world == "honest";
     s.detector.bias = 1e-3 * bias;
-    if (!s.honest && (s.detector.ghosts > 0 || bias > 0))
-      throw std::runtime_error("--ghosts, --bias: --world honest");
+    if (!s.honest && s.detector.ghosts > 0) throw std::runtime_error("--ghosts: --world honest");
     if (onto && (gripper.rfind("hand", 0) != 0 || (!taught && taught_lessons == 0)))
       throw std::runtime_error("--onto: a lesson with hands: --teach or --lessons, and --gripper hand");
     if (s.supply.oranges == 0 && (taught_lessons == 0 || gripper != "hand"))

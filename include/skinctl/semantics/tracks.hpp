@@ -79,20 +79,21 @@ class Tracks {
  public:
   static constexpr std::size_t capacity = Capacity;
   static constexpr std::uint8_t no_trial = 0, trials = 5;
+  /// `Memory{}` has seen no picture.
   struct Memory {
     std::array<Track<T>, Capacity> tracks{};
-    Xyz<T> bias{T(0), T(0), T(0)};  ///< from where things are seen to where they are [m]
-    T successes = T(0);             ///< s
-    T failures = T(0);              ///< f
-    Nanoseconds time{};             ///< of the newest picture
-    std::uint8_t trial = no_trial;  ///< number of the try of the search for the bias; 0: it does not search
+    Xyz<T> bias{T(0), T(0), T(0)};    ///< from where things are seen to where they are [m]
+    Xyz<T> failed{T(0), T(0), T(0)};  ///< where a take failed last [m]
+    T successes = T(0);               ///< s
+    T failures = T(0);                ///< f
+    Nanoseconds time{};               ///< of the newest picture
+    std::uint8_t trial = no_trial;    ///< number of the try of the search for the bias; 0: it does not search
     std::uint8_t places =
         0;  ///< places that failed, with fewer successes than `takes` of the settings in between
     std::uint8_t since = 0;     ///< takes that succeeded since such a place failed
     std::uint8_t takes = 0;     ///< that succeeded since the bias changed, at most `takes` of the settings
-    std::uint8_t searches = 0;  ///< for the bias
-    bool asks = false;          ///< a person shall look at camera and hand
-    bool started = false;
+    std::uint8_t searches = 0;  ///< rounds of tries beside
+    bool asks = false, started = false;  ///< a person shall look at camera and hand; a picture was seen
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
@@ -117,7 +118,6 @@ class Tracks {
     hit_ = log(s.seen_if_there / s.seen_if_not);
     miss_ = log((T(1) - s.seen_if_there) / (T(1) - s.seen_if_not));
   }
-  [[nodiscard]] Memory start() const noexcept { return {}; }
 
   /// Takes a picture of the instant `time`. `shows(p_W)`: whether it would show a thing there; what is hidden
   /// or out of it says nothing. One not later than the last (`time_backwards`) changes nothing; detections
@@ -130,8 +130,7 @@ class Tracks {
     const T dt = m.started ? seconds<T>(time - m.time) : T(0);
     m.time = time, m.started = true;
     using std::sqrt;
-    for (Track<T>& t : m.tracks)
-      if (t.kind != 0) t.sigma = sqrt(t.sigma * t.sigma + s_.wander * s_.wander * dt);
+    for (Track<T>& t : m.tracks) t.sigma = sqrt(t.sigma * t.sigma + s_.wander * s_.wander * dt);
     Status out = seen.size() > Capacity ? Status(Reason::sample_out_of_range) : Status{};
     const std::size_t count = seen.size() < Capacity ? seen.size() : Capacity;
     Matched done;
@@ -193,9 +192,9 @@ class Tracks {
   void failed(Memory& m, std::uint8_t track) const noexcept {
     if (track >= Capacity || m.tracks[track].kind == 0) return;
     Track<T>& t = m.tracks[track];
-    const bool first = t.fails == 0;
+    const bool elsewhere = m.places == 0 || !is_at(t, m.failed);
     if (t.fails < 255) ++t.fails;
-    t.touched = t.p;
+    t.touched = m.failed = t.p;
     if (m.trial != no_trial) return try_next(m);
     using std::exp, std::log;
     // Takes fail at one place for one reason: that hands are good does not make a single failure tell more.
@@ -203,13 +202,13 @@ class Tracks {
     const T least = s_.failed / (s_.taken + s_.failed);
     t.touch += log(rate > least ? rate : least);
     m.failures += T(1) / (T(1) + exp(-t.sight - t.touch));
-    if (!first || m.searches == max_searches) return;
+    if (!elsewhere || m.searches == max_searches) return;
     m.since = 0;
     if (++m.places < s_.places) return;
     bool fresh = m.takes < s_.takes;  // where takes succeeded, only a place that is still to try can tell
     for (const Track<T>& other : m.tracks)
       fresh = fresh || (other.kind == t.kind && other.fails == 0 && other.sight > T(0));
-    if (fresh) m.trial = 1, ++m.searches;
+    if (fresh) m.trial = 1;
   }
   /// A person has looked: it does not ask that again.
   void answered(Memory& m) const noexcept { m.asks = false, m.searches = max_searches; }
@@ -223,12 +222,15 @@ class Tracks {
   struct Matched {
     std::array<bool, Capacity> tracks{}, detections{};
   };
+  [[nodiscard]] bool is_at(const Track<T>& t, const Xyz<T>& p) const noexcept {
+    return dot(t.p - p, t.p - p) <= s_.moved * s_.moved;
+  }
   /// All tries failed: once more, without the first; then it asks.
   static void try_next(Memory& m) noexcept {
-    if (++m.trial <= trials) return;
+    if (++m.trial == 2) ++m.searches;
+    if (m.trial <= trials) return;
     m.asks = m.searches == max_searches;
-    m.trial = m.asks ? no_trial : std::uint8_t(2);
-    m.searches = max_searches;
+    m.trial = m.asks ? no_trial : std::uint8_t(2), m.searches = max_searches;
     if (m.asks) m.places = m.since = 0, give_back(m);
   }
   static void give_back(Memory& m) noexcept {
@@ -273,8 +275,7 @@ class Tracks {
       --t.votes;
     else if (t.votes < max_votes)
       ++t.votes;
-    const Xyz<T> off = t.p - t.touched;
-    if (t.fails > 0 && dot(off, off) > s_.moved * s_.moved) t.touch = T(0), t.fails = 0;
+    if (t.fails > 0 && !is_at(t, t.touched)) t.touch = T(0), t.fails = 0;
   }
   void miss(Track<T>& t, Nanoseconds time) const noexcept {
     t.sight += miss_;
