@@ -194,6 +194,9 @@ int main(int argc, char** argv) {
                  "honest: oranges that the detector sees in the feeds, and that do not exist")
       ->check(CLI::Range(0, 6))
       ->capture_default_str();
+  app.add_option("--friction", s.world.friction, "of the oranges")
+      ->check(CLI::Range(0.02, 2.0))
+      ->capture_default_str();
   double bias = 0;
   app.add_option("--bias", bias, "the detector is off by this, in some direction [mm]")
       ->check(CLI::Range(0.0, 50.0))

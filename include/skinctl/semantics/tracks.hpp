@@ -70,8 +70,7 @@ struct TrackSettings {
 /// of there along +x, -x, +y, -y, these twice. Where one succeeds is `bias` from then on (the first: it was
 /// the places, and `touch` counts again); if none does, `asks` is set once.
 ///
-/// Immutable; what changes is a `Memory`, trivially copyable. Nothing but the constructor allocates or
-/// throws.
+/// Immutable; what changes is a `Memory`, trivially copyable: `Memory{}` has seen nothing. Nothing allocates.
 template <std::size_t Capacity, Real T = double>
 class Tracks {
   static_assert(Capacity > 0 && Capacity < no_object, "1 to 254 tracks");
@@ -79,7 +78,6 @@ class Tracks {
  public:
   static constexpr std::size_t capacity = Capacity;
   static constexpr std::uint8_t no_trial = 0, trials = 5;
-  /// `Memory{}` has seen no picture.
   struct Memory {
     std::array<Track<T>, Capacity> tracks{};
     Xyz<T> bias{T(0), T(0), T(0)};    ///< from where things are seen to where they are [m]
