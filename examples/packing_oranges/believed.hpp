@@ -39,8 +39,13 @@ class Believed {
   template <class Fits, class Cost>
   [[nodiscard]] std::uint8_t choose(const Fits& fits, const Cost& cost) {
     const auto number = [&](const auto& t) { return static_cast<std::uint8_t>(&t - m_.tracks.data()); };
+    const auto is_left = [&](const Place& p) {
+      return std::any_of(left_.begin(), left_.end(),
+                         [&](const Place& q) { return norm(Place(p - q)) < left_within; });
+    };
     const std::uint8_t k = tracks_.choose(
-        m_, [&](const auto& t) { return fits(number(t)); }, [&](const auto& t) { return cost(number(t)); });
+        m_, [&](const auto& t) { return fits(number(t)) && !is_left(t.p); },
+        [&](const auto& t) { return cost(number(t)); });
     if (k < capacity) goes_for_ = m_.tracks[k].p;
     return k;
   }
@@ -54,13 +59,22 @@ class Believed {
     ++failures_;
     wary_ = 3;
   }
+  /// What was taken there slipped out of the firmest grip: it is left, and somebody is asked once.
+  void leave(const Place& p) {
+    asks_ = asks_ || left_.empty();
+    left_.push_back(p);
+  }
+  [[nodiscard]] const std::vector<Place>& left() const { return left_; }
   [[nodiscard]] int failures() const { return failures_; }
   /// Whether it comes down slowly, at this speed [m/s], because fingers may come down on an orange: until the first
   /// take has succeeded, and three after one that failed.
   static constexpr double wary_speed = 0.06;
   [[nodiscard]] bool is_wary() const { return wary_ > 0; }
-  [[nodiscard]] bool asks() const { return m_.asks; }
-  void answered() { tracks_.answered(m_); }
+  [[nodiscard]] bool asks() const { return m_.asks || asks_; }
+  void answered() {
+    if (m_.asks) tracks_.answered(m_);
+    asks_ = false;
+  }
   [[nodiscard]] const Place& bias() const { return m_.bias; }
   /// Places in the tray at which it saw something that hands did not find.
   [[nodiscard]] std::vector<Place> doubted(const Tray& tray) const {
@@ -71,6 +85,8 @@ class Believed {
   }
 
  private:
+  static constexpr double left_within =
+      0.06;  ///< what slipped lies so far from where it was taken, at most [m]
   /// Its track now: numbers may change while the hand is on its way.
   [[nodiscard]] std::uint8_t chosen() const {
     std::uint8_t best = skinctl::no_object;
@@ -85,6 +101,8 @@ class Believed {
   Tracks tracks_;
   Tracks::Memory m_;
   Place goes_for_{0, 0, 0};
+  std::vector<Place> left_;
+  bool asks_ = false;
   int failures_ = 0, wary_ = 1;
 };
 

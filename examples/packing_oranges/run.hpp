@@ -67,7 +67,10 @@ struct ArmOutcome {
   double set_down = 0;        ///< largest force between table or box and an orange in the hand [N]
   double fell = 0;            ///< farthest that an orange fell when it was let go in the box [m]
   int set_down_by_touch = 0;  ///< how often it ended to lower an orange because that was touched
-  int empty_takes = 0;        ///< how often a hand found nothing where it believed an orange
+  double hold = 0;            ///< force of carrying in the end [N]
+  std::vector<skinctl::Xyz<double>>
+      slipped;          ///< places of oranges that slipped out of the firmest grip, and are left
+  int empty_takes = 0;  ///< how often a hand found nothing where it believed an orange
   std::vector<skinctl::Xyz<double>> doubted;  ///< places at which it saw something that hands did not find
   skinctl::Xyz<double> bias{0, 0, 0};         ///< from where it sees oranges to where it found them [m]
   int set_right = 0;                          ///< by a person, after it was pushed off its place

@@ -369,6 +369,8 @@ class Run {
       o.set_right = workers_[a]->set_right();
       const Believed& believed = workers_[a]->believed();
       o.empty_takes = believed.failures();
+      o.hold = workers_[a]->hold();
+      o.slipped = believed.left();
       o.doubted = believed.doubted(feed_tray(a));
       o.bias = believed.bias();
       for (const Packed& p : out_.ended)

@@ -8,6 +8,7 @@
 #include "examples/packing_oranges/believed.hpp"
 #include "examples/packing_oranges/finger_room.hpp"
 #include "examples/packing_oranges/giving_way.hpp"
+#include "examples/packing_oranges/grip.hpp"
 #include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
@@ -36,6 +37,7 @@ class Worker {
         s_(settings),
         scene_(scene),
         executor_(settings.plan, settings.executor),
+        grip_(settings.hold, settings.max_hold),
         squeeze_({.from = settings.judge_from,
                   .to = settings.judge_to,
                   .own = 1e9,
@@ -203,6 +205,7 @@ class Worker {
 
   [[nodiscard]] bool finished() const { return plan_.phase == Executor::Phase::finished; }
   [[nodiscard]] bool asks() const { return plan_.phase == Executor::Phase::ask; }
+  [[nodiscard]] double hold() const { return grip_.hold(); }
   [[nodiscard]] const Believed& believed() const { return believed_; }
   [[nodiscard]] bool carries() const {
     return features_.in_hand && does(skinctl::activity::Put::rule, skinctl::activity::Carry::rule) &&
@@ -288,6 +291,15 @@ class Worker {
     if (take && began && plan_.step != was.step) believed_.took();
     if (std::exchange(stood_, false)) believed_.failed(), empty_ = true;
     if (plan_.phase == Phase::reverse && empty_) empty_ = false, plan_.reverses = 0;
+    using skinctl::StepFailure;
+    const bool lift = executor_.task().steps[was.step].does == &Lift::rule;
+    const bool slips =
+        began && plan_.phase == Phase::begin_reverse && !take &&
+        (plan_.why == StepFailure::fact_lost || (lift && plan_.why == StepFailure::fact_missing));
+    if (slips && grip_.slipped())
+      plan_.reverses = 0;
+    else if (slips)
+      believed_.leave(taken_);
     if (was.phase == Phase::ask && resume) believed_.answered();
     if (believed_.asks() && plan_.phase == Phase::begin && does(skinctl::activity::Look::rule))
       plan_.phase = Phase::ask;
@@ -372,8 +384,8 @@ class Worker {
         Goal away = Set::start_skill(Set::template index<behaviour::GiveWay>());
         auto& grip = away.goals.template of<GripperGoal>();
         grip.has = true;
-        grip.goal = features_.in_hand ? GripperGoal{0, 1.4 * s_.hold, 0.02}
-                    : holds           ? GripperGoal{0, s_.hold, 0.06}
+        grip.goal = features_.in_hand ? GripperGoal{0, 1.4 * grip_.hold(), 0.02}
+                    : holds           ? GripperGoal{0, grip_.hold(), 0.06}
                                       : GripperGoal{gripper_range.opening, 5, 0.15};
         send(away);
       }
@@ -525,7 +537,7 @@ class Worker {
     parts_.back().judges = true;
     if (now_at().place == skinctl::no_place) return;
     add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
-    grip({0, s_.hold, 0.02});
+    grip({0, grip_.hold(), 0.02});
   }
   [[nodiscard]] skinctl::Xyz<double> at(const skinctl::Xyz<double>& p, double z) const {
     return {p.x, p.y, z};
@@ -575,7 +587,7 @@ class Worker {
       hold_lightly();
     } else if (r.does == &Lift::rule) {
       add(skill, at(here, s_.carry), passing);
-      grip({0, s_.hold, 0.02});
+      grip({0, grip_.hold(), 0.02});
     } else if (r.does == &activity::Put::rule) {
       if (!s_.shown) R_ = turned_at(r.place);
       const auto p = hand_at(r.place);
@@ -702,6 +714,7 @@ class Worker {
   WorkSettings s_;
   const Scene& scene_;
   Executor executor_;
+  Grip grip_;
   skinctl::Squeeze<> squeeze_;
   Objects objects_;
   skinctl::FeatureExtractor<> extractor_;

@@ -11,13 +11,16 @@ std::string table_of_worlds(const RunSettings& settings, int runs,
                             const std::function<Outcome(const RunSettings&)>& run, bool& well) {
   struct Row {
     const char* words;
-    int ghosts;
-    double bias;
+    int ghosts = 0;
+    double bias = 0, friction = 0.8;
   };
-  constexpr Row rows[] = {{"nothing else", 0, 0},
-                          {"one ghost", 1, 0},
-                          {"three ghosts", 3, 0},
-                          {"the camera is off by 25 mm", 0, 0.025}};
+  constexpr Row rows[] = {{"nothing else"},
+                          {"one ghost", 1},
+                          {"three ghosts", 3},
+                          {"the camera is off by 25 mm", 0, 0.025},
+                          {"friction 0.3", 0, 0, 0.3},
+                          {"friction 0.15", 0, 0, 0.15},
+                          {"friction 0.15, three ghosts, 25 mm", 3, 0.025, 0.15}};
   std::string out = text(
       "| of %d oranges (%d runs) | world | right | lost | left | takes of nothing | questions | s a run | "
       "largest force |\n"
@@ -35,6 +38,7 @@ std::string table_of_worlds(const RunSettings& settings, int runs,
         s.seed = settings.seed + static_cast<std::uint64_t>(n);
         s.detector.ghosts = row.ghosts;
         s.detector.bias = row.bias;
+        s.world.friction = row.friction;
         const Outcome o = run(s);
         right += o.right(), lost += o.lost(), left += o.left(), time += o.time / runs;
         force = std::max(force, o.worst_force());

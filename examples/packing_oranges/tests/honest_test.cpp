@@ -5,6 +5,11 @@
 // nothing, both ghosts named as doubted, no question; a camera that is off by 25 mm across the fingers: all
 // right, found within 25 mm, at most 20 N on a finger, where the numbered world loses some with more than 50 N
 
+//
+// Promise: a hand learns from what slips how firmly it carries, and asks once about what it cannot carry
+// Tried: four oranges of friction 0.15, which 5 N do not hold: all right with at most 10 N, no question (0 by
+// the world that learns nothing); of friction 0.05: none, all left, each arm asks once
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -72,5 +77,31 @@ TEST_CASE("Detector: an honest one tells no numbers, hides what is under a hand,
       const auto q = feed_place(g % arms, k);
       CHECK(std::hypot(p.x - q.x, p.y - q.y) > 0.076);
     }
+  }
+}
+
+TEST_CASE("packing_oranges --world honest: what slips is held more firmly, or left and asked for once") {
+  RunSettings s = six(4);
+  s.supply.oranges = 4;
+  s.world.friction = 0.15;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 4);
+  CHECK(questions(o) == 0);
+  CHECK(o.worst_grip() < 10);
+  for (const auto& a : o.arm) CHECK(a.hold > 6);
+  s.honest = false;
+  s.longest = 25;
+  CHECK(run_ur5(s).right() == 0);
+  s.honest = true;
+  s.longest = 0;
+  s.world.friction = 0.05;
+  const Outcome wet = run_ur5(s);
+  CHECK(wet.over);
+  CHECK(wet.right() + wet.lost() == 0);
+  CHECK(wet.worst_grip() < 10);
+  for (const auto& a : wet.arm) {
+    CHECK(a.asked == 1);
+    CHECK(a.slipped.size() == 2);
   }
 }
