@@ -54,8 +54,8 @@ class Believed {
     tracks_.took(m_, chosen());
     if (wary_ > 0) --wary_;
   }
-  void failed() {
-    tracks_.failed(m_, chosen());
+  void failed(const Tray& feed) {
+    tracks_.failed(m_, chosen(), [&](const auto& t) { return t.kind == orange_class && feed.holds(t.p); });
     ++failures_;
     wary_ = 3;
   }

@@ -287,9 +287,9 @@ class Worker {
     const bool take = executor_.task().steps[was.step].does == &skinctl::activity::Take::rule;
     const bool began = was.phase == Phase::run || was.phase == Phase::confirm;
     const bool failed = plan_.phase == Phase::begin_reverse || plan_.tries > was.tries;
-    if (take && began && failed && !empty_) empty_ = true, believed_.failed();
+    if (take && began && failed && !empty_) empty_ = true, believed_.failed(feed_tray(arm_));
     if (take && began && plan_.step != was.step) believed_.took();
-    if (std::exchange(stood_, false)) believed_.failed(), empty_ = true;
+    if (std::exchange(stood_, false)) believed_.failed(feed_tray(arm_)), empty_ = true;
     if (plan_.phase == Phase::reverse && empty_) empty_ = false, plan_.reverses = 0;
     using skinctl::StepFailure;
     const bool lift = executor_.task().steps[was.step].does == &Lift::rule;

@@ -107,7 +107,7 @@ Result pack(std::uint64_t seed, const Trouble& trouble) {
     if (has)
       places.took(m, k);
     else
-      places.failed(m, k), ++out.failed;
+      places.failed(m, k, everywhere), ++out.failed;
   }
   out.taken = gone;
   for (const auto& t : m.tracks) out.doubted += Places<T>::is_doubted(m, t);
@@ -179,10 +179,10 @@ TEST_CASE_TEMPLATE(
   Seen<T> seen{{{T(0.1), T(0.2), T(0.04)}, T(0.005), orange}};
   const auto chosen = [&] { return nearest_to<T>(places, m, {T(0), T(0), T(0)}); };
   show(places, m, seen, 20);
-  places.failed(m, chosen());
+  places.failed(m, chosen(), everywhere);
   show(places, m, seen, 1000);
   CHECK(chosen() != no_object);
-  places.failed(m, chosen());
+  places.failed(m, chosen(), everywhere);
   show(places, m, seen, 1000);
   CHECK(chosen() == no_object);
   CHECK(Places<T>::is_doubted(m, m.tracks[0]) + Places<T>::is_doubted(m, m.tracks[15]) == 1);
@@ -241,7 +241,7 @@ TEST_CASE_TEMPLATE("Tracks: what is no number, too late or too much is refused, 
   many[3].p_W.y = T(1);
   show(places, m, many, 5);
   CHECK(count<T>(m) == 16);
-  places.took(m, no_object), places.failed(m, no_object), places.failed(m, 16);
+  places.took(m, no_object), places.failed(m, no_object, everywhere), places.failed(m, 16, everywhere);
   CHECK(double(m.successes + m.failures) == 0);
 }
 

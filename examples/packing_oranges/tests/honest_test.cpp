@@ -100,8 +100,9 @@ TEST_CASE("packing_oranges --world honest: what slips is held more firmly, or le
   CHECK(wet.over);
   CHECK(wet.right() + wet.lost() == 0);
   CHECK(wet.worst_grip() < 10);
+  CHECK(wet.arm[0].slipped.size() + wet.arm[1].slipped.size() == 4);
   for (const auto& a : wet.arm) {
     CHECK(a.asked == 1);
-    CHECK(a.slipped.size() == 2);
+    CHECK(a.slipped.size() >= 1);
   }
 }

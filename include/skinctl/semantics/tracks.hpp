@@ -155,7 +155,7 @@ class Tracks {
       if (t.kind == 0 || !(belief(m, t) > T(0)) || !fits(t)) continue;
       const T c = cost(t);
       if (const Track<T>& b = m.tracks[best < Capacity ? best : k]; best < Capacity) {
-        const T more = belief(m, t) - belief(m, b);
+        const T more = m.trial == no_trial ? belief(m, t) - belief(m, b) : T(0);
         if (more != T(0) ? more < T(0) : t.fails != b.fails ? t.fails > b.fails : !(c < least)) continue;
       }
       best = static_cast<std::uint8_t>(k), least = c;
@@ -186,8 +186,9 @@ class Tracks {
     if (m.trial > 1) m.takes = 1, give_back(m);
     m.trial = no_trial, m.places = m.since = 0;
   }
-  /// The take of a track failed: a hand was there and has nothing.
-  void failed(Memory& m, std::uint8_t track) const noexcept {
+  /// The take of a track failed: a hand there has nothing. `fits(track)`: this hand could take that one.
+  template <class Fits>
+  void failed(Memory& m, std::uint8_t track, const Fits& fits) const noexcept {
     if (track >= Capacity || m.tracks[track].kind == 0) return;
     Track<T>& t = m.tracks[track];
     const bool elsewhere = m.places == 0 || !is_at(t, m.failed);
@@ -205,7 +206,7 @@ class Tracks {
     if (++m.places < s_.places) return;
     bool fresh = m.takes < s_.takes;  // where takes succeeded, only a place that is still to try can tell
     for (const Track<T>& other : m.tracks)
-      fresh = fresh || (other.kind == t.kind && other.fails == 0 && other.sight > T(0));
+      fresh = fresh || (other.kind != 0 && other.fails == 0 && other.sight > T(0) && fits(other));
     if (fresh) m.trial = 1;
   }
   /// A person has looked: it does not ask that again.
