@@ -180,9 +180,9 @@ class Worker {
                                                  .granted = granted,
                                                  .resume = resume});
       note(plan_, result.memory, result.request);
-      const auto was = plan_;
+      const auto before = plan_;
       plan_ = result.memory;
-      if (s_.honest) learn(was, resume);
+      if (s_.honest) learn(before, resume);
       request_ = result.request;
       perform(result.request);
     }
