@@ -14,8 +14,8 @@ class Believed {
   using Objects = skinctl::ObjectWorld<capacity>;
   using Place = skinctl::Xyz<double>;
 
-  /// A picture that has arrived, while the arm's hand is there. What is beside the hand may be hidden: from where it was when
-  /// the picture was taken, at 0.8 m/s for 60 ms.
+  /// A picture that has arrived, while the arm's hand is there. What is beside the hand may be hidden: from
+  /// where it was when the picture was taken, at 0.8 m/s for 60 ms.
   void see(const Picture& picture, const Place& hand) {
     constexpr double beside = Detector::hides + 0.06, below = Detector::hides_below + 0.03;
     const auto shows = [&](const Place& p) {
@@ -66,8 +66,8 @@ class Believed {
   }
   [[nodiscard]] const std::vector<Place>& left() const { return left_; }
   [[nodiscard]] int failures() const { return failures_; }
-  /// Whether it comes down slowly, at this speed [m/s], because fingers may come down on an orange: until the first
-  /// take has succeeded, and three after one that failed.
+  /// Whether it comes down slowly, at this speed [m/s], because fingers may come down on an orange: until the
+  /// first take has succeeded, and three after one that failed.
   static constexpr double wary_speed = 0.06;
   [[nodiscard]] bool is_wary() const { return wary_ > 0; }
   [[nodiscard]] bool asks() const { return m_.asks || asks_; }

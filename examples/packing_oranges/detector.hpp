@@ -1,5 +1,5 @@
-// A simulated detector of objects: noisy, late, and it misses some. An honest one does not tell which orange it saw,
-// and sees some that are not there.
+// A simulated detector of objects: noisy, late, and it misses some. An honest one does not tell which orange
+// it saw, and sees some that are not there.
 #pragma once
 
 #include <algorithm>

@@ -5,8 +5,8 @@
 
 namespace packing {
 
-/// The force of carrying. What was felt in the hand and is lost has slipped: from then on it holds 1.3 times as much, up to a
-/// maximum. The friction is that of all oranges, so what one taught holds for the next.
+/// The force of carrying. What was felt in the hand and is lost has slipped: from then on it holds 1.3 times
+/// as much, up to a maximum. The friction is that of all oranges, so what one taught holds for the next.
 class Grip {
  public:
   static constexpr double more = 1.3;  ///< two slips from a grip that is half of what is needed; a guess

@@ -119,8 +119,8 @@ Met how_met(const Outcome& outcome);
 std::string table_of_faults(const RunSettings& settings,
                             const std::function<Outcome(const RunSettings&)>& run, bool& all_over);
 
-/// So many runs in each of several worlds, from the settings' seed on, as a table of text. false in `well`: a run in an
-/// honest one did not end.
+/// So many runs in each of several worlds, from the settings' seed on, as a table of text. false in `well`: a
+/// run in an honest one did not end.
 std::string table_of_worlds(const RunSettings& settings, int runs,
                             const std::function<Outcome(const RunSettings&)>& run, bool& well);
 

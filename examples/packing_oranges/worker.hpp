@@ -280,8 +280,8 @@ class Worker {
                        skinctl::StepFailure::none, t, t});
   }
 
-  /// What a take, or fingers that came down on something, tell of the place. A person is asked when camera or hand are at
-  /// fault; that a place is empty is no failure that somebody is asked for.
+  /// What a take, or fingers that came down on something, tell of the place. A person is asked when camera or
+  /// hand are at fault; that a place is empty is no failure that somebody is asked for.
   void learn(const typename Executor::Memory& was, bool resume) {
     using Phase = typename Executor::Phase;
     const bool take = executor_.task().steps[was.step].does == &skinctl::activity::Take::rule;

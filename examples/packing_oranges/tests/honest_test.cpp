@@ -1,10 +1,9 @@
-// Small runs in an honest world, whose detector numbers nothing. The rows of the README are the program's: --worlds.
+// Small runs in an honest world, whose detector numbers nothing. Rows of the README are the program's: --worlds.
 //
 // Promise: oranges that a detector does not number are packed, whatever it sees besides
 // Tried: six oranges with two ghosts that stay, flashes and wrong classes: all right, at most five takes of
 // nothing, both ghosts named as doubted, no question; a camera that is off by 25 mm across the fingers: all
-// right, found within 25 mm, at most 20 N on a finger, where the numbered world loses some with more than 50 N
-
+// right, each arm finds 18 mm of it, at most 20 N on a finger; the numbered world loses some, above 50 N
 //
 // Promise: a hand learns from what slips how firmly it carries, and asks once about what it cannot carry
 // Tried: four oranges of friction 0.15, which 5 N do not hold: all right with at most 10 N, no question (0 by
