@@ -1,12 +1,16 @@
-// A simulated detector of objects: noisy, late, and it misses some.
+// A simulated detector of objects: noisy, late, and it misses some. An honest one does not tell which orange
+// it saw, and sees some that are not there.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <deque>
 #include <random>
 #include <vector>
 
+#include "examples/packing_oranges/plan.hpp"
 #include "examples/packing_oranges/world.hpp"
-#include "skinctl/semantics/world.hpp"
+#include "skinctl/semantics/tracks.hpp"
 
 namespace packing {
 
@@ -15,30 +19,54 @@ struct DetectorSettings {
   skinctl::Nanoseconds latency = 60ms;  ///< from a picture until its detections arrive
   double sigma = 0.005;                 ///< deviation of each coordinate [m]
   double missed = 0.05;                 ///< share of the objects that a picture misses
+  bool numbers = true;        ///< it tells which orange it sees; false: the class, and with the errors below
+  double flashes = 0.02;      ///< detections of nothing, for each of something
+  double wrong_class = 0.01;  ///< share of the detections with another class
+  int ghosts = 0;             ///< oranges that it sees in the feeds all the time, and that do not exist
+  double bias = 0;            ///< of all places, in a direction that follows from the seed [m]
 };
 
 /// What a picture shows, when it has arrived.
 struct Picture {
   skinctl::Nanoseconds taken{}, arrives{};
-  std::vector<skinctl::Detection<>> seen;
+  std::vector<skinctl::Detection<>> seen;         ///< with numbers
+  std::vector<skinctl::ClassDetection<>> things;  ///< without
 };
 
 /// Takes pictures of a world. While it is `blind` it takes none, as when its process has died.
 class Detector {
  public:
-  Detector(const DetectorSettings& settings, std::uint64_t seed) : s_(settings), random_(seed) {}
+  Detector(const DetectorSettings& settings, std::uint64_t seed) : s_(settings), random_(seed) {
+    if (s_.bias > 0) {
+      const double angle = between(-M_PI, M_PI);
+      bias_ = {s_.bias * std::cos(angle), s_.bias * std::sin(angle), 0};
+    }
+    if (s_.numbers) return;
+    for (int g = 0; g < s_.ghosts; ++g) ghosts_.push_back(empty_place(static_cast<std::size_t>(g) % arms));
+  }
+  /// Where it sees oranges that do not exist, without its bias.
+  [[nodiscard]] const std::vector<skinctl::Xyz<double>>& ghosts() const { return ghosts_; }
+  [[nodiscard]] const skinctl::Xyz<double>& bias() const { return bias_; }
+  /// A hand within this distance beside a thing, and at most so high above it, hides it [m].
+  static constexpr double hides = 0.07, hides_below = 0.12;
 
   void step(const World& world, bool blind) {
     if (world.now() < next_) return;
     next_ = world.now() + s_.period;
     if (blind) return;
-    Picture p{world.now(), world.now() + s_.latency, {}};
+    Picture p{world.now(), world.now() + s_.latency, {}, {}};
+    if (!s_.numbers) {
+      look(world, p.things);
+      under_way_.push_back(std::move(p));
+      return;
+    }
     for (std::size_t k = 0; k < arms * slots; ++k) {
       if (!world.there(k) || std::bernoulli_distribution(s_.missed)(random_)) continue;
       const auto at = world.orange(k);
       const auto noisy = [&](double x) { return x + s_.sigma * normal_(random_); };
       p.seen.push_back({.object = static_cast<std::uint8_t>(k),
-                        .X_WO = skinctl::ObjectPose<>::translation_xyz(noisy(at.x), noisy(at.y), noisy(at.z)),
+                        .X_WO = skinctl::ObjectPose<>::translation_xyz(noisy(at.x) + bias_.x,
+                                                                       noisy(at.y) + bias_.y, noisy(at.z)),
                         .sigma = s_.sigma,
                         .time = p.taken});
     }
@@ -53,11 +81,56 @@ class Detector {
   }
 
  private:
+  using Place = skinctl::Xyz<double>;
+  [[nodiscard]] double between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+  [[nodiscard]] bool happens(double share) { return std::bernoulli_distribution(share)(random_); }
+  [[nodiscard]] Place anywhere_in(std::size_t arm) {
+    const Tray feed = feed_tray(arm);
+    constexpr double margin = 0.03, middle = 0.038;
+    return {feed.x + (feed.half_x - margin) * between(-1, 1),
+            feed.y + (feed.half_y - margin) * between(-1, 1), middle};
+  }
+  /// In a feed, as far from where oranges lie and from other ghosts as an orange is wide.
+  [[nodiscard]] Place empty_place(std::size_t arm) {
+    for (;;) {
+      const Place p = anywhere_in(arm);
+      const auto far = [&](const Place& q) { return std::hypot(p.x - q.x, p.y - q.y) > 0.076; };
+      bool empty = std::all_of(ghosts_.begin(), ghosts_.end(), far);
+      for (std::size_t k = 0; k < feed_places; ++k) empty = empty && far(feed_place(arm, k));
+      if (empty) return p;
+    }
+  }
+  void look(const World& world, std::vector<skinctl::ClassDetection<>>& out) {
+    const auto add = [&](const Place& p) {
+      const auto noisy = [&](double x) { return x + s_.sigma * normal_(random_); };
+      out.push_back({{noisy(p.x) + bias_.x, noisy(p.y) + bias_.y, noisy(p.z)},
+                     s_.sigma,
+                     happens(s_.wrong_class) ? bin_class : orange_class});
+    };
+    const auto see = [&](const Place& p) {
+      bool hidden = false;
+      for (std::size_t a = 0; a < arms; ++a) {
+        const Place hand = world.hand(a);
+        hidden = hidden || (std::hypot(hand.x - p.x, hand.y - p.y) < hides && hand.z - p.z < hides_below);
+      }
+      if (!hidden && !happens(s_.missed)) add(p);
+      if (happens(s_.flashes)) add(anywhere_in(happens(0.5) ? 1 : 0));
+    };
+    for (std::size_t k = 0; k < arms * slots; ++k)
+      if (world.there(k)) see(world.orange(k));
+    for (const Place& p : ghosts_) see(p);
+    std::shuffle(out.begin(), out.end(), random_);
+  }
+
   DetectorSettings s_;
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
   std::deque<Picture> under_way_;
   skinctl::Nanoseconds next_{};
+  Place bias_{0, 0, 0};
+  std::vector<Place> ghosts_;
 };
 
 }  // namespace packing

@@ -183,6 +183,24 @@ int main(int argc, char** argv) {
   app.add_option("--touch-every", s.touch_every, "a person pushes each forearm so often [s]; 0: never")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  std::string world = "ideal";
+  app.add_option("--world", world,
+                 "ideal: the detector tells which orange it sees; honest: class and place only, 2 % flashes, "
+                 "1 % of wrong "
+                 "classes, what hands hide, and --ghosts")
+      ->check(CLI::IsMember({"ideal", "honest"}))
+      ->capture_default_str();
+  app.add_option("--ghosts", s.detector.ghosts,
+                 "honest: oranges that the detector sees in the feeds, and that do not exist")
+      ->check(CLI::Range(0, 6))
+      ->capture_default_str();
+  app.add_option("--friction", s.world.friction, "of the oranges")
+      ->check(CLI::Range(0.02, 2.0))
+      ->capture_default_str();
+  double bias = 0;
+  app.add_option("--bias", bias, "the detector is off by this, in some direction [mm]")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
   app.add_option("--obstacle", s.obstacle,
                  "something moves through the room at this speed [m/s]: the arms' skin sees it and they give "
                  "way; 0: nothing does")
@@ -195,6 +213,9 @@ int main(int argc, char** argv) {
   app.add_option("--fault-lasts", s.fault_lasts, "how long [s]; 0: as is usual for it, as the report says")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  int worlds = 0;
+  app.add_option("--worlds", worlds, "instead: so many runs in each of several worlds, as a table")
+      ->check(CLI::Range(1, 1000));
   app.add_flag("--faults", faults, "instead: each fault at each step of the plan, as a table");
   app.add_flag("--teach", taught,
                "first a person leads an arm to the place in the box where oranges are let go");
@@ -237,17 +258,25 @@ int main(int argc, char** argv) {
     if (!task.empty() && (taught || taught_lessons > 0 || faults))
       throw std::runtime_error("--task: a plan of its own; not with --teach, --lessons or --faults");
     s.fault = fault_named(fault);
+    s.honest = world == "honest";
+    s.detector.bias = 1e-3 * bias;
+    if (!s.honest && s.detector.ghosts > 0) throw std::runtime_error("--ghosts: --world honest");
     if (onto && (gripper.rfind("hand", 0) != 0 || (!taught && taught_lessons == 0)))
       throw std::runtime_error("--onto: a lesson with hands: --teach or --lessons, and --gripper hand");
     if (s.supply.oranges == 0 && (taught_lessons == 0 || gripper != "hand"))
       throw std::runtime_error("--oranges 0: only with --lessons and --gripper hand");
     if (taught_lessons > 0 && gripper == "hand") return lessons_by_hand(taught_lessons, s, onto, quiet);
     if (taught_lessons > 0) return lessons(taught_lessons, s.seed);
+    const auto one = [&](const RunSettings& given) {
+      return (robot == "ur10e" ? run_ur10e : run_ur5)(given, {}, {});
+    };
+    if (worlds > 0) {
+      bool well = true;
+      std::fputs(table_of_worlds(s, worlds, one, well).c_str(), stdout);
+      return code(well ? Exit::fine : Exit::not_following);
+    }
     if (faults) {
       bool over = true;
-      const auto one = [&](const RunSettings& given) {
-        return (robot == "ur10e" ? run_ur10e : run_ur5)(given, {}, {});
-      };
       std::fputs(table_of_faults(s, one, over).c_str(), stdout);
       return code(over ? Exit::fine : Exit::not_following);
     }

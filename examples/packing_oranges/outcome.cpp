@@ -7,6 +7,7 @@ namespace packing {
 
 WorkSettings by_hand(WorkSettings s) {
   s.hold = 2.5;
+  s.max_hold = 4;
   s.lightly = 1.7;
   s.above_near = 0.003;
   s.let_go = 0.015;

@@ -93,6 +93,13 @@ std::string summary(const Outcome& o, const RunSettings& s) {
         static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.other_arm), m.went_aside);
     out += failures(m, s.work.plan);
   }
+  for (std::size_t a = 0; a < arms && s.honest; ++a) {
+    const ArmOutcome& m = o.arm[a];
+    out += text("arm %zu: %d takes found nothing; bias %+.0f %+.0f mm; holds with %.1f N, left %zu; doubted:",
+                a + 1, m.empty_takes, 1e3 * m.bias.x, 1e3 * m.bias.y, m.hold, m.slipped.size());
+    for (const auto& p : m.doubted) out += text(" %+.2f %+.2f", p.x, p.y);
+    out += m.doubted.empty() ? " nothing\n" : " m\n";
+  }
   if (s.obstacle > 0)
     out += text(
         "something passed %d times, at %.2f m/s: the arms gave way %d times, nearest %.0f mm (as capsules), "

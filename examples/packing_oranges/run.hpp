@@ -28,8 +28,9 @@ struct RunSettings {
   double touch_lasts = 0.6;       ///< [s]
   std::array<bool, arms> hand{};  ///< the arm has an Allegro hand instead of a gripper
   double skin_noise = 0.1;        ///< deviation of a cell's force [N]
-  bool see_each_other = true;     ///< false: only places and their order keep the arms apart
-  double obstacle = 0;            ///< something moves through the room at this speed [m/s]; 0: nothing
+  bool honest = false;         ///< the detector tells no numbers and is wrong at times; the arms believe less
+  bool see_each_other = true;  ///< false: only places and their order keep the arms apart
+  double obstacle = 0;         ///< something moves through the room at this speed [m/s]; 0: nothing
   Fault fault = Fault::none;
   double fault_at = 12;    ///< [s]
   int fault_step = -1;     ///< if it is one of the plan's: when the first arm begins that step, instead
@@ -66,7 +67,13 @@ struct ArmOutcome {
   double set_down = 0;        ///< largest force between table or box and an orange in the hand [N]
   double fell = 0;            ///< farthest that an orange fell when it was let go in the box [m]
   int set_down_by_touch = 0;  ///< how often it ended to lower an orange because that was touched
-  int set_right = 0;          ///< by a person, after it was pushed off its place
+  double hold = 0;            ///< force of carrying in the end [N]
+  std::vector<skinctl::Xyz<double>>
+      slipped;          ///< places of oranges that slipped out of the firmest grip, and are left
+  int empty_takes = 0;  ///< how often a hand found nothing where it believed an orange
+  std::vector<skinctl::Xyz<double>> doubted;  ///< places at which it saw something that hands did not find
+  skinctl::Xyz<double> bias{0, 0, 0};         ///< from where it sees oranges to where it found them [m]
+  int set_right = 0;                          ///< by a person, after it was pushed off its place
   struct Point {
     double t = 0, x = 0, y = 0, z = 0, force = 0, opening = 0;
     bool touched = false;
@@ -83,13 +90,14 @@ struct Outcome {
   double hand_cycle = 0;  ///< the same of a hand; 0: it has none
   int passes = 0;         ///< of the thing that moves through the room
   double nearest = 1e9;   ///< it came to an arm, as capsules [m]
-  bool over = false;      ///< all oranges are packed, and both plans have ended
+  bool over = false;  ///< both plans have ended; all oranges are packed, or (honest) the others are doubted
   bool stopped = false;
   std::string robot;
   double fault_begins = 0, fault_ends = 0;
 
   [[nodiscard]] int right() const;
   [[nodiscard]] int misjudged() const;
+  [[nodiscard]] int left() const { return oranges - static_cast<int>(ended.size()); }
   [[nodiscard]] int lost() const;
   [[nodiscard]] double worst_grip() const;
   [[nodiscard]] double worst_force() const;
@@ -110,6 +118,11 @@ Met how_met(const Outcome& outcome);
 /// text. `run` is `run_ur5` or another one; false in `all_over`: a run that did not end.
 std::string table_of_faults(const RunSettings& settings,
                             const std::function<Outcome(const RunSettings&)>& run, bool& all_over);
+
+/// So many runs in each of several worlds, from the settings' seed on, as a table of text. false in `well`: a
+/// run in an honest one did not end.
+std::string table_of_worlds(const RunSettings& settings, int runs,
+                            const std::function<Outcome(const RunSettings&)>& run, bool& well);
 
 /// The fault of this name. Throws std::runtime_error for another one.
 Fault fault_named(const std::string& name);

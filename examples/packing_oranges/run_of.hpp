@@ -62,13 +62,14 @@ class Run {
       : s_(s),
         world_(bodies(s), worlds(s), s.seed * 7919 + 1),
         supply_(supplies(s), s.seed * 7919 + 2),
-        detector_(s.detector, s.seed * 7919 + 3),
+        detector_(detectors(s), s.seed * 7919 + 3),
         scene_(A::scene()),
         box_(60s),
         places_(box_.start()) {
     world_.step();
     for (std::size_t a = 0; a < arms; ++a) {
       WorkSettings work = s.hand[a] ? by_hand(s.work) : s.work;
+      work.honest = s.honest;
       if (!s.hand[a]) work.shown.reset();  // by a hand, which this arm has not
       workers_.push_back(std::make_unique<Worker<R>>(a, scene_, work, world_.joints(a)));
       if (s.hand[a]) hands_[a] = std::make_unique<Hand>(grasp(s), world_.fingers(a));
@@ -98,7 +99,9 @@ class Run {
         supply_.step(world_);
         happen();
         cycle();
-        if (supply_.over() && workers_[0]->finished() && workers_[1]->finished()) {
+        const bool finished = workers_[0]->finished() && workers_[1]->finished();
+        if (!finished) works_at_ = time();
+        if (finished && (supply_.over() || (s_.honest && time() - works_at_ > 4))) {
           out_.over = true;
           break;
         }
@@ -130,6 +133,11 @@ class Run {
   [[nodiscard]] static SupplySettings supplies(const RunSettings& s) {
     SupplySettings out = s.supply;
     out.waits = s.obstacle > 0;  // an arm that gives way comes back to where it takes an orange
+    return out;
+  }
+  [[nodiscard]] static DetectorSettings detectors(const RunSettings& s) {
+    DetectorSettings out = s.detector;
+    out.numbers = !s.honest;
     return out;
   }
   [[nodiscard]] static Grasp grasp(const RunSettings& s) {
@@ -271,12 +279,23 @@ class Run {
     if (!granted) o.waited += 0.008;
     while (o.judged.size() < w.judged().size()) {
       const auto& j = w.judged()[o.judged.size()];
-      o.judged.push_back({j.stiffness, supply_.stiffness(j.object), j.time, j.good, supply_.good(j.object)});
+      const std::size_t k = in_hand(a);
+      o.judged.push_back({j.stiffness, supply_.stiffness(k), j.time, j.good, supply_.good(k)});
     }
     if (s_.keep_path && cycles_ % 4 == 0) {
       const auto p = world_.hand(a);
       o.path.push_back({t, p.x, p.y, p.z, r.force, gripper(a).opening, touchers_[a]->force() > 0});
     }
+  }
+  /// The orange between the fingers: the nearest one.
+  [[nodiscard]] std::size_t in_hand(std::size_t a) const {
+    std::size_t best = 0;
+    double least = 1e9;
+    for (std::size_t k = 0; k < arms * slots; ++k) {
+      const double far = norm(skinctl::Xyz<double>(world_.orange(k) - world_.hand(a)));
+      if (world_.there(k) && far < least) best = k, least = far;
+    }
+    return best;
   }
   /// How far an orange falls that is let go in the box.
   void watch_fall(std::size_t a, const Worker<R>& w) {
@@ -348,6 +367,12 @@ class Run {
       o.into_obstacle = world_.record(a).into_obstacle;
       o.gave_way = workers_[a]->gave_way();
       o.set_right = workers_[a]->set_right();
+      const Believed& believed = workers_[a]->believed();
+      o.empty_takes = believed.failures();
+      o.hold = workers_[a]->hold();
+      o.slipped = believed.left();
+      o.doubted = believed.doubted(feed_tray(a));
+      o.bias = believed.bias();
       for (const Packed& p : out_.ended)
         if (p.arm == a) o.busy = std::max(o.busy, p.time);
     }
@@ -378,7 +403,7 @@ class Run {
   std::array<std::vector<skinctl::Capsule<>>, arms> shapes_;
   skinctl::Capsule<> obstacle_{{0, 0, 0}, {0, 0, 0}, 0};
   Outcome out_;
-  double lasts_ = 0, computed_ = 0, held_ = 0;
+  double lasts_ = 0, computed_ = 0, held_ = 0, works_at_ = 0;
   std::uint64_t tick_ = 0, cycles_ = 0, holds_ = 0;
   int slipped_ = -1;  ///< the orange
   bool dry_ = false;

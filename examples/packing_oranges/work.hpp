@@ -33,10 +33,12 @@ struct WorkSettings {
   double let_go = 0.006;      ///< it lets go so much higher than it took [m], and ...
   double aside = 0;           ///< ... beside the middle of bin or box, away from the other arm's feed [m]
   double hold = 5;            ///< force of carrying [N], ...
+  double max_hold = 8.5;      ///< ... largest, where things slip; at 10 N an orange counts as bruised
   double lightly = 1.6;       ///< ... before it is squeezed where it is brought to
   double judge_from = 1.2, judge_to = 5.6;  ///< forces between which a squeeze is judged [N]
   double judge_span = 2.5;                  ///< it must have risen by so much [N]
-  bool turns = true;  ///< the hand turns so that its open fingers come down beside what lies near an orange
+  bool turns = true;    ///< the hand turns so that its open fingers come down beside what lies near an orange
+  bool honest = false;  ///< the detector tells no numbers: it takes what it believes, see `Believed`
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
   Plan plan = pack_oranges;
   std::optional<Shown> shown{};  ///< by leading arm and hand

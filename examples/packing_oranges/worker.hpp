@@ -2,11 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
-#include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/believed.hpp"
 #include "examples/packing_oranges/finger_room.hpp"
 #include "examples/packing_oranges/giving_way.hpp"
+#include "examples/packing_oranges/grip.hpp"
 #include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
@@ -23,9 +25,8 @@ class Worker {
   using Scene = typename A::Scene;
   using Set = typename A::Set;
   using Executor = skinctl::Executor<Plan::capacity>;
-  using Objects = skinctl::ObjectWorld<arms * slots>;
+  using Objects = Believed::Objects;
   struct Judged {
-    std::uint8_t object = skinctl::no_object;
     double stiffness = 0;
     bool good = false;
     double time = 0;
@@ -36,13 +37,14 @@ class Worker {
         s_(settings),
         scene_(scene),
         executor_(settings.plan, settings.executor),
+        grip_(settings.hold, settings.max_hold),
         squeeze_({.from = settings.judge_from,
                   .to = settings.judge_to,
                   .own = 1e9,
                   .swing = 3,
                   .min_span = settings.judge_span}),
         objects_([] {
-          std::array<skinctl::ObjectClass, arms * slots> kinds{};
+          std::array<skinctl::ObjectClass, Objects::capacity> kinds{};
           kinds.fill(orange_class);
           return kinds;
         }()),
@@ -75,6 +77,9 @@ class Worker {
   void see(const Picture& picture) {
     last_picture_ = picture.taken;
     for (const auto& d : picture.seen) static_cast<void>(objects_.detect(known_, d));
+    if (!s_.honest) return;
+    believed_.see(picture, X_WH_.origin());
+    believed_.write(known_);
   }
   /// What it says about the box, before a cycle.
   [[nodiscard]] skinctl::PlaceRequest place_request() const {
@@ -175,7 +180,9 @@ class Worker {
                                                  .granted = granted,
                                                  .resume = resume});
       note(plan_, result.memory, result.request);
+      const auto before = plan_;
       plan_ = result.memory;
+      if (s_.honest) learn(before, resume);
       request_ = result.request;
       perform(result.request);
     }
@@ -198,6 +205,8 @@ class Worker {
 
   [[nodiscard]] bool finished() const { return plan_.phase == Executor::Phase::finished; }
   [[nodiscard]] bool asks() const { return plan_.phase == Executor::Phase::ask; }
+  [[nodiscard]] double hold() const { return grip_.hold(); }
+  [[nodiscard]] const Believed& believed() const { return believed_; }
   [[nodiscard]] bool carries() const {
     return features_.in_hand && does(skinctl::activity::Put::rule, skinctl::activity::Carry::rule) &&
            plan_.phase == Executor::Phase::run;
@@ -271,6 +280,32 @@ class Worker {
                        skinctl::StepFailure::none, t, t});
   }
 
+  /// What a take, or fingers that came down on something, tell of the place. A person is asked when camera or
+  /// hand are at fault; that a place is empty is no failure that somebody is asked for.
+  void learn(const typename Executor::Memory& was, bool resume) {
+    using Phase = typename Executor::Phase;
+    const bool take = executor_.task().steps[was.step].does == &skinctl::activity::Take::rule;
+    const bool began = was.phase == Phase::run || was.phase == Phase::confirm;
+    const bool failed = plan_.phase == Phase::begin_reverse || plan_.tries > was.tries;
+    if (take && began && failed && !empty_) empty_ = true, believed_.failed(feed_tray(arm_));
+    if (take && began && plan_.step != was.step) believed_.took();
+    if (std::exchange(stood_, false)) believed_.failed(feed_tray(arm_)), empty_ = true;
+    if (plan_.phase == Phase::reverse && empty_) empty_ = false, plan_.reverses = 0;
+    using skinctl::StepFailure;
+    const bool lift = executor_.task().steps[was.step].does == &Lift::rule;
+    const bool slips =
+        began && plan_.phase == Phase::begin_reverse && !take &&
+        (plan_.why == StepFailure::fact_lost || (lift && plan_.why == StepFailure::fact_missing));
+    if (slips && grip_.slipped())
+      plan_.reverses = 0;
+    else if (slips)
+      believed_.leave(taken_);
+    if (was.phase == Phase::ask && resume) believed_.answered();
+    if (believed_.asks() && plan_.phase == Phase::begin && does(skinctl::activity::Look::rule))
+      plan_.phase = Phase::ask;
+    believed_.write(known_);
+  }
+
   void perform(const skinctl::StepRequest& r) {
     using Kind = skinctl::StepRequest::Kind;
     if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
@@ -290,7 +325,14 @@ class Worker {
     // A finger has come down on something: no further.
     if (asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
         gripper_.force > stands_on) {
-      send(Set::start_skill(Set::template index<behaviour::Rest>()));
+      stood_ = true;
+      if (s_.honest) {  // off it: at rest the arm would go on along its spline
+        Part off{Set::start_skill(A::skills(&skinctl::activity::Reach::rule)), true,
+                 at(X_WH_.origin(), X_WH_.origin().z + 0.01)};
+        ask(off);
+      } else {
+        send(Set::start_skill(Set::template index<behaviour::Rest>()));
+      }
       return end(false);
     }
     // It goes on from where it was pushed aside to, or its orange has rolled off: it looks anew.
@@ -342,13 +384,13 @@ class Worker {
         Goal away = Set::start_skill(Set::template index<behaviour::GiveWay>());
         auto& grip = away.goals.template of<GripperGoal>();
         grip.has = true;
-        grip.goal = features_.in_hand ? GripperGoal{0, 1.4 * s_.hold, 0.02}
-                    : holds           ? GripperGoal{0, s_.hold, 0.06}
+        grip.goal = features_.in_hand ? GripperGoal{0, 1.4 * grip_.hold(), 0.02}
+                    : holds           ? GripperGoal{0, grip_.hold(), 0.06}
                                       : GripperGoal{gripper_range.opening, 5, 0.15};
         send(away);
       }
       using Others = typename GivingWay<R>::Others;
-      std::array<skinctl::Xyz<double>, arms * slots> oranges;
+      std::array<skinctl::Xyz<double>, Objects::capacity> oranges;
       const std::size_t count = lying(oranges);
       if (gives_way_ || !input_.goal) input_.goal.emplace();
       auto& wish = input_.goal->goals.template of<VelocityGoal<6>>();
@@ -417,7 +459,7 @@ class Worker {
   }
   static constexpr skinctl::Nanoseconds hesitates = 300ms;  ///< after it saw something for the last time
   /// Middles of the oranges that lie, for an arm that gives way: not what it holds or has between its fingers.
-  [[nodiscard]] std::size_t lying(std::array<skinctl::Xyz<double>, arms * slots>& out) const {
+  [[nodiscard]] std::size_t lying(std::array<skinctl::Xyz<double>, Objects::capacity>& out) const {
     std::size_t count = 0;
     const bool goes_for_one = is_at_feed();
     // A finger that stands on an orange feels a force, too.
@@ -495,7 +537,7 @@ class Worker {
     parts_.back().judges = true;
     if (now_at().place == skinctl::no_place) return;
     add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
-    grip({0, s_.hold, 0.02});
+    grip({0, grip_.hold(), 0.02});
   }
   [[nodiscard]] skinctl::Xyz<double> at(const skinctl::Xyz<double>& p, double z) const {
     return {p.x, p.y, z};
@@ -528,8 +570,10 @@ class Worker {
     } else if (r.does == &activity::Reach::rule) {
       const auto p = known_.objects[object_].X_WO.origin();
       taken_ = at(p, std::clamp(p.z, 0.032, 0.044)) + beside_;
-      if (!is_over(taken_)) return end(false);
+      if (!is_over(taken_) || empty_) return end(false);
       add(skill, taken_, 0.003);
+      if (s_.honest && believed_.is_wary())
+        parts_.back().slowest = 1.875 * norm(skinctl::Xyz<double>(taken_ - here)) / Believed::wary_speed;
     } else if (r.does == &activity::Squeeze::rule) {
       squeezed_ = {};
       judging_ = true;
@@ -543,7 +587,7 @@ class Worker {
       hold_lightly();
     } else if (r.does == &Lift::rule) {
       add(skill, at(here, s_.carry), passing);
-      grip({0, s_.hold, 0.02});
+      grip({0, grip_.hold(), 0.02});
     } else if (r.does == &activity::Put::rule) {
       if (!s_.shown) R_ = turned_at(r.place);
       const auto p = hand_at(r.place);
@@ -574,6 +618,7 @@ class Worker {
       parts_.push_back({Set::start_skill(let_go), false, {}});
       add(skill, at(features_.in_hand && features_.carried ? taken_ : here, s_.carry), 0.05);
     } else {
+      if (r.does == &activity::Take::rule && empty_) return end(false);  // the same place, at once
       parts_.push_back({Set::start_skill(skill), false, {}});
       // It may wait for the box with the orange in the hand, and somebody pushes it meanwhile.
       if (r.does == &activity::Take::rule && next_does(activity::Carry::rule)) grip({0, s_.lightly, 0.08});
@@ -621,24 +666,37 @@ class Worker {
     if (features_.in_hand) return end(false);
     const bool sees = now_ - last_picture_ < 300ms;
     if (!sees) looks_since_ = now_;
-    // Where there is room for its fingers; else where there is most.
-    double best = 1e9, most = 0;
-    for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
+    const auto fits = [&](std::uint8_t k) {
       const auto& o = known_.objects[k];
       const auto p = o.X_WO.origin();
-      if (!sees || !o.known || now_ - o.time > 500ms || o.sigma > 0.003 || o.misses > 0 || p.z > 0.07 ||
-          !feed_tray(arm_).holds(p))
-        continue;
-      const auto [turn, room] = room_beside(k);
-      const double way = norm(skinctl::Xyz<double>(p - X_WH_.origin()));
-      const bool better = room < FingerRoom::enough ? room > most : most < FingerRoom::enough || way < best;
-      if (better) best = way, object_ = k, turned_ = turn;
-      most = std::max(most, room);
+      return sees && o.known && now_ - o.time <= 500ms && o.sigma <= 0.003 && o.misses == 0 && p.z <= 0.07 &&
+             feed_tray(arm_).holds(p);
+    };
+    // The nearest one with room for its fingers; else where there is most.
+    const auto cost = [&](std::uint8_t k) {
+      const double room = room_beside(k).room;
+      return room < FingerRoom::enough
+                 ? 10 - room
+                 : norm(skinctl::Xyz<double>(known_.objects[k].X_WO.origin() - X_WH_.origin()));
+    };
+    const std::uint8_t chosen = s_.honest ? believed_.choose(fits, cost) : cheapest(fits, cost);
+    if (chosen != skinctl::no_object) {
+      object_ = chosen;
+      turned_ = room_beside(chosen).turn;
+      return end(true);
     }
-    if (best < 1e9) return end(true);
     if (now_ - looks_since_ < 1500ms) return;
     answer_ = false;
     end(true);
+  }
+  [[nodiscard]] static std::uint8_t cheapest(const auto& fits, const auto& cost) {
+    std::uint8_t best = skinctl::no_object;
+    double least = 1e9;
+    for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
+      if (!fits(k)) continue;
+      if (const double c = cost(k); c < least) best = k, least = c;
+    }
+    return best;
   }
   /// Whether the squeeze told something.
   bool judge() {
@@ -648,7 +706,7 @@ class Worker {
     const std::uint8_t border = now_at().border;
     answer_ = border == skinctl::no_border || k.stiffness >= executor_.task().borders[border];
     // Each side of an orange gives by half of the closing.
-    judged_.push_back({object_, 2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
+    judged_.push_back({2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
     return true;
   }
 
@@ -656,10 +714,12 @@ class Worker {
   WorkSettings s_;
   const Scene& scene_;
   Executor executor_;
+  Grip grip_;
   skinctl::Squeeze<> squeeze_;
   Objects objects_;
   skinctl::FeatureExtractor<> extractor_;
   typename Objects::Memory known_;
+  Believed believed_;
   skinctl::FeatureExtractor<>::Memory featured_{};
   skinctl::Features features_{};
   skinctl::Squeeze<>::Memory squeezed_{};
@@ -681,6 +741,7 @@ class Worker {
   std::size_t part_ = 0;
   std::uint16_t ticket_ = 0;
   bool asked_ = false, answer_ = true, judging_ = false, kept_ = false, other_waits_ = false;
+  bool empty_ = false, stood_ = false;  ///< the take failed; a finger stood on something on the way to it
   RightOfWay way_;
   WayBack way_back_ = WayBack::none;
   bool gives_way_ = false, displaced_ = false;

@@ -19,7 +19,6 @@ constexpr double tick = 0.001;
 constexpr double solid = 0.5;          // d of solimp: between free and rigid
 constexpr double finger_reach = 0.16;  // from the flange to the point between the fingers
 constexpr double orange_mass = 0.18;
-constexpr double dry = 0.8;  // friction of an orange
 
 constexpr int the_thing = 1000;   // among the numbers of oranges
 constexpr std::size_t parts = 5;  // of an arm, as contacts tell them apart: its fingertips, and all else
@@ -128,13 +127,13 @@ void write_tray(std::string& xml, const Tray& t) {
       wall(t.x, t.y + t.half_y + half, t.half_x + 2 * half, half);
 }
 
-std::string thing_text(const Thing& t) {
+std::string thing_text(const Thing& t, double friction) {
   if (t.shape == Thing::Shape::none) return "";
   constexpr const char* shapes[] = {"", "sphere", "cylinder", "box"};
   const Xyz<double> size = t.shape == Thing::Shape::cylinder ? Xyz<double>{t.half.x, t.half.z, 0} : t.half;
   return std::string("<body name='thing' pos='5 1 1'><freejoint/><geom name='thing' type='") +
          shapes[static_cast<std::size_t>(t.shape)] + "' size='" + list(size) + "' mass='" + list({t.mass}) +
-         "' priority='1' condim='6' friction='" + list({dry, 0.01, 0.0005}) + "' solimp='" +
+         "' priority='1' condim='6' friction='" + list({friction, 0.01, 0.0005}) + "' solimp='" +
          list({solid, solid, 0.001, 0.5, 2}) + "'" + collides(is_orange, is_table) + "/></body>";
 }
 
@@ -161,9 +160,9 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSetti
     xml += "<body name='orange" + std::to_string(k) + "' pos='" +
            list({5 + 0.2 * static_cast<double>(k), 0, 1}) + "'><freejoint/><geom name='orange" +
            std::to_string(k) + "' type='sphere' size='0.038' mass='" + list({orange_mass}) +
-           "' priority='1' condim='6' friction='" + list({dry, 0.01, 0.0005}) + "' solimp='" + soft + "'" +
-           collides(is_orange, is_table | is_orange) + "/></body>";
-  xml += thing_text(thing) + "</worldbody><equality>";
+           "' priority='1' condim='6' friction='" + list({settings.friction, 0.01, 0.0005}) + "' solimp='" +
+           soft + "'" + collides(is_orange, is_table | is_orange) + "/></body>";
+  xml += thing_text(thing, settings.friction) + "</worldbody><equality>";
   for (std::size_t arm = 0; arm < arms; ++arm)
     if (!bodies[arm].hand)
       xml += "<joint joint1='" + name("slide", arm, 0) + "' joint2='" + name("slide", arm, 1) +
@@ -711,7 +710,7 @@ void World::put(std::size_t k, const Xyz<double>& p, const Orange& orange) {
   o.rests = {p.x, p.y, p.z + orange.radius, 1, 0, 0, 0};
   b.model->geom_size[3 * o.geom] = b.model->geom_rbound[o.geom] = orange.radius;
   b.stiffen(o.geom, o.body, b.arm[k / slots].tip[0], orange.stiffness);
-  b.model->geom_friction[3 * o.geom] = dry;
+  b.model->geom_friction[3 * o.geom] = b.settings.friction;
   b.collide(o, false);
   b.rest(o);
 }
@@ -738,7 +737,7 @@ skinctl::Nanoseconds World::touched(std::size_t k) const {
   return b_->slot[k].touched;
 }
 void World::make_slippery(std::size_t k, bool wet) {
-  b_->model->geom_friction[3 * b_->slot[k].geom] = wet ? 0.005 : dry;
+  b_->model->geom_friction[3 * b_->slot[k].geom] = wet ? 0.005 : b_->settings.friction;
 }
 
 }  // namespace packing

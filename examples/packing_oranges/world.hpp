@@ -27,6 +27,7 @@ struct WorldSettings {
   double force_noise = 0.1;  ///< deviation of the fingers' force sensors [N]
   double period = 0.008;     ///< between two commands [s]; the servo interpolates over it
   Thing thing{};             ///< far away until it is put somewhere
+  double friction = 0.8;     ///< of an orange
   double floor = 0;          ///< height of what lies in the box, under everything [m]
   bool wrists = false;       ///< the arms have force sensors at their wrists
   bool interpolate = true;   ///< false: commands are steps, as a servo without interpolation takes them

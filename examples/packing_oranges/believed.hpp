@@ -1,0 +1,109 @@
+// What an arm believes of oranges that its detector sees, and does not number.
+#pragma once
+
+#include <vector>
+
+#include "examples/packing_oranges/detector.hpp"
+
+namespace packing {
+
+class Believed {
+ public:
+  static constexpr std::size_t capacity = 16;  ///< all oranges of the world, ghosts and flashes
+  using Tracks = skinctl::Tracks<capacity>;
+  using Objects = skinctl::ObjectWorld<capacity>;
+  using Place = skinctl::Xyz<double>;
+
+  /// A picture that has arrived, while the arm's hand is there. What is beside the hand may be hidden: from
+  /// where it was when the picture was taken, at 0.8 m/s for 60 ms.
+  void see(const Picture& picture, const Place& hand) {
+    constexpr double beside = Detector::hides + 0.06, below = Detector::hides_below + 0.03;
+    const auto shows = [&](const Place& p) {
+      return std::hypot(hand.x - p.x, hand.y - p.y) > beside || hand.z - p.z > below;
+    };
+    static_cast<void>(tracks_.see(m_, picture.taken, std::span(picture.things), shows));
+  }
+  /// Writes what is believed to objects with the numbers of the tracks; not the one in the hand.
+  void write(Objects::Memory& known) const {
+    for (std::size_t k = 0; k < capacity; ++k) {
+      if (k == known.held) continue;
+      const auto& t = m_.tracks[k];
+      const Place p = tracks_.aim(m_, t.p);
+      auto& o = known.objects[k];
+      o.known = t.kind == orange_class && Tracks::belief(m_, t) > 0;
+      o.X_WO = skinctl::ObjectPose<>::translation_xyz(p.x, p.y, p.z);
+      o.sigma = t.sigma, o.time = t.seen, o.misses = 0;
+    }
+  }
+  /// The number of the orange to take, of those that fit, at the least cost; `no_object`: none.
+  template <class Fits, class Cost>
+  [[nodiscard]] std::uint8_t choose(const Fits& fits, const Cost& cost) {
+    const auto number = [&](const auto& t) { return static_cast<std::uint8_t>(&t - m_.tracks.data()); };
+    const auto is_left = [&](const Place& p) {
+      return std::any_of(left_.begin(), left_.end(),
+                         [&](const Place& q) { return norm(Place(p - q)) < left_within; });
+    };
+    const std::uint8_t k = tracks_.choose(
+        m_, [&](const auto& t) { return fits(number(t)) && !is_left(t.p); },
+        [&](const auto& t) { return cost(number(t)); });
+    if (k < capacity) goes_for_ = m_.tracks[k].p;
+    return k;
+  }
+  /// The hand has the orange that was chosen last, or found none there.
+  void took() {
+    tracks_.took(m_, chosen());
+    if (wary_ > 0) --wary_;
+  }
+  void failed(const Tray& feed) {
+    tracks_.failed(m_, chosen(), [&](const auto& t) { return t.kind == orange_class && feed.holds(t.p); });
+    ++failures_;
+    wary_ = 3;
+  }
+  /// What was taken there slipped out of the firmest grip: it is left, and somebody is asked once.
+  void leave(const Place& p) {
+    asks_ = asks_ || left_.empty();
+    left_.push_back(p);
+  }
+  [[nodiscard]] const std::vector<Place>& left() const { return left_; }
+  [[nodiscard]] int failures() const { return failures_; }
+  /// Whether it comes down slowly, at this speed [m/s], because fingers may come down on an orange: until the
+  /// first take has succeeded, and three after one that failed.
+  static constexpr double wary_speed = 0.06;
+  [[nodiscard]] bool is_wary() const { return wary_ > 0; }
+  [[nodiscard]] bool asks() const { return m_.asks || asks_; }
+  void answered() {
+    if (m_.asks) tracks_.answered(m_);
+    asks_ = false;
+  }
+  [[nodiscard]] const Place& bias() const { return m_.bias; }
+  /// Places in the tray at which it saw something that hands did not find.
+  [[nodiscard]] std::vector<Place> doubted(const Tray& tray) const {
+    std::vector<Place> out;
+    for (const auto& t : m_.tracks)
+      if (Tracks::is_doubted(m_, t) && tray.holds(t.p)) out.push_back(t.p);
+    return out;
+  }
+
+ private:
+  static constexpr double left_within =
+      0.06;  ///< what slipped lies so far from where it was taken, at most [m]
+  /// Its track now: numbers may change while the hand is on its way.
+  [[nodiscard]] std::uint8_t chosen() const {
+    std::uint8_t best = skinctl::no_object;
+    double least = 0.03;
+    for (std::size_t k = 0; k < capacity; ++k) {
+      const double far = norm(Place(m_.tracks[k].p - goes_for_));
+      if (m_.tracks[k].kind != 0 && far < least) best = static_cast<std::uint8_t>(k), least = far;
+    }
+    return best;
+  }
+
+  Tracks tracks_;
+  Tracks::Memory m_;
+  Place goes_for_{0, 0, 0};
+  std::vector<Place> left_;
+  bool asks_ = false;
+  int failures_ = 0, wary_ = 1;
+};
+
+}  // namespace packing

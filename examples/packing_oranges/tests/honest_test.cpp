@@ -1,0 +1,107 @@
+// Small runs in an honest world, whose detector numbers nothing. Rows of the README are the program's: --worlds.
+//
+// Promise: oranges that a detector does not number are packed, whatever it sees besides
+// Tried: six oranges with two ghosts that stay, flashes and wrong classes: all right, at most five takes of
+// nothing, both ghosts named as doubted, no question; a camera that is off by 25 mm across the fingers: all
+// right, each arm finds 18 mm of it, at most 20 N on a finger; the numbered world loses some, above 50 N
+//
+// Promise: a hand learns from what slips how firmly it carries, and asks once about what it cannot carry
+// Tried: four oranges of friction 0.15, which 5 N do not hold: all right with at most 10 N, no question (0 by
+// the world that learns nothing); of friction 0.05: none, all left, each arm asks once
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "examples/packing_oranges/run.hpp"
+
+using namespace packing;
+using namespace std::chrono_literals;
+
+namespace {
+RunSettings six(std::uint64_t seed) {
+  RunSettings s;
+  s.supply.oranges = 6;
+  s.seed = seed;
+  s.touch_every = 0;
+  s.work.executor.place = 2s;
+  s.honest = true;
+  return s;
+}
+int questions(const Outcome& o) {
+  return o.arm[0].asked + o.arm[1].asked;
+}
+}  // namespace
+
+TEST_CASE("packing_oranges --world honest: ghosts are found out, named, and nobody is asked") {
+  RunSettings s = six(3);
+  s.detector.ghosts = 2;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 6);
+  CHECK(questions(o) == 0);
+  CHECK(o.worst_force() < 10);
+  CHECK(o.arm[0].empty_takes + o.arm[1].empty_takes >= 2);
+  CHECK(o.arm[0].empty_takes + o.arm[1].empty_takes <= 5);
+  CHECK(o.arm[0].doubted.size() == 1);
+  CHECK(o.arm[1].doubted.size() == 1);
+}
+
+TEST_CASE(
+    "packing_oranges --world honest: a camera that is off is found out; with numbers oranges are lost") {
+  RunSettings s = six(1);
+  s.detector.bias = 0.025;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 6);
+  CHECK(questions(o) == 0);
+  CHECK(o.worst_force() < 20);
+  for (const auto& a : o.arm) CHECK(norm(a.bias) == doctest::Approx(0.018));
+  s.honest = false;
+  const Outcome numbered = run_ur5(s);
+  CHECK(numbered.lost() > 0);
+  CHECK(numbered.worst_force() > 50);
+}
+
+TEST_CASE("Detector: an honest one tells no numbers, hides what is under a hand, and its ghosts stay") {
+  DetectorSettings settings;
+  settings.numbers = false;
+  settings.ghosts = 3;
+  Detector detector(settings, 7);
+  REQUIRE(detector.ghosts().size() == 3);
+  for (std::size_t g = 0; g < 3; ++g) {
+    const auto& p = detector.ghosts()[g];
+    CHECK(feed_tray(g % arms).holds(p));
+    for (std::size_t k = 0; k < feed_places; ++k) {
+      const auto q = feed_place(g % arms, k);
+      CHECK(std::hypot(p.x - q.x, p.y - q.y) > 0.076);
+    }
+  }
+}
+
+TEST_CASE("packing_oranges --world honest: what slips is held more firmly, or left and asked for once") {
+  RunSettings s = six(4);
+  s.supply.oranges = 4;
+  s.world.friction = 0.15;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 4);
+  CHECK(questions(o) == 0);
+  CHECK(o.worst_grip() < 10);
+  for (const auto& a : o.arm) CHECK(a.hold > 6);
+  s.honest = false;
+  s.longest = 25;
+  CHECK(run_ur5(s).right() == 0);
+  s.honest = true;
+  s.longest = 0;
+  s.world.friction = 0.05;
+  const Outcome wet = run_ur5(s);
+  CHECK(wet.over);
+  CHECK(wet.right() + wet.lost() == 0);
+  CHECK(wet.worst_grip() < 10);
+  CHECK(wet.arm[0].slipped.size() + wet.arm[1].slipped.size() == 4);
+  for (const auto& a : wet.arm) {
+    CHECK(a.asked == 1);
+    CHECK(a.slipped.size() >= 1);
+  }
+}

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Things seen without a number: where they are, and how far to believe that they are there.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "skinctl/core/detail/plausible.hpp"
+#include "skinctl/semantics/world.hpp"
+
+SKINCTL_BEGIN_NAMESPACE
+
+/// A detector saw a thing of a class: which one of them it was, it cannot tell.
+template <Real T = double>
+struct ClassDetection {
+  Xyz<T> p_W{T(0), T(0), T(0)};  ///< [m]
+  T sigma = T(0.005);            ///< deviation of the place along each axis [m], 1e-6 to 100
+  ObjectClass kind = 0;          ///< class of the thing; 0: none
+};
+
+/// A place at which something was seen, and the belief that it is there: log odds `sight + touch`.
+template <Real T = double>
+struct Track {
+  Xyz<T> p{T(0), T(0), T(0)};        ///< [m, World]
+  Xyz<T> touched{T(0), T(0), T(0)};  ///< where it was when a hand found nothing [m]
+  T sigma = T(0);                    ///< deviation of `p` along each axis [m]
+  T sight = T(0);                    ///< log odds by pictures
+  T touch = T(0);                    ///< log odds by failed takes, <= 0
+  Nanoseconds seen{};                ///< picture that showed it last
+  ObjectClass kind = 0;              ///< class by majority; 0: the place in the memory is free
+  std::uint8_t votes = 0;            ///< pictures of this class, less those of others
+  std::uint8_t fails = 0;            ///< takes that failed here
+};
+
+/// Numbers of tracks. What they hold for a certain detector and gripper is measured there.
+template <Real T = double>
+struct TrackSettings {
+  T wander = T(0.002);        ///< deviation of what things move on their own [m/sqrt(s)]; as ObjectWorld's
+  T max_deviations = T(4);    ///< radius of the association; 1 detection in 900 is further off in three axes
+  T seen_if_there = T(0.95);  ///< share of the pictures in which a thing that is there is detected
+  T seen_if_not = T(0.2);     ///< the same where nothing is: much above the rate of flashes, as a ghost stays
+  T things = T(0.05);  ///< share of things among unseen places, of nothing among those always seen: a guess
+  Nanoseconds doubted = 2s;  ///< a place where takes failed is kept this long without being seen: 60 pictures
+  T taken = T(9), failed = T(1);  ///< prior of takes, Beta(9, 1): 9 of 10 takes of real things succeed
+  T moved = T(0.02);        ///< a thing that moved by more than this is no ghost [m]: 4 sigma of a detection
+  T beside = T(0.018);      ///< step of the search for the bias [m]: fingers open 17 mm wider on each side
+  std::uint8_t places = 2;  ///< places that fail, before ...
+  std::uint8_t takes = 3;   ///< ... takes that succeed, are a fault of camera or hand, not of the places
+};
+
+/// Tracks of at most `Capacity` things, without identity: a value, and pure functions of its memory.
+///
+/// A picture's detections go to the nearest tracks within `max_deviations` of both deviations, the nearest
+/// pair first. A track is a Kalman filter of a place that wanders, and its belief a sum of log odds:
+///
+///     sight <- min(sight + log(d / n), c)                 if detected, d = seen_if_there, n = seen_if_not
+///     sight <- max(sight + log((1 - d) / (1 - n)), -c)    if a picture should show it, and does not
+///     touch <- touch + log P(fail | real)                 after a take that failed
+///     P(fail | real) = (failed + f) / (taken + failed + f + s), at least that of no take
+///     c = log((1 - things) / things) = 2.94
+///
+/// with `s` takes that succeeded and `f` that failed, each weighted by the belief that was left. A new track
+/// starts with -c + log(d / n) = -1.39: a single flash is not believed. The cap `c` keeps any number of
+/// pictures below two failed takes: no ghost is voted up. `touch` is undone when the track moves, as only
+/// real things do.
+///
+/// Where `places` fail with fewer than `takes` successes in between it may be the camera or the hand: `touch`
+/// does not count, and the next takes, of places where fewest failed, go where things are seen, then `beside`
+/// of there along +x, -x, +y, -y, these twice. Where one succeeds is `bias` from then on (the first: it was
+/// the places, and `touch` counts again); if none does, `asks` is set once.
+///
+/// Immutable; what changes is a `Memory`, trivially copyable: `Memory{}` has seen nothing. Nothing allocates.
+template <std::size_t Capacity, Real T = double>
+class Tracks {
+  static_assert(Capacity > 0 && Capacity < no_object, "1 to 254 tracks");
+
+ public:
+  static constexpr std::size_t capacity = Capacity;
+  static constexpr std::uint8_t no_trial = 0, trials = 5;
+  struct Memory {
+    std::array<Track<T>, Capacity> tracks{};
+    Xyz<T> bias{T(0), T(0), T(0)};    ///< from where things are seen to where they are [m]
+    Xyz<T> failed{T(0), T(0), T(0)};  ///< where a take failed last [m]
+    T successes = T(0);               ///< s
+    T failures = T(0);                ///< f
+    Nanoseconds time{};               ///< of the newest picture
+    std::uint8_t trial = no_trial;    ///< number of the try of the search for the bias; 0: it does not search
+    std::uint8_t places =
+        0;  ///< places that failed, with fewer successes than `takes` of the settings in between
+    std::uint8_t since = 0;     ///< takes that succeeded since such a place failed
+    std::uint8_t takes = 0;     ///< that succeeded since the bias changed, at most `takes` of the settings
+    std::uint8_t searches = 0;  ///< rounds of tries beside
+    bool asks = false, started = false;  ///< a person shall look at camera and hand; a picture was seen
+  };
+
+  /// Throws `ConfigurationError` for a number out of its range.
+  SKINCTL_COLD explicit Tracks(const TrackSettings<T>& s = {}) : s_(s) {
+    const auto within = [](const T& value, const char* name, double low, double high, const char* range) {
+      const auto x = static_cast<double>(value);
+      require(x > low && x <= high, name, x, range);
+    };
+    within(s.wander, "Tracks: wander", 0, 10, "> 0, <= 10 m/sqrt(s)");
+    within(s.max_deviations, "Tracks: max_deviations", 0.999, 100, "1 to 100 deviations");
+    within(s.seen_if_not, "Tracks: seen_if_not", 0, 0.99, "> 0, <= 0.99");
+    within(s.seen_if_there, "Tracks: seen_if_there", static_cast<double>(s.seen_if_not), 0.9999,
+           "> seen_if_not, <= 0.9999");
+    within(s.things, "Tracks: things", 1e-6, 0.4, "> 1e-6, <= 0.4");
+    require(s.doubted >= 0ns && s.doubted <= 9s, "Tracks: doubted", milliseconds(s.doubted), "0 to 9e3 ms");
+    within(s.taken, "Tracks: taken", 0, 1e6, "> 0, <= 1e6 takes");
+    within(s.failed, "Tracks: failed", 0, 1e6, "> 0, <= 1e6 takes");
+    for (const T& x : {s.moved, s.beside}) within(x, "Tracks: moved, beside", 0, 10, "> 0, <= 10 m");
+    require(s.places >= 1 && s.takes >= 1, "Tracks: places, takes", s.places, "1 to 255");
+    using std::log;
+    cap_ = log((T(1) - s.things) / s.things);
+    hit_ = log(s.seen_if_there / s.seen_if_not);
+    miss_ = log((T(1) - s.seen_if_there) / (T(1) - s.seen_if_not));
+  }
+
+  /// Takes a picture of the instant `time`. `shows(p_W)`: whether it would show a thing there; what is hidden
+  /// or out of it says nothing. One not later than the last (`time_backwards`) changes nothing; detections
+  /// that are no numbers (`sample_not_finite`), or beyond `Capacity` (`sample_out_of_range`), are left out.
+  template <class Shows>
+  Status see(Memory& m, Nanoseconds time, std::span<const ClassDetection<T>> seen,
+             const Shows& shows) const noexcept {
+    if (!detail::is_plausible(time)) return Reason::sample_not_finite;
+    if (m.started && time <= m.time) return Reason::time_backwards;
+    const T dt = m.started ? seconds<T>(time - m.time) : T(0);
+    m.time = time, m.started = true;
+    using std::sqrt;
+    for (Track<T>& t : m.tracks) t.sigma = sqrt(t.sigma * t.sigma + s_.wander * s_.wander * dt);
+    Status out = seen.size() > Capacity ? Status(Reason::sample_out_of_range) : Status{};
+    const std::size_t count = seen.size() < Capacity ? seen.size() : Capacity;
+    Matched done;
+    for (std::size_t i = 0; i < count; ++i)
+      if (!is_detection(seen[i])) done.detections[i] = true, out = Reason::sample_not_finite;
+    for (Pair next; (next = nearest(m, seen.first(count), done)).track < Capacity;) {
+      done.detections[next.detection] = done.tracks[next.track] = true;
+      update(m.tracks[next.track], seen[next.detection], time);
+    }
+    for (std::size_t k = 0; k < Capacity; ++k)
+      if (m.tracks[k].kind != 0 && !done.tracks[k] && shows(m.tracks[k].p)) miss(m.tracks[k], time);
+    for (std::size_t i = 0; i < count; ++i)
+      if (!done.detections[i]) begin(m, seen[i], time);
+    return out;
+  }
+  /// Of the tracks that `fits(track)` and that are believed (above 0) the most believed one, of these that at
+  /// which fewest takes failed, of these that of the least `cost(track)`; `no_object`: there is none.
+  template <class Fits, class Cost>
+  [[nodiscard]] std::uint8_t choose(const Memory& m, const Fits& fits, const Cost& cost) const noexcept {
+    std::uint8_t best = no_object;
+    T least{};
+    for (std::size_t k = 0; k < Capacity; ++k) {
+      const Track<T>& t = m.tracks[k];
+      if (t.kind == 0 || !(belief(m, t) > T(0)) || !fits(t)) continue;
+      const T c = cost(t);
+      if (const Track<T>& b = m.tracks[best < Capacity ? best : k]; best < Capacity) {
+        const T more = m.trial == no_trial ? belief(m, t) - belief(m, b) : T(0);
+        if (more != T(0) ? more < T(0) : t.fails != b.fails ? t.fails > b.fails : !(c < least)) continue;
+      }
+      best = static_cast<std::uint8_t>(k), least = c;
+    }
+    return best;
+  }
+  /// Log odds that a thing is there.
+  [[nodiscard]] static T belief(const Memory& m, const Track<T>& t) noexcept {
+    return m.trial == no_trial ? t.sight + t.touch : t.sight;
+  }
+  /// Whether something is seen there that hands have not found.
+  [[nodiscard]] static bool is_doubted(const Memory& m, const Track<T>& t) noexcept {
+    return t.kind != 0 && t.sight > T(0) && !(belief(m, t) > T(0));
+  }
+  /// Where a hand goes for what is seen at `p`: by the bias, and the try that is due.
+  [[nodiscard]] Xyz<T> aim(const Memory& m, const Xyz<T>& p_W) const noexcept {
+    return p_W + m.bias + tried(m.trial);
+  }
+  /// The take of a track succeeded: what was there is in the hand.
+  void took(Memory& m, std::uint8_t track) const noexcept {
+    if (track >= Capacity || m.tracks[track].kind == 0) return;
+    m.tracks[track] = {};
+    m.successes += T(1);
+    if (m.takes < s_.takes) ++m.takes;
+    if (++m.since >= s_.takes) m.since = m.places = 0;
+    if (m.trial == no_trial) return;
+    m.bias = m.bias + tried(m.trial);
+    if (m.trial > 1) m.takes = 1, give_back(m);
+    m.trial = no_trial, m.places = m.since = 0;
+  }
+  /// The take of a track failed: a hand there has nothing. `fits(track)`: this hand could take that one.
+  template <class Fits>
+  void failed(Memory& m, std::uint8_t track, const Fits& fits) const noexcept {
+    if (track >= Capacity || m.tracks[track].kind == 0) return;
+    Track<T>& t = m.tracks[track];
+    const bool elsewhere = m.places == 0 || !is_at(t, m.failed);
+    if (t.fails < 255) ++t.fails;
+    t.touched = m.failed = t.p;
+    if (m.trial != no_trial) return try_next(m);
+    using std::exp, std::log;
+    // Takes fail at one place for one reason: that hands are good does not make a single failure tell more.
+    const T rate = (s_.failed + m.failures) / (s_.taken + s_.failed + m.failures + m.successes);
+    const T least = s_.failed / (s_.taken + s_.failed);
+    t.touch += log(rate > least ? rate : least);
+    m.failures += T(1) / (T(1) + exp(-t.sight - t.touch));
+    if (!elsewhere || m.searches == max_searches) return;
+    m.since = 0;
+    if (++m.places < s_.places) return;
+    bool fresh = m.takes < s_.takes;  // where takes succeeded, only a place that is still to try can tell
+    for (const Track<T>& other : m.tracks)
+      fresh = fresh || (other.kind != 0 && other.fails == 0 && other.sight > T(0) && fits(other));
+    if (fresh) m.trial = 1;
+  }
+  /// A person has looked: it does not ask that again.
+  void answered(Memory& m) const noexcept { m.asks = false, m.searches = max_searches; }
+
+ private:
+  static constexpr std::uint8_t max_searches = 2;  ///< a right try fails by chance, or at a ghost
+  static constexpr std::uint8_t max_votes = 20;    ///< no class is wrong in 20 detections in a row
+  struct Pair {
+    std::size_t track = Capacity, detection = 0;
+  };
+  struct Matched {
+    std::array<bool, Capacity> tracks{}, detections{};
+  };
+  [[nodiscard]] bool is_at(const Track<T>& t, const Xyz<T>& p) const noexcept {
+    return dot(t.p - p, t.p - p) <= s_.moved * s_.moved;
+  }
+  /// All tries failed: once more, without the first; then it asks.
+  static void try_next(Memory& m) noexcept {
+    if (++m.trial == 2) ++m.searches;
+    if (m.trial <= trials) return;
+    m.asks = m.searches == max_searches;
+    m.trial = m.asks ? no_trial : std::uint8_t(2), m.searches = max_searches;
+    if (m.asks) m.places = m.since = 0, give_back(m);
+  }
+  static void give_back(Memory& m) noexcept {
+    for (Track<T>& t : m.tracks) t.touch = T(0), t.fails = 0;
+  }
+  /// Along +x, -x, +y, -y, from the second try on.
+  [[nodiscard]] Xyz<T> tried(std::uint8_t trial) const noexcept {
+    const T a = trial % 2 == 0 ? s_.beside : -s_.beside;
+    if (trial < 2 || trial > trials) return {T(0), T(0), T(0)};
+    return trial < 4 ? Xyz<T>{a, T(0), T(0)} : Xyz<T>{T(0), a, T(0)};
+  }
+  [[nodiscard]] static bool is_detection(const ClassDetection<T>& d) noexcept {
+    return d.kind != 0 && dot(d.p_W, d.p_W) <= T(1e12) && d.sigma >= T(1e-6) && d.sigma <= T(100);
+  }
+  /// The nearest detection and track that have none yet, of all pairs within the association's radius.
+  [[nodiscard]] Pair nearest(const Memory& m, std::span<const ClassDetection<T>> seen,
+                             const Matched& done) const noexcept {
+    Pair best;
+    T least{};
+    for (std::size_t k = 0; k < Capacity; ++k) {
+      const Track<T>& t = m.tracks[k];
+      if (t.kind == 0 || done.tracks[k]) continue;
+      for (std::size_t i = 0; i < seen.size(); ++i) {
+        if (done.detections[i]) continue;
+        const Xyz<T> off = seen[i].p_W - t.p;
+        const T square = dot(off, off), n = s_.max_deviations;
+        if (square > n * n * (t.sigma * t.sigma + seen[i].sigma * seen[i].sigma)) continue;
+        if (best.track == Capacity || square < least) best = {k, i}, least = square;
+      }
+    }
+    return best;
+  }
+  void update(Track<T>& t, const ClassDetection<T>& d, Nanoseconds time) const noexcept {
+    using std::sqrt;
+    const T older = t.sigma * t.sigma, theirs = d.sigma * d.sigma, share = older / (older + theirs);
+    t.p = t.p + share * Xyz<T>(d.p_W - t.p);
+    t.sigma = sqrt(share * theirs);
+    t.sight = detail::smaller(T(t.sight + hit_), cap_);
+    t.seen = time;
+    if (t.votes == 0) t.kind = d.kind;
+    if (d.kind != t.kind)
+      --t.votes;
+    else if (t.votes < max_votes)
+      ++t.votes;
+    if (t.fails > 0 && !is_at(t, t.touched)) t.touch = T(0), t.fails = 0;
+  }
+  void miss(Track<T>& t, Nanoseconds time) const noexcept {
+    t.sight += miss_;
+    if (t.sight >= -cap_) return;
+    t.sight = -cap_;
+    if (t.fails == 0 || time - t.seen > s_.doubted) t = {};
+  }
+  /// A new track, in a free place or in that of the least believed one that was not seen now.
+  void begin(Memory& m, const ClassDetection<T>& d, Nanoseconds time) const noexcept {
+    Track<T>* place = nullptr;
+    T least = hit_ - cap_;
+    for (Track<T>& t : m.tracks) {
+      const T sight = t.kind == 0 ? T(-2) * cap_ : t.seen < time ? t.sight : cap_;
+      if (sight <= least) place = &t, least = sight;
+    }
+    if (place == nullptr) return;
+    *place = {.p = d.p_W, .sigma = d.sigma, .sight = hit_ - cap_, .seen = time, .kind = d.kind, .votes = 1};
+  }
+  TrackSettings<T> s_;
+  T cap_{}, hit_{}, miss_{};
+};
+
+SKINCTL_END_NAMESPACE
