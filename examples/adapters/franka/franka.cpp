@@ -1,0 +1,190 @@
+#include "examples/adapters/franka/franka.hpp"
+
+#include <cmath>
+
+#include "skinctl/core/contract.hpp"
+
+namespace adapters::franka {
+namespace {
+
+/// What a robot says that does not begin to move.
+const char* refusal(std::uint8_t status) noexcept {
+  switch (status) {
+    case moved::not_possible:
+      return "it does not begin to move: is FCI activated, are its brakes open, and has no error ended a "
+             "motion before?";
+    case moved::invalid:
+      return "it does not take such a motion";
+    case moved::by_emergency:
+      return "its user stop is pressed";
+    case moved::by_reflex:
+      return "a reflex ended the motion before it began";
+    default:
+      return "it does not begin to move";
+  }
+}
+/// Kind of an error that ended a motion.
+ClockFault kind_of(std::size_t error) noexcept {
+  switch (static_cast<Error>(error)) {
+    case Error::communication:
+      return ClockFault::late;
+    case Error::position_limits:
+    case Error::velocity:
+    case Error::start_pose:
+    case Error::position_range:
+    case Error::velocity_limits:
+    case Error::velocity_step:
+    case Error::acceleration_step:
+    case Error::torque_step:
+    case Error::torque_range:
+      return ClockFault::limit;
+    default:
+      return ClockFault::stopped;
+  }
+}
+
+}  // namespace
+
+Franka::Franka(const Options& options) : options_(options), stream_(std::make_unique<Stream>()) {
+  skinctl::require(options.stiffness > 0 && options.stiffness <= 14250, "stiffness of an FR3's joints",
+                   options.stiffness, "> 0, <= 14250 N m/rad");
+  skinctl::require(options.collision_torque > 0, "collision torque", options.collision_torque, "> 0 N m");
+  skinctl::require(options.collision_force > 0, "collision force", options.collision_force, "> 0 N");
+}
+
+/// The first byte of the answer to a request: answers to others are passed over.
+std::uint8_t Franka::answer_to(std::uint32_t number, Function function, can::Deadline deadline) {
+  for (;;) {
+    Message m;
+    while (inbox_.next(m)) {
+      if (m.number != number || m.function != function || m.payload.empty()) continue;
+      if (function == Function::connect && m.payload.size() >= 3)
+        other_version_ = static_cast<std::uint16_t>(m.payload[1] | m.payload[2] << 8);
+      return m.payload[0];
+    }
+    std::size_t count = 0;
+    const Read got =
+        inbox_.broken() ? Read::closed : stream_->read_some(inbox_.room(), count, left_until(deadline));
+    if (got != Read::some)
+      throw ConnectionError("the robot at " + place() +
+                            (got == Read::closed ? " hung up" : " does not answer"));
+    inbox_.took(count);
+  }
+}
+
+std::uint8_t Franka::ask(Function function, std::span<const std::uint8_t> payload, can::Deadline deadline) {
+  std::array<std::uint8_t, 512> bytes;
+  const auto size = print(Message{function, requests_, payload}, bytes);
+  if (size == 0 || !stream_->write({bytes.data(), size}, left_until(deadline)))
+    throw ConnectionError("the robot at " + place() + " hung up");
+  return answer_to(requests_++, function, deadline);
+}
+
+void Franka::set(Function function, std::span<const double> numbers, const char* what,
+                 can::Deadline deadline) {
+  std::array<std::uint8_t, 512> bytes;
+  const auto size = print(numbers, bytes);
+  const auto status = ask(function, {bytes.data(), size}, deadline);
+  if (status == invalid) skinctl::refuse(std::string("the robot refuses the ") + what);
+  if (status != success)
+    throw ConnectionError(std::string("the robot does not take the ") + what +
+                          " now: " + refusal(moved::not_possible));
+}
+
+void Franka::open(can::Deadline deadline) {
+  moves_ = false;
+  why_ = "";
+  inbox_ = {};
+  requests_ = late_ = 0;
+  success_ = 1;
+  stream_->connect(options_.host, options_.port, "the robot", left_until(deadline));
+  socket_ = UdpSocket::at(stream_->local_address(), 0, stream_->remote_address().to_string());
+
+  std::array<std::uint8_t, 64> bytes;
+  auto size = print(Connect{version, socket_.port()}, bytes);
+  if (ask(Function::connect, {bytes.data(), size}, deadline) != success)
+    skinctl::refuse("the robot speaks version " + std::to_string(other_version_) + " of FCI, not " +
+                    std::to_string(version));
+  if (options_.recover && ask(Function::recover, {}, deadline) != success)
+    throw ConnectionError("the robot does not recover by itself: see Desk");
+
+  SevenJoints stiffness;
+  stiffness.fill(options_.stiffness);
+  set(Function::set_joint_impedance, stiffness, "stiffness", deadline);
+  // Lower and upper thresholds of torques, while it accelerates and else; then of forces and moments.
+  std::array<double, 4 * joints + 4 * 6> thresholds;
+  thresholds.fill(options_.collision_torque);
+  std::fill(thresholds.begin() + 4 * joints, thresholds.end(), options_.collision_force);
+  set(Function::set_collision_behavior, thresholds, "thresholds of collisions", deadline);
+
+  size = print(Move{Control::joint_impedance, Generator::position}, bytes);
+  const auto status = ask(Function::move, {bytes.data(), size}, deadline);
+  if (status != moved::started) throw ConnectionError("the robot at " + place() + ": " + refusal(status));
+}
+
+ClockFault Franka::ended(const State& s) noexcept {
+  if (s.mode == Mode::user_stopped) return why_ = "its user stop is pressed", ClockFault::stopped;
+  const Errors errors = s.errors.any() ? s.errors : s.reasons;
+  for (std::size_t k = 0; k < error_count; ++k)
+    if (errors[k]) return why_ = name(k), kind_of(k);
+  return why_ = "it ended the motion", ClockFault::stopped;
+}
+
+ClockFault Franka::read(std::span<const std::uint8_t> bytes, ClockedStateOf<joints>& state) noexcept {
+  State s;
+  why_ = "";
+  if (!parse(bytes, s)) return ClockFault::nonsense;
+  const bool runs =
+      s.mode == Mode::move && s.generator == Generator::position && s.control == Control::joint_impedance;
+  // Those of before the motion may still be under way.
+  if (!runs &&
+      (s.mode == Mode::reflex || s.mode == Mode::user_stopped || (moves_ && s.number > newest_.number)))
+    return ended(s);
+  moves_ = moves_ || runs;
+  // Of the last 100 commands; those of before are no loss of this motion.
+  const auto lost = std::lround(100 * (success_ - s.success));
+  if (moves_ && lost > 0) late_ += static_cast<std::uint32_t>(lost);
+  success_ = s.success;
+  if (runs) newest_ = s;
+  state = {.number = s.number,
+           .q = s.q,
+           .told = s.told,
+           .late = late_,
+           .takes = runs,
+           .wrench = {},
+           .external = s.external};
+  if (!moves_) why_ = "it has not begun to move";
+  return ClockFault::none;
+}
+
+std::size_t Franka::answer(std::uint64_t number, const SevenJoints& q, bool last,
+                           std::span<std::uint8_t> out) noexcept {
+  target_ = q;
+  Command c;
+  c.number = number;
+  c.q = q;
+  c.finished = last;
+  return print(c, out);
+}
+
+void Franka::close(can::Deadline deadline) noexcept {
+  std::array<std::uint8_t, 4096> bytes;
+  bool ended = !moves_;
+  while (!ended) {
+    std::size_t size = 0;
+    State s;
+    if (socket_.receive(bytes, size, deadline) != Read::some) break;
+    if (!parse({bytes.data(), size}, s)) continue;
+    ended = s.mode != Mode::move;
+    if (!ended) static_cast<void>(socket_.send({bytes.data(), answer(s.number, target_, true, bytes)}));
+  }
+  if (!ended) {
+    const auto size = print(Message{Function::stop_move, requests_++, {}}, bytes);
+    static_cast<void>(stream_->write({bytes.data(), size}, Timeout(20)));
+  }
+  stream_->close();
+  socket_.close();
+  moves_ = false;
+}
+
+}  // namespace adapters::franka
