@@ -96,7 +96,11 @@ void Franka::open(can::Deadline deadline) {
   why_ = "";
   inbox_ = {};
   requests_ = late_ = 0;
+  answered_ = 0;
   success_ = 1;
+  lost_ = false;
+  newest_ = {};
+  detour_ = {};
   stream_->connect(options_.host, options_.port, "the robot", left_until(deadline));
   socket_ = UdpSocket::at(stream_->local_address(), 0, stream_->remote_address().to_string());
 
@@ -143,7 +147,7 @@ ClockFault Franka::read(std::span<const std::uint8_t> bytes, ClockedStateOf<join
   moves_ = moves_ || runs;
   // Of the last 100 commands; those of before are no loss of this motion.
   const auto lost = std::lround(100 * (success_ - s.success));
-  if (moves_ && lost > 0) late_ += static_cast<std::uint32_t>(lost);
+  if (moves_ && lost > 0) late_ += static_cast<std::uint32_t>(lost), lost_ = answered_ != 0;
   success_ = s.success;
   if (runs) newest_ = s;
   state = {.number = s.number,
@@ -157,13 +161,42 @@ ClockFault Franka::read(std::span<const std::uint8_t> bytes, ClockedStateOf<join
   return ClockFault::none;
 }
 
+/// In a cycle without an answer the robot goes on at its acceleration, beside the plan; an answer that jumps
+/// back ends the motion. So the first three answers go on as well, and then the distance dies out, with
+/// velocity and acceleration as they were.
+SevenJoints Franka::back_to(std::uint64_t number, const SevenJoints& q) noexcept {
+  constexpr double dt = 1e-3, fading = 0.02;  // [s]
+  constexpr int all = 400;                    // answers, after which nothing is left of it
+  Detour& d = detour_;
+  if (lost_ || (answered_ != 0 && number > answered_ + 1))
+    d = {newest_.told, newest_.told_dq, newest_.told_ddq, {}, 0};
+  lost_ = false;
+  if (d.answers >= all) return q;
+  SevenJoints out = q;
+  const int k = d.answers++;
+  for (std::size_t i = 0; i < joints; ++i) {
+    if (k < 3) {
+      d.dq[i] += dt * d.ddq[i];
+      d.q[i] += dt * d.dq[i];
+      out[i] = d.q[i];
+      d.off[static_cast<std::size_t>(k)][i] = d.q[i] - q[i];
+      continue;
+    }
+    const double e = d.off[2][i], a = (e - 2 * d.off[1][i] + d.off[0][i]) / (dt * dt),
+                 v = (e - d.off[1][i]) / dt + 0.5 * dt * a, t = (k - 2) * dt;
+    const double c1 = v + e / fading, c2 = 0.5 * a + v / fading + 0.5 * e / (fading * fading);
+    out[i] += (e + t * (c1 + t * c2)) * std::exp(-t / fading);
+  }
+  return out;
+}
+
 std::size_t Franka::answer(std::uint64_t number, const SevenJoints& q, bool last,
                            std::span<std::uint8_t> out) noexcept {
-  target_ = q;
   Command c;
   c.number = number;
-  c.q = q;
+  c.q = sent_ = back_to(number, q);
   c.finished = last;
+  answered_ = number;
   return print(c, out);
 }
 
@@ -176,7 +209,9 @@ void Franka::close(can::Deadline deadline) noexcept {
     if (socket_.receive(bytes, size, deadline) != Read::some) break;
     if (!parse({bytes.data(), size}, s)) continue;
     ended = s.mode != Mode::move;
-    if (!ended) static_cast<void>(socket_.send({bytes.data(), answer(s.number, target_, true, bytes)}));
+    if (ended) break;
+    const auto count = print(Command{.number = s.number, .q = sent_, .finished = true}, bytes);
+    static_cast<void>(socket_.send({bytes.data(), count}));
   }
   if (!ended) {
     const auto size = print(Message{Function::stop_move, requests_++, {}}, bytes);

@@ -47,6 +47,7 @@ class Franka {
   void set(Function function, std::span<const double> numbers, const char* what, can::Deadline deadline);
   std::uint8_t answer_to(std::uint32_t number, Function function, can::Deadline deadline);
   ClockFault ended(const State& s) noexcept;
+  [[nodiscard]] SevenJoints back_to(std::uint64_t number, const SevenJoints& q) noexcept;
 
   Options options_;
   std::unique_ptr<Stream> stream_;  ///< moves with the protocol
@@ -55,9 +56,18 @@ class Franka {
   std::uint32_t requests_ = 0;
   std::uint16_t other_version_ = 0;
   State newest_;
-  SevenJoints target_{};  ///< of the last answer
+  SevenJoints sent_{};          ///< of the last answer
+  std::uint64_t answered_ = 0;  ///< number of the state that it answered; 0: none
   std::uint32_t late_ = 0;
   double success_ = 1;
+  bool lost_ = false;  ///< the robot has missed the last answer
+  /// Where the robot has gone by itself, and the answers since then.
+  struct Detour {
+    SevenJoints q{}, dq{}, ddq{};
+    std::array<SevenJoints, 3> off{};  ///< distance from the plan, in the cycles that still went by itself
+    int answers = 1 << 20;
+  };
+  Detour detour_;
   bool moves_ = false;  ///< the robot has followed
   const char* why_ = "";
 };
