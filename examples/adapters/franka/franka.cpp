@@ -1,5 +1,6 @@
 #include "examples/adapters/franka/franka.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "skinctl/core/contract.hpp"
@@ -98,9 +99,8 @@ void Franka::open(can::Deadline deadline) {
   requests_ = late_ = 0;
   answered_ = 0;
   success_ = 1;
-  lost_ = false;
+  in_a_row_ = 0;
   newest_ = {};
-  detour_ = {};
   stream_->connect(options_.host, options_.port, "the robot", left_until(deadline));
   socket_ = UdpSocket::at(stream_->local_address(), 0, stream_->remote_address().to_string());
 
@@ -147,9 +147,9 @@ ClockFault Franka::read(std::span<const std::uint8_t> bytes, ClockedStateOf<join
   moves_ = moves_ || runs;
   // Of the last 100 commands; those of before are no loss of this motion.
   const auto lost = std::lround(100 * (success_ - s.success));
-  if (moves_ && lost > 0) late_ += static_cast<std::uint32_t>(lost), lost_ = answered_ != 0;
+  if (moves_ && lost > 0) late_ += static_cast<std::uint32_t>(lost);
   success_ = s.success;
-  if (runs) newest_ = s;
+  if (runs && s.number > newest_.number) newest_ = s;
   state = {.number = s.number,
            .q = s.q,
            .told = s.told,
@@ -161,31 +161,26 @@ ClockFault Franka::read(std::span<const std::uint8_t> bytes, ClockedStateOf<join
   return ClockFault::none;
 }
 
-/// In a cycle without an answer the robot goes on at its acceleration, beside the plan; an answer that jumps
-/// back ends the motion. So the first three answers go on as well, and then the distance dies out, with
-/// velocity and acceleration as they were.
-SevenJoints Franka::back_to(std::uint64_t number, const SevenJoints& q) noexcept {
-  constexpr double dt = 1e-3, fading = 0.02;  // [s]
-  constexpr int all = 400;                    // answers, after which nothing is left of it
-  Detour& d = detour_;
-  if (lost_ || (answered_ != 0 && number > answered_ + 1))
-    d = {newest_.told, newest_.told_dq, newest_.told_ddq, {}, 0};
-  lost_ = false;
-  if (d.answers >= all) return q;
+/// In a cycle without an answer the robot goes on at its acceleration, beside the plan, and an answer that
+/// jumps back ends its motion: so a joint that stands beside is led back, critically damped, well within the
+/// limits of acceleration and jerk.
+SevenJoints Franka::towards(std::uint64_t number, const SevenJoints& q) noexcept {
+  constexpr double dt = 1e-3, settling = 0.01;       // [s]
+  constexpr double most = 9, step = 3, same = 1e-3;  // of acceleration, and from cycle to cycle [rad/s^2]
+  const State& s = newest_;
+  in_a_row_ = number == answered_ + 1 ? std::min(in_a_row_ + 1, 2) : 0;
   SevenJoints out = q;
-  const int k = d.answers++;
   for (std::size_t i = 0; i < joints; ++i) {
-    if (k < 3) {
-      d.dq[i] += dt * d.ddq[i];
-      d.q[i] += dt * d.dq[i];
-      out[i] = d.q[i];
-      d.off[static_cast<std::size_t>(k)][i] = d.q[i] - q[i];
-      continue;
-    }
-    const double e = d.off[2][i], a = (e - 2 * d.off[1][i] + d.off[0][i]) / (dt * dt),
-                 v = (e - d.off[1][i]) / dt + 0.5 * dt * a, t = (k - 2) * dt;
-    const double c1 = v + e / fading, c2 = 0.5 * a + v / fading + 0.5 * e / (fading * fading);
-    out[i] += (e + t * (c1 + t * c2)) * std::exp(-t / fading);
+    // After a gap nothing is known of the plan's motion but where it is.
+    const double dq = in_a_row_ > 0 ? (q[i] - plan_[i]) / dt : s.told_dq[i];
+    const double ddq = in_a_row_ > 1 ? (dq - plan_dq_[i]) / dt : s.told_ddq[i];
+    plan_[i] = q[i], plan_dq_[i] = dq;
+    const double straight = ((q[i] - s.told[i]) / dt - s.told_dq[i]) / dt;
+    if (std::abs(straight - ddq) <= same && std::abs(straight) <= most) continue;  // it stands in the plan
+    const double beside = q[i] - dt * dq - s.told[i], faster = dq - dt * ddq - s.told_dq[i];
+    const double wanted = ddq + 2 / settling * faster + beside / (settling * settling);
+    const double a = std::clamp(s.told_ddq[i] + std::clamp(wanted - s.told_ddq[i], -step, step), -most, most);
+    out[i] = s.told[i] + dt * (s.told_dq[i] + dt * a);
   }
   return out;
 }
@@ -194,7 +189,7 @@ std::size_t Franka::answer(std::uint64_t number, const SevenJoints& q, bool last
                            std::span<std::uint8_t> out) noexcept {
   Command c;
   c.number = number;
-  c.q = sent_ = back_to(number, q);
+  c.q = sent_ = towards(number, q);
   c.finished = last;
   answered_ = number;
   return print(c, out);

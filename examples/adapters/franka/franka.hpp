@@ -47,7 +47,7 @@ class Franka {
   void set(Function function, std::span<const double> numbers, const char* what, can::Deadline deadline);
   std::uint8_t answer_to(std::uint32_t number, Function function, can::Deadline deadline);
   ClockFault ended(const State& s) noexcept;
-  [[nodiscard]] SevenJoints back_to(std::uint64_t number, const SevenJoints& q) noexcept;
+  [[nodiscard]] SevenJoints towards(std::uint64_t number, const SevenJoints& q) noexcept;
 
   Options options_;
   std::unique_ptr<Stream> stream_;  ///< moves with the protocol
@@ -60,14 +60,9 @@ class Franka {
   std::uint64_t answered_ = 0;  ///< number of the state that it answered; 0: none
   std::uint32_t late_ = 0;
   double success_ = 1;
-  bool lost_ = false;  ///< the robot has missed the last answer
-  /// Where the robot has gone by itself, and the answers since then.
-  struct Detour {
-    SevenJoints q{}, dq{}, ddq{};
-    std::array<SevenJoints, 3> off{};  ///< distance from the plan, in the cycles that still went by itself
-    int answers = 1 << 20;
-  };
-  Detour detour_;
+  /// The plan of the last answer, and how many cycles before it had one each, without a gap.
+  SevenJoints plan_{}, plan_dq_{};
+  int in_a_row_ = 0;
   bool moves_ = false;  ///< the robot has followed
   const char* why_ = "";
 };

@@ -28,10 +28,11 @@ TEST_CASE("Faults of controller and link: words, exit code, time to rest") {
     CHECK(ran.log.reason.find(row.reason) != std::string::npos);
     if (row.expected != Exit::fine && ran.log.last.time > 0) CHECK(rest_of(ran.log) < 1);
     std::printf("| %s | %s | %d | %s | %.0f |\n",
-                row.robot == Robot::rsi   ? "RSI"
-                : row.robot == Robot::egm ? "EGM"
-                : row.robot == Robot::fri ? "FRI"
-                                          : "stream motion",
+                row.robot == Robot::rsi      ? "RSI"
+                : row.robot == Robot::egm    ? "EGM"
+                : row.robot == Robot::fri    ? "FRI"
+                : row.robot == Robot::franka ? "FCI"
+                                             : "stream motion",
                 row.name, examples::job::code(ran.exit), ran.log.reason.c_str(), 1e3 * rest_of(ran.log));
   }
 }
