@@ -176,7 +176,8 @@ SevenJoints Franka::towards(std::uint64_t number, const SevenJoints& q) noexcept
     const double ddq = in_a_row_ > 1 ? (dq - plan_dq_[i]) / dt : s.told_ddq[i];
     plan_[i] = q[i], plan_dq_[i] = dq;
     const double straight = ((q[i] - s.told[i]) / dt - s.told_dq[i]) / dt;
-    if (std::abs(straight - ddq) <= same && std::abs(straight) <= most) continue;  // it stands in the plan
+    const bool smooth = std::abs(straight) <= most && std::abs(straight - s.told_ddq[i]) <= step;
+    if (smooth && std::abs(straight - ddq) <= same) continue;  // it stands in the plan
     const double beside = q[i] - dt * dq - s.told[i], faster = dq - dt * ddq - s.told_dq[i];
     const double wanted = ddq + 2 / settling * faster + beside / (settling * settling);
     const double a = std::clamp(s.told_ddq[i] + std::clamp(wanted - s.told_ddq[i], -step, step), -most, most);
