@@ -51,6 +51,7 @@ int run(int argc, char** argv) {
   std::string protocol = "rsi";
   std::uint16_t port = 0;
   double seconds = 1e9;
+  std::vector<double> push;
   bool simulate = false, quiet = false;
   Config config;
   RsiConfig rsi;
@@ -73,6 +74,8 @@ int run(int argc, char** argv) {
   app.add_option("--send-period", fri.send_period, "FRI: [ms]")->check(CLI::Range(1u, 100u));
   app.add_option("--stiffness", fri.arm.stiffness, "FRI: of each joint [N m/rad]")
       ->check(CLI::Range(50.0, 5000.0));
+  app.add_option("--push", push, "time [s] and force at the flange, along its axes [N]; lasts 1 s")
+      ->expected(4);
   app.add_option("--duration", seconds, "[s]")->check(CLI::Range(0.1, 1e9));
   app.add_flag("--quiet", quiet, "errors only");
   try {
@@ -80,6 +83,8 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
   }
+  if (!push.empty())
+    config.pushes = {{.start = push[0], .duration = 1, .force = {push[1], push[2], push[3]}}};
   const bool waits = protocol == "stream_motion" || protocol == "franka";
   if (port == 0)
     port = protocol == "stream_motion" ? 60015

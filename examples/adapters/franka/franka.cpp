@@ -8,6 +8,8 @@
 namespace adapters::franka {
 namespace {
 
+constexpr double at_rest = 5e-3;  // of what a joint is told; half of the step that an FR3 takes [rad/s]
+
 /// What a robot says that does not begin to move.
 const char* refusal(std::uint8_t status) noexcept {
   switch (status) {
@@ -145,11 +147,13 @@ ClockFault Franka::read(std::span<const std::uint8_t> bytes, ClockedStateOf<join
       (s.mode == Mode::reflex || s.mode == Mode::user_stopped || (moves_ && s.number > newest_.number)))
     return ended(s);
   moves_ = moves_ || runs;
-  // Of the last 100 commands; those of before are no loss of this motion.
-  const auto lost = std::lround(100 * (success_ - s.success));
-  if (moves_ && lost > 0) late_ += static_cast<std::uint32_t>(lost);
-  success_ = s.success;
-  if (runs && s.number > newest_.number) newest_ = s;
+  // Of the last 100 commands; those of before are no loss of this motion. One that was overtaken tells nothing.
+  if (s.number > newest_.number) {
+    const auto lost = std::lround(100 * (success_ - s.success));
+    if (moves_ && lost > 0) late_ += static_cast<std::uint32_t>(lost);
+    success_ = s.success;
+    newest_ = s;
+  }
   state = {.number = s.number,
            .q = s.q,
            .told = s.told,
@@ -190,24 +194,26 @@ std::size_t Franka::answer(std::uint64_t number, const SevenJoints& q, bool last
                            std::span<std::uint8_t> out) noexcept {
   Command c;
   c.number = number;
-  c.q = sent_ = towards(number, q);
-  c.finished = last;
+  c.q = towards(number, q);
+  // A robot that is told to be fast is not told that it is at rest: `close` goes on.
+  c.finished = last && std::all_of(newest_.told_dq.begin(), newest_.told_dq.end(),
+                                   [](double v) { return std::abs(v) < at_rest; });
   answered_ = number;
   return print(c, out);
 }
 
 void Franka::close(can::Deadline deadline) noexcept {
   std::array<std::uint8_t, 4096> bytes;
-  bool ended = !moves_;
+  bool ended = !moves_ || answered_ == 0;
   while (!ended) {
     std::size_t size = 0;
     State s;
     if (socket_.receive(bytes, size, deadline) != Read::some) break;
     if (!parse({bytes.data(), size}, s)) continue;
     ended = s.mode != Mode::move;
-    if (ended) break;
-    const auto count = print(Command{.number = s.number, .q = sent_, .finished = true}, bytes);
-    static_cast<void>(socket_.send({bytes.data(), count}));
+    if (ended || s.number <= newest_.number) continue;
+    newest_ = s;
+    static_cast<void>(socket_.send({bytes.data(), answer(s.number, SevenJoints(plan_), true, bytes)}));
   }
   if (!ended) {
     const auto size = print(Message{Function::stop_move, requests_++, {}}, bytes);

@@ -56,8 +56,7 @@ class Franka {
   std::uint32_t requests_ = 0;
   std::uint16_t other_version_ = 0;
   State newest_;
-  SevenJoints sent_{};          ///< of the last answer
-  std::uint64_t answered_ = 0;  ///< number of the state that it answered; 0: none
+  std::uint64_t answered_ = 0;  ///< number of the state that the last answer was for; 0: none
   std::uint32_t late_ = 0;
   double success_ = 1;
   /// The plan of the last answer, and how many cycles before it had one each, without a gap.
