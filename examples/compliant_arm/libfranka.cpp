@@ -23,7 +23,7 @@ auto torque_scene(const Model<7>& model, const Settings& s, const JointLimits<7>
                              {.limits = limits,
                               .period = 1ms,
                               .delay = 2ms,
-                              .viscous_friction = JointTorque<7>{20, 20, 20, 20, 4, 4, 2}},
+                              .viscous_friction = JointTorque<7>{30, 30, 30, 30, 1, 1, 0.3}},
                              RobotCompensatesFriction{});
   const RobotTouch<Model<7>> touch(
       model, {.observer = {}, .gates = same_gate(model, EventGate<>::dead_band(s.torque_threshold))});
@@ -43,25 +43,29 @@ Exit go(Driver& driver, const Scene& scene, const Settings& s, const std::atomic
   NoCells no_cells;
   Nanoseconds first{};
   JointPosition<7> home;
-  double moved = 0, felt = 0;
+  std::array<double, 7> moved{};
+  double felt = 0;
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory&) {
-    if (first == 0ns) first = input.now, home = input.measured.q;
-    if constexpr (!Driver::by_torque) input.goal = {home, 1s};
+    if (first == 0ns) {
+      first = input.now, home = input.measured.q;
+      if constexpr (!Driver::by_torque) input.goal = {driver.told(), 1s};
+    }
     return seconds<double>(input.now - first) < s.duration;
   };
   const auto after = [&](const typename Scene::Input& input, const typename Scene::Output&,
                          const Stopwatch&) {
     for (std::size_t i = 0; i < 7; ++i) {
-      moved = std::max(moved, std::abs(input.measured.q[i] - home[i]));
+      moved[i] = std::max(moved[i], std::abs(input.measured.q[i] - home[i]));
       felt = std::max(felt, std::abs(driver.motor_torque()[i]));
     }
   };
   driver.start();
   const auto report = run_loop(scene, *memory, driver, no_cells, loop, before, after);
-  std::printf(
-      "%llu cycles, %llu states passed over; %.1f N m felt at most, joints moved by %.0f mrad at most\n",
-      static_cast<unsigned long long>(report.cycles), static_cast<unsigned long long>(report.lost_packets),
-      felt, 1e3 * moved);
+  std::printf("%llu cycles, %llu states passed over; %.1f N m felt at most, joints moved by at most [mrad]",
+              static_cast<unsigned long long>(report.cycles),
+              static_cast<unsigned long long>(report.lost_packets), felt);
+  for (const double m : moved) std::printf(" %.0f", 1e3 * m);
+  std::printf("\n");
   if (*driver.error() != 0) std::fprintf(stderr, "compliant_fr3: %s\n", driver.error());
   if (*driver.error() != 0) return Exit::halted;
   return report.ended == LoopEnd::interrupted ? Exit::interrupted : Exit::fine;
