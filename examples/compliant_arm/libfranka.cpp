@@ -24,10 +24,10 @@ auto torque_scene(const Model<7>& model, const Settings& s, const JointLimits<7>
                               .period = 1ms,
                               .delay = 2ms,
                               .viscous_friction = JointTorque<7>{30, 30, 30, 30, 1, 1, 0.3}},
-                             RobotCompensatesFriction{});
+                             RobotCompensatesFriction{}, RobotHoldsGravity{});
   const RobotTouch<Model<7>> touch(
       model, {.observer = {}, .gates = same_gate(model, EventGate<>::dead_band(s.torque_threshold))});
-  return Cycle(arm, touch, SkinJointControl{} + GravityControl{});
+  return Cycle(arm, touch, SkinJointControl{});
 }
 
 struct NoCells {
