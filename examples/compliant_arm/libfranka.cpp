@@ -23,7 +23,7 @@ auto torque_scene(const Model<7>& model, const Settings& s, const JointLimits<7>
                              {.limits = limits,
                               .period = 1ms,
                               .delay = 2ms,
-                              .viscous_friction = JointTorque<7>{30, 30, 30, 30, 1, 1, 0.3}},
+                              .viscous_friction = JointTorque<7>{30, 30, 30, 30, 3, 3, 0.3}},
                              RobotCompensatesFriction{}, RobotHoldsGravity{});
   const RobotTouch<Model<7>> touch(
       model, {.observer = {}, .gates = same_gate(model, EventGate<>::dead_band(s.torque_threshold))});
