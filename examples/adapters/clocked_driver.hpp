@@ -115,7 +115,7 @@ class ClockedDriver {
   std::size_t unsent_count_ = 0;
   std::array<Joints, 3> sent_{};  ///< the last answers, the newest first
   skinctl::WrenchSample sample_;
-  std::array<std::uint8_t, 2048> buffer_{};
+  std::array<std::uint8_t, 4096> buffer_{};
   std::array<char, 256> error_{};
   Clock::time_point heard_at_{};
   std::uint64_t unit_ = 1, answered_ = 0;  ///< number from one cycle to the next; of the last answer

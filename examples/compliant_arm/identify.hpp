@@ -103,6 +103,7 @@ Found identify_on(Driver& driver, const Model<Driver::joints>& model, const Sett
         springs[i].add((*driver.newest().external)[i], state.q[i] - home[i]);
     }
   }
+  driver.stop();  // nobody answers while it computes
   if (stop) return found;
   if (driver.newest().external) take_off_springs(model, s, log);
   const auto response = identify_response(model, log);

@@ -1,5 +1,5 @@
 // compliant_arm: an arm whose controller is the clock gives way at its tool. Stiff by position: KUKA by RSI,
-// ABB by EGM, FANUC by stream motion. On springs, by joint impedance: KUKA's iiwa by FRI.
+// ABB by EGM, FANUC by stream motion. On springs, by joint impedance: KUKA's iiwa by FRI, Franka's FR3 by FCI.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
@@ -64,8 +64,10 @@ int run(int argc, char** argv) {
   Settings s;
   CLI::App app{
       "An arm gives way to pushes on its tool and comes back: a stiff industrial arm by position, felt by a "
-      "sensor in its wrist, or an iiwa by joint impedance, felt by its joints. The controller is the clock: "
-      "KUKA's RSI, ABB's EGM, KUKA's FRI, FANUC's stream motion. Without an address it is simulated."};
+      "sensor in its wrist, or an iiwa or FR3 by joint impedance, felt by its joints. The controller is the "
+      "clock: KUKA's RSI, ABB's EGM, KUKA's FRI, Franka's FCI, FANUC's stream motion. Without an address it "
+      "is "
+      "simulated."};
   app.footer(examples::job::exit_help());
   std::string bind, host, from;
   std::uint16_t port = 0;
@@ -73,15 +75,17 @@ int run(int argc, char** argv) {
   double period = 4;
   std::optional<double> delay, lag;
   app.add_flag("--simulate", simulate, "a simulated controller in this process (the default)");
-  app.add_option("--robot", s.robot, "rsi, egm, fri or stream_motion")
+  app.add_option("--robot", s.robot, "rsi, egm, fri, franka or stream_motion")
       ->transform(
           CLI::CheckedTransformer(std::map<std::string, Robot>{{"rsi", Robot::rsi},
                                                                {"egm", Robot::egm},
                                                                {"fri", Robot::fri},
+                                                               {"franka", Robot::franka},
                                                                {"stream_motion", Robot::stream_motion}}));
   app.add_option("--bind", bind,
                  "RSI, EGM, FRI: this computer's address, as the controller's configuration says it");
-  app.add_option("--port", port, "RSI, EGM, FRI: port of that configuration (59152, 6510, 30200)");
+  app.add_option("--port", port,
+                 "RSI, EGM, FRI: port of that configuration (59152, 6510, 30200); FR3: of a simulation");
   app.add_option("--from", from, "RSI, EGM, FRI: the controller's address; others are not heard");
   app.add_option("--type", s.rsi.type, "RSI: SENTYPE of that configuration");
   app.add_option(
@@ -90,23 +94,31 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1.0, 100.0));
   app.add_flag(
       "--identify", s.identify,
-      "the arm moves by 0.1 rad for 15 s: delay and lag; FRI: then push it, and its stiffness shows");
+      "the arm moves by 0.1 rad for 15 s: delay and lag; FRI, FR3: then push it, and its stiffness shows");
   app.add_flag("--relative", relative, "RSI: corrections for RSI_ON(#RELATIVE)");
   app.add_option("--max-correction", s.rsi.max_correction, "RSI: of AXISCORR and AXISCORRMON [deg]");
   const auto* stiffness =
       app.add_option("--stiffness", s.stiffness,
-                     "FRI: of each joint's spring, as JointImpedanceControlMode has it [N m/rad]")
+                     "of each joint's spring [N m/rad]; FRI: as JointImpedanceControlMode has it; FR3: as it "
+                     "is set")
           ->check(CLI::Range(50.0, 5000.0));
-  app.add_option("--damping-ratio", s.damping_ratio, "FRI: of the same")->check(CLI::Range(0.1, 1.0));
+  app.add_option("--damping-ratio", s.damping_ratio, "FRI, FR3: of the same")->check(CLI::Range(0.1, 1.0));
   app.add_option("--overlay", s.fri.overlay,
                  "FRI: ClientCommandMode, position or torque (a period of 2 ms at most)")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, Overlay>{{"position", Overlay::position}, {"torque", Overlay::torque}}));
-  app.add_option("--torque-threshold", s.torque_threshold, "FRI: torque at a joint that is no touch [N m]")
+  app.add_option("--torque-threshold", s.torque_threshold,
+                 "FRI, FR3: torque at a joint that is no touch [N m]")
       ->check(CLI::Range(0.1, 100.0));
-  app.add_option("--host", host, "stream motion: the controller's address");
+  app.add_option("--host", host, "stream motion, FR3: the controller's address");
+  app.add_option("--collision-torque", s.franka.collision_torque,
+                 "FR3: torque of the world at a joint that ends the motion [N m]")
+      ->check(CLI::Range(1.0, 100.0));
+  app.add_option("--collision-force", s.franka.collision_force, "FR3: force at the flange that ends it [N]")
+      ->check(CLI::Range(1.0, 500.0));
+  app.add_flag("--recover", s.franka.recover, "FR3: clears the errors that ended a motion before");
   app.add_option("--urdf", s.urdf,
-                 "of an arm with six joints, the last of which carries the sensor; FRI: with seven");
+                 "of an arm with six joints, the last of which carries the sensor; FRI, FR3: with seven");
   app.add_option("--delay", delay, "of the arm [s]; identify_robot measures it")->check(CLI::Range(0.0, 0.5));
   app.add_option("--lag", lag, "of the arm [s]")->check(CLI::Range(0.0, 0.5));
   app.add_option("--share", s.speed_share, "of the robot's limits that is used")
@@ -124,16 +136,15 @@ int run(int argc, char** argv) {
   }
   s.simulate = bind.empty() && host.empty();
   if (simulate && !s.simulate) skinctl::refuse("--simulate and a real controller's address: one of them");
-  if (!bind.empty() && s.robot == Robot::stream_motion)
-    skinctl::refuse("--bind is for --robot rsi, egm and fri");
-  if (!host.empty() && s.robot != Robot::stream_motion)
-    skinctl::refuse("--host is for --robot stream_motion");
+  const bool has_host = s.robot == Robot::stream_motion || s.robot == Robot::franka;
+  if (!bind.empty() && has_host) skinctl::refuse("--bind is for --robot rsi, egm and fri");
+  if (!host.empty() && !has_host) skinctl::refuse("--host is for --robot stream_motion and franka");
   if (s.robot == Robot::fri && !s.simulate && stiffness->count() == 0)
     skinctl::refuse("--stiffness: an arm on springs needs the stiffness that its Java program sets");
   if (!bind.empty()) s.rsi.bind = s.egm.bind = s.fri.bind = bind;
-  if (port != 0) s.rsi.port = s.egm.port = s.fri.port = port;
+  if (port != 0) s.rsi.port = s.egm.port = s.fri.port = s.franka.port = port;
   s.rsi.from = s.egm.from = s.fri.from = from;
-  s.stream_motion.host = host;
+  s.stream_motion.host = s.franka.host = host;
   if (relative) s.rsi.correction = s.rsi_controller.correction = adapters::rsi::Correction::relative;
   s.rsi.period = s.egm.period = s.fri.period = skinctl::nanoseconds(1e-3 * period);
   s.rsi_controller.period = s.egm_controller.period = 1e-3 * period;
@@ -141,9 +152,9 @@ int run(int argc, char** argv) {
   s.fri_controller.send_period = static_cast<unsigned>(period);
   s.fri_controller.overlay = s.fri.overlay;
   s.fri_controller.arm.stiffness = s.stiffness;
-  s.fri_controller.arm.damping_ratio = s.damping_ratio;
+  s.fri_controller.arm.damping_ratio = s.franka_controller.arm.damping_ratio = s.damping_ratio;
   simulate_by_default(s);
-  if (s.identify && s.robot == Robot::fri) s.simulation.pushes = {{16, 4, {20, 20, 20}}};
+  if (s.identify && on_springs(s.robot)) s.simulation.pushes = {{16, 4, {20, 20, 20}}};
   s.delay = delay.value_or(s.delay);
   s.lag = lag.value_or(s.lag);
 

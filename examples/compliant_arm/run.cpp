@@ -241,6 +241,10 @@ void simulate_by_default(Settings& s) {
         s.fri_controller.arm.delay + 1.5 * 1e-3 * s.fri_controller.send_period * s.fri_controller.multiplier;
     s.lag = 0;
   }
+  if (s.robot == Robot::franka) {
+    s.delay = s.franka_controller.arm.delay + 1.5e-3;
+    s.lag = 0;
+  }
   if (s.robot == Robot::stream_motion) {
     s.stream_motion_controller.version = 4;
     s.simulation.delay = 0.04;
@@ -251,8 +255,10 @@ void simulate_by_default(Settings& s) {
 }
 
 Exit run(const Settings& s, const std::atomic<bool>& stop, RunLog& log) {
-  const bool springs = s.robot == Robot::fri;
-  const Urdf urdf = read_urdf(!s.urdf.empty() ? s.urdf : springs ? SIMULATED_ARM_IIWA : COMPLIANT_ARM_URDF);
+  const Urdf urdf = read_urdf(!s.urdf.empty()            ? s.urdf
+                              : s.robot == Robot::fri    ? SIMULATED_ARM_IIWA
+                              : s.robot == Robot::franka ? SIMULATED_ARM_FR3
+                                                         : COMPLIANT_ARM_URDF);
   const bool paced = !s.simulate || s.simulation.speed > 0;
   const adapters::ClockOptions options{.give_up = adapters::Timeout(paced ? 150 : 4000), .real_time = paced};
   if (paced) {
@@ -284,7 +290,18 @@ Exit run(const Settings& s, const std::atomic<bool>& stop, RunLog& log) {
       peer = egm_controller(s.simulation, s.egm_controller, "127.0.0.1", protocol.socket().port());
     ClockedDriver driver(std::move(protocol), options);
     with(driver);
-  } else if (springs) {
+  } else if (s.robot == Robot::franka) {
+    auto franka = s.franka;
+    franka.stiffness = s.stiffness;
+    std::unique_ptr<simulated_arm::SpringController> arm;
+    if (s.simulate) {
+      arm = franka_controller(calibrated_from<Chain<7>>(urdf), s.simulation, s.franka_controller, 0);
+      franka.host = "127.0.0.1", franka.port = arm->port();
+    }
+    ClockedDriver driver(adapters::franka::Franka(franka), options);
+    end = run_on<Springs>(driver, s, urdf, stop, log);
+    if (arm) ended(arm);
+  } else if (s.robot == Robot::fri) {
     auto fri = s.fri;
     if (s.simulate) fri.bind = "127.0.0.1", fri.port = 0;
     adapters::fri::Fri protocol(fri);

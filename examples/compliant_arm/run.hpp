@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "examples/adapters/egm/egm.hpp"
+#include "examples/adapters/franka/franka.hpp"
 #include "examples/adapters/fri/fri.hpp"
 #include "examples/adapters/rsi/rsi.hpp"
 #include "examples/adapters/stream_motion/stream_motion.hpp"
 #include "examples/simulated_arm/egm.hpp"
+#include "examples/simulated_arm/franka.hpp"
 #include "examples/simulated_arm/fri.hpp"
 #include "examples/simulated_arm/rsi.hpp"
 #include "examples/simulated_arm/stream_motion.hpp"
@@ -17,7 +19,11 @@
 
 namespace compliant_arm {
 
-enum class Robot : unsigned char { rsi, egm, fri, stream_motion };
+enum class Robot : unsigned char { rsi, egm, fri, stream_motion, franka };
+/// Arms on springs, with seven joints.
+[[nodiscard]] constexpr bool on_springs(Robot robot) {
+  return robot == Robot::fri || robot == Robot::franka;
+}
 
 struct Settings {
   Robot robot = Robot::rsi;
@@ -26,15 +32,16 @@ struct Settings {
   adapters::egm::Options egm;
   adapters::fri::Options fri;
   adapters::stream_motion::Options stream_motion;
-  std::string urdf{};        ///< file of the arm; empty: of examples/data, six joints, by FRI seven
+  adapters::franka::Options franka;
+  std::string urdf{};        ///< file of the arm; empty: of examples/data, six joints, on springs seven
   double delay = 0.012;      ///< from an answer until the arm begins to move, with the age of a state [s]
   double lag = 0.03;         ///< time constant of the arm's servo [s]
   double speed_share = 0.5;  ///< of the limits of velocity, acceleration and jerk that URDF and robot state
   double acceleration = 4;   ///< at most [rad/s^2]
   double jerk = 80;          ///< at most [rad/s^3]
   double threshold = 3;      ///< force that is no touch [N]
-  double torque_threshold = 2;  ///< torque at a joint that is no touch, by FRI [N m]
-  double stiffness = 500;       ///< of the springs by which an arm by FRI holds its joints [N m/rad]
+  double torque_threshold = 2;  ///< torque at a joint that is no touch, on springs [N m]
+  double stiffness = 500;       ///< of the springs by which an iiwa or an FR3 holds its joints [N m/rad]
   double damping_ratio = 0.7;   ///< of the same
   double stiffest_hand = 1e4;   ///< that pushes the tool [N/m]
   double heaviest_hand = 10;    ///< [kg]
@@ -47,6 +54,7 @@ struct Settings {
   simulated_arm::EgmConfig egm_controller;
   simulated_arm::FriConfig fri_controller;
   simulated_arm::StreamMotionConfig stream_motion_controller;
+  simulated_arm::FrankaConfig franka_controller;
 };
 /// Delays of the simulated arm, and two pushes.
 void simulate_by_default(Settings& settings);

@@ -12,7 +12,7 @@ ControllerOf<A>::ControllerOf(std::unique_ptr<FaceOf<A>> face, adapters::UdpSock
       socket_(std::move(socket)),
       config_(config),
       arm_(std::move(arm)),
-      port_(socket_.port()),
+      port_(face_->port(socket_)),
       thread_([this] { run(); }) {}
 
 template <class A>
@@ -29,14 +29,14 @@ SnapshotOf<A::joints> ControllerOf<A>::snapshot() const {
 
 template <class A>
 void ControllerOf<A>::hear(const Bytes& bytes) {
-  Bytes out(2048);
+  Bytes out(longest);
   out.resize(face_->hear(bytes, arm_, out));
   if (!out.empty() && !config_.faults.mute) static_cast<void>(socket_.send(out));
 }
 
 template <class A>
 void ControllerOf<A>::listen(Clock::time_point until) {
-  Bytes bytes(2048);
+  Bytes bytes(longest);
   const Faults& f = config_.faults;
   const bool waits = config_.speed == 0 && !face_->answered();
   const auto patience = waits ? Clock::now() + std::chrono::seconds(20) : until;
@@ -51,6 +51,7 @@ void ControllerOf<A>::listen(Clock::time_point until) {
       else
         hear(one);
     }
+    face_->attend(arm_, socket_);
     if (Clock::now() >= patience) break;
   }
   for (; !waiting_.empty() && waiting_.front().at <= arm_.time(); waiting_.pop_front())
@@ -90,7 +91,7 @@ void ControllerOf<A>::run() {
     face_->cycle(arm_);
     const bool silent = f.silent_at >= 0 && t >= f.silent_at;
     if (silent) arm_.halt();
-    Bytes bytes(2048);
+    Bytes bytes(longest);
     bytes.resize(silent ? 0 : face_->state(arm_, bytes));
     if (!bytes.empty()) ++states_, tell(std::move(bytes));
     for (const double v : arm_.dq())

@@ -21,6 +21,10 @@ class FaceOf {
   [[nodiscard]] virtual double period() const = 0;  ///< [s]
   /// A datagram from outside; the bytes of an answer to it in `out`, 0: none.
   virtual std::size_t hear(std::span<const std::uint8_t> bytes, A& arm, std::span<std::uint8_t> out) = 0;
+  /// What comes by other ways than datagrams: a connection may say where to send them, by another `socket`.
+  virtual void attend(A&, adapters::UdpSocket&) {}
+  /// Where it waits, if not at the socket.
+  [[nodiscard]] virtual std::uint16_t port(const adapters::UdpSocket& socket) const { return socket.port(); }
   /// The end of a cycle: judges its answer and moves the arm.
   virtual void cycle(A& arm) = 0;
   /// The datagram of the next cycle; 0: nobody is told.
@@ -72,6 +76,7 @@ class ControllerOf {
  private:
   using Clock = std::chrono::steady_clock;
   using Bytes = std::vector<std::uint8_t>;
+  static constexpr std::size_t longest = 4096;  // datagram [bytes]
   void run();
   void listen(Clock::time_point until);
   void hear(const Bytes& bytes);

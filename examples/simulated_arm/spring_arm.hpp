@@ -1,5 +1,5 @@
-// The body of a simulated iiwa: seven joints on springs, and the torque of the world as its controller finds
-// it.
+// The body of a simulated iiwa or FR3: seven joints on springs, and the torque of the world as its controller
+// finds it.
 #pragma once
 
 #include <random>
@@ -69,6 +69,11 @@ class SpringArm {
     c.torque = skinctl::JointTorque<joints>(torque);
     plant_.command(c);
   }
+  /// By other springs from here on, about where the arm is; of no stiffness, torques alone move it [N m/rad].
+  void hold_by(const SevenJoints& stiffness) {
+    plant_.hold_by(skinctl::JointTorque<joints>(stiffness));
+    told_ = q_;
+  }
   /// The springs hold where they were told to be.
   void halt() {
     if (!std::exchange(halted_, true)) command(told_);
@@ -80,9 +85,22 @@ class SpringArm {
   /// Torque of the world at the joints, as the controller finds it [N m].
   [[nodiscard]] const SevenJoints& external() const { return noisy_; }
 
+  /// Force of hands at the flange, along the base's axes [N].
+  [[nodiscard]] const skinctl::Xyz<double>& force() const { return force_; }
+  /// Of the joints' sensors, with that for the weight [N m].
+  [[nodiscard]] SevenJoints motor_torque() const {
+    SevenJoints out;
+    const auto torque = plant_.motor_torque();
+    for (std::size_t i = 0; i < joints; ++i) out[i] = torque[i];
+    return out;
+  }
+  [[nodiscard]] skinctl::Transform<skinctl::Base, skinctl::Link<joints - 1>> flange() const {
+    return skinctl::link_poses(model_, plant_.q()).template get<joints - 1>();
+  }
+
  private:
   /// Of hands at the flange, along its axes.
-  [[nodiscard]] skinctl::JointTorque<joints> push() const {
+  [[nodiscard]] skinctl::JointTorque<joints> push() {
     using namespace skinctl;
     const auto poses = link_poses(model_, plant_.q());
     const auto& X_BF = poses.template get<joints - 1>();
@@ -91,6 +109,7 @@ class SpringArm {
       const double share = p.share(time_);
       F = F + share * (p.force[0] * X_BF.axis_x() + p.force[1] * X_BF.axis_y() + p.force[2] * X_BF.axis_z());
     }
+    force_ = F;
     return transpose(jacobian<joints - 1>(poses)) *
            Wrench<Link<joints - 1>, Link<joints - 1>, Base>{F, {0, 0, 0}};
   }
@@ -102,6 +121,7 @@ class SpringArm {
   skinctl::testing::ImpedancePlant<Model> plant_;
   std::minstd_rand random_{3};
   std::normal_distribution<double> noise_{0, 1};
+  skinctl::Xyz<double> force_{};
   double time_ = 0;
   bool halted_ = false;
 };

@@ -25,7 +25,7 @@ Settings settings(Robot robot) {
 }  // namespace
 
 TEST_CASE("An arm gives way to pushes on its tool and comes back, within its limits") {
-  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion}) {
+  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion, Robot::franka}) {
     CAPTURE(int(robot));
     RunLog log;
     CHECK(run(settings(robot), false, log) == Exit::fine);
@@ -39,7 +39,7 @@ TEST_CASE("An arm gives way to pushes on its tool and comes back, within its lim
     CHECK(log.counts.lost == 0);
     CHECK(log.peak[2] > 0.1);  // the pushes are felt in the commands
     CHECK(log.peak[2] <= 1.01);
-    CHECK((log.bent > 0.04) == (robot == Robot::fri));  // 40 N on 500 N m/rad
+    CHECK((log.bent > 0.03) == on_springs(robot));  // 40 N on 500 N m/rad
   }
 }
 
@@ -62,6 +62,16 @@ TEST_CASE("An arm on springs comes back whatever their stiffness, by torque and 
   for (const double k : {200.0, 500.0, 2000.0}) {
     CAPTURE(k);
     s.stiffness = s.fri_controller.arm.stiffness = k;
+    const RunLog log = gives_way(s);
+    CHECK(log.bent < softer);
+    softer = log.bent;
+  }
+  s = settings(Robot::franka);
+  s.duration = 4;
+  softer = 1;
+  for (const double k : {200.0, 500.0, 2000.0}) {
+    CAPTURE(k);
+    s.stiffness = k;
     const RunLog log = gives_way(s);
     CHECK(log.bent < softer);
     softer = log.bent;
@@ -115,25 +125,25 @@ TEST_CASE("An arm without a sensor in its wrist stays where it is") {
 
 TEST_CASE("An identification finds delay and lag of an arm, and the stiffness of springs that were pushed") {
   if (skinctl::testing::sanitized) return;
-  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion}) {
+  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion, Robot::franka}) {
     CAPTURE(int(robot));
     auto s = settings(robot);
     s.identify = true;
     s.simulation.pushes.clear();
-    if (robot == Robot::fri) s.simulation.pushes = {{16, 4, {20, 20, 20}}};
+    if (on_springs(robot)) s.simulation.pushes = {{16, 4, {20, 20, 20}}};
     RunLog log;
     CHECK(run(s, false, log) == Exit::fine);
     CHECK(log.found.known);
     CHECK(std::abs(log.found.both - s.delay - s.lag) < std::max(4 * log.found.deviation, 5e-3));
     CHECK(log.found.deviation < 5e-3);
-    if (robot != Robot::fri) {
+    if (!on_springs(robot)) {
       CHECK(log.found.stiffness.empty());
       continue;
     }
     REQUIRE(log.found.stiffness.size() == 7);
     int known = 0;
     for (const double k : log.found.stiffness) {
-      if (k > 0) CHECK(k == doctest::Approx(s.fri_controller.arm.stiffness).epsilon(0.1));
+      if (k > 0) CHECK(k == doctest::Approx(s.stiffness).epsilon(0.1));
       known += k > 0;
     }
     CHECK(known >= 2);

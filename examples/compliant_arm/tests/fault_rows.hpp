@@ -43,8 +43,9 @@ inline std::vector<Row> rows() {
     return [what, value](Settings& s) { s.simulation.faults.*what = value; };
   };
   const char* silent = "the controller has fallen silent";
-  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion}) {
-    const bool kuka = robot == Robot::rsi, abb = robot == Robot::egm, iiwa = robot == Robot::fri;
+  for (const Robot robot : {Robot::rsi, Robot::egm, Robot::fri, Robot::stream_motion, Robot::franka}) {
+    const bool kuka = robot == Robot::rsi, abb = robot == Robot::egm, iiwa = robot == Robot::fri,
+               fr3 = robot == Robot::franka;
     row(robot, "1 % of its datagrams lost", Exit::fine, "", fault(&Faults::lose, 0.01));
     row(robot, "10 % of its datagrams lost", Exit::fine, "", fault(&Faults::lose, 0.1));
     row(robot, "1 % of the answers lost", Exit::fine, "", fault(&Faults::lose_answers, 0.01));
@@ -55,15 +56,20 @@ inline std::vector<Row> rows() {
     row(robot, "every datagram is noise", Exit::lost, silent, fault(&Faults::garbled, 1.0));
     // EGM does not count them: the arm follows later.
     row(robot, "every answer two cycles late",
-        abb    ? Exit::fine
-        : kuka ? Exit::lost
-               : Exit::halted,
+        abb           ? Exit::fine
+        : kuka || fr3 ? Exit::lost
+                      : Exit::halted,
         abb    ? ""
         : kuka ? "the controller counts answers as late"
         : iiwa ? "quality is below GOOD"
+        : fr3  ? "communication_constraints_violation"
                : "they came late",
-        fault(&Faults::late_answers, kuka || abb || iiwa ? 0.008 : 0.016));
-    row(robot, "the cable is cut, or the controller ends", Exit::lost, silent, fault(&Faults::silent_at, at));
+        fault(&Faults::late_answers, fr3                   ? 0.002
+                                     : kuka || abb || iiwa ? 0.008
+                                                           : 0.016));
+    // By a cycle of 1 ms some answers of the last window may have been late, on a computer with other work.
+    row(robot, "the cable is cut, or the controller ends", Exit::lost, fr3 ? "the controller" : silent,
+        fault(&Faults::silent_at, at));
     row(robot, "emergency stop", kuka ? Exit::lost : Exit::halted,
         kuka ? silent : "the robot takes no more motion", fault(&Faults::halted_at, at));
     row(robot, "its program begins anew: numbers go back", Exit::implausible, "went back or leapt",
@@ -99,6 +105,23 @@ inline std::vector<Row> rows() {
       of_fri(&simulated_arm::FriConfig::motion_begins, false));
   row(Robot::fri, "no external torques", Exit::blind, "hold no forces",
       of_fri(&simulated_arm::FriConfig::tells_external, false));
+  const auto of_franka = [](auto simulated_arm::FrankaConfig::* what, auto value) {
+    return [what, value](Settings& s) { s.franka_controller.*what = value; };
+  };
+  row(Robot::franka, "another version of FCI", Exit::refused, "speaks version 9 of FCI, not 7",
+      of_franka(&simulated_arm::FrankaConfig::version, std::uint16_t{9}));
+  row(Robot::franka, "FCI is not activated, or its brakes are closed", Exit::lost, "is FCI activated",
+      of_franka(&simulated_arm::FrankaConfig::takes_motion, false));
+  row(Robot::franka, "user stop before it begins", Exit::lost, "its user stop is pressed",
+      fault(&Faults::halted_at, 0.0));
+  row(Robot::franka, "a push above the thresholds of collisions", Exit::halted, "joint_reflex",
+      [](Settings& s) { s.franka.collision_torque = 8; });
+  row(Robot::franka, "a force above them", Exit::halted, "cartesian_reflex",
+      [](Settings& s) { s.franka.collision_force = 20; });
+  row(Robot::franka, "half of its datagrams lost", Exit::lost, "the controller counts answers as late",
+      fault(&Faults::lose, 0.5));
+  row(Robot::franka, "half of the answers lost", Exit::lost, "the controller counts answers as late",
+      fault(&Faults::lose_answers, 0.5));
   row(Robot::egm, "fewer than six axes", Exit::refused, "another number of joints",
       fault(&Faults::fewer_joints, true));
   row(Robot::egm, "another \\SampleRate than declared", Exit::refused, "datagrams come every",

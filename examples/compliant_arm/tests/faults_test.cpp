@@ -1,7 +1,7 @@
 // Everything that goes wrong between the job and a controller that is the clock: words, exit code, rest.
 //
 // Promise: what goes wrong between the job and a controller that is the clock ends in its words, at rest
-// Tried: 68 rows of faults, of KUKA's two, ABB's and FANUC's simulated controllers
+// Tried: 87 rows of faults, of KUKA's two, ABB's, FANUC's and Franka's simulated controllers
 
 #include <doctest/doctest.h>
 
@@ -28,10 +28,11 @@ TEST_CASE("Faults of controller and link: words, exit code, time to rest") {
     CHECK(ran.log.reason.find(row.reason) != std::string::npos);
     if (row.expected != Exit::fine && ran.log.last.time > 0) CHECK(rest_of(ran.log) < 1);
     std::printf("| %s | %s | %d | %s | %.0f |\n",
-                row.robot == Robot::rsi   ? "RSI"
-                : row.robot == Robot::egm ? "EGM"
-                : row.robot == Robot::fri ? "FRI"
-                                          : "stream motion",
+                row.robot == Robot::rsi      ? "RSI"
+                : row.robot == Robot::egm    ? "EGM"
+                : row.robot == Robot::fri    ? "FRI"
+                : row.robot == Robot::franka ? "FCI"
+                                             : "stream motion",
                 row.name, examples::job::code(ran.exit), ran.log.reason.c_str(), 1e3 * rest_of(ran.log));
   }
 }

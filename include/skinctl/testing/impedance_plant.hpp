@@ -34,14 +34,21 @@ class ImpedancePlant {
   /// At rest at `q`.
   ImpedancePlant(const M& model, const Truth& truth, const JointPosition<joints>& q)
       : model_(model), truth_(truth), q_(q), reference_(q), target_(q) {
-    const auto mass = mass_matrix(model, q);
-    for (std::size_t i = 0; i < joints; ++i)
-      damping_[i] = 2 * truth.damping_ratio * std::sqrt(truth.stiffness[i] * (mass(i, i) + truth.rotors[i]));
+    damp();
   }
 
   /// Takes over a command after the delay.
   void command(const ImpedanceCommand<joints>& c) {
     under_way_.push_back({time_ + truth_.delay, c.position, c.torque});
+  }
+  /// Other springs from here on, about where the links are; of no stiffness, torques alone move them.
+  void hold_by(const JointTorque<joints>& stiffness) {
+    truth_.stiffness = stiffness;
+    under_way_.clear();
+    reference_ = target_ = q_;
+    rate_ = {};
+    torque_ = {};
+    damp();
   }
   /// Joint torque of the world from here on [N m].
   void push(const JointTorque<joints>& torque) { pushed_ = torque; }
@@ -69,6 +76,12 @@ class ImpedancePlant {
     JointTorque<joints> torque;
   };
 
+  void damp() {
+    const auto mass = mass_matrix(model_, q_);
+    for (std::size_t i = 0; i < joints; ++i)
+      damping_[i] =
+          2 * truth_.damping_ratio * std::sqrt(truth_.stiffness[i] * (mass(i, i) + truth_.rotors[i]));
+  }
   /// Semi-implicit in velocity, spring and damping: stable for light links too.
   void step(double h) {
     time_ += h;
