@@ -32,7 +32,7 @@ endfunction()
 
 skinctl_adapter(wire SOURCES adapters/*.cpp adapters/can/*.cpp)  # sockets, serial lines and CAN, beneath the others
 skinctl_adapter(ur5 SOURCES adapters/ur5/*.cpp LINK skinctl::adapters::wire)
-skinctl_adapter(clocked SOURCES adapters/egm/*.cpp adapters/fri/*.cpp adapters/rsi/*.cpp adapters/stream_motion/*.cpp
+skinctl_adapter(clocked SOURCES adapters/egm/*.cpp adapters/franka/*.cpp adapters/fri/*.cpp adapters/rsi/*.cpp adapters/stream_motion/*.cpp
   LINK skinctl::adapters::wire)  # arms that are the clock
 skinctl_adapter(allegro SOURCES adapters/allegro/*.cpp LINK skinctl::adapters::wire)
 skinctl_adapter(gripper SOURCES adapters/gripper/*.cpp LINK skinctl::adapters::wire)

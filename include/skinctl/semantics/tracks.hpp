@@ -39,7 +39,7 @@ struct TrackSettings {
   T wander = T(0.002);        ///< deviation of what things move on their own [m/sqrt(s)]; as ObjectWorld's
   T max_deviations = T(4);    ///< radius of the association; 1 detection in 900 is further off in three axes
   T seen_if_there = T(0.95);  ///< share of the pictures in which a thing that is there is detected
-  T seen_if_not = T(0.2);     ///< the same where nothing is: much above the rate of flashes, as a ghost stays
+  T seen_if_not = T(0.2);     ///< chance to see what is not there: far above flashes, as a ghost stays
   T things = T(0.05);  ///< share of things among unseen places, of nothing among those always seen: a guess
   Nanoseconds doubted = 2s;  ///< a place where takes failed is kept this long without being seen: 60 pictures
   T taken = T(9), failed = T(1);  ///< prior of takes, Beta(9, 1): 9 of 10 takes of real things succeed
