@@ -5,8 +5,8 @@
 //     attack run SEED                         one scene, each second of it
 //
 // Each scene ends with some time in which nobody does anything, and a stop. Judged in the servo's time, in which a command lasts one
-// period: velocity, acceleration and jerk of each joint, the way of the tool in a period, the ends of the joints; the speed
-// that is left at rest, and after the stop. Returns 1 if any of them is passed.
+// period: velocity, acceleration and jerk of each joint, the way of the tool in a period, the ends of the joints; swings
+// that are left at rest, and the speed after the stop. Returns 1 if any of them is passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -32,6 +32,7 @@ constexpr double rests = 1e-3;   ///< speed of a joint at rest, when nothing has
 constexpr double stands = 1e-6;  ///< the same after a stop [rad/s]
 /// Nobody does anything for so many time constants of the goal's gain, and for this time [s].
 constexpr double constants = 15, quiet = 12;
+constexpr double watched = 6;  ///< last part of it, in which nothing may swing [s]
 
 struct Found {
   const char* what;
@@ -49,7 +50,7 @@ struct Findings {
   Found jerk{"jerk over its limit", 0, 0, 0, 1 + rounding};
   Found tool{"way of the tool in a period over its limit", 0, 0, 0, 1 + jerk_gives_way};
   Found ends{"beyond the ends of a joint [rad]", 0, 0, 0, 1e-3};
-  Found rest{"speed at rest [rad/s]", 0, 0, 0, rests};
+  Found swing{"swing at rest: speed between two turns of a joint [rad/s]", 0, 0, 0, rests};
   Found stop{"speed after a stop [rad/s]", 0, 0, 0, stands};
   Found invalid{"commands that are none", 0, 0, 0, 0};
   std::uint64_t cycles = 0, scenes = 0, refused = 0;
@@ -194,9 +195,11 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   JointVelocity<6> last;
   JointAcceleration<6> before;
   JointPosition<6> at = measured.q;
-  double velocity = 0, acceleration = 0, jerk = 0, tool = 0, beyond = 0, rest = 0, stop = 0, invalid = 0;
+  double velocity = 0, acceleration = 0, jerk = 0, tool = 0, beyond = 0, swing = 0, stop = 0, invalid = 0;
   Nanoseconds now{}, asked{};
   bool stopping = false;
+  JointVelocity<6> peak;  // since each joint turned last
+  std::array<int, 6> turns{};
   Status all;
   double printed = 0;
   while (seconds<double>(now) < ends + stops_in + 1) {
@@ -260,7 +263,15 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
           {beyond, robot.q()[i] - d.robot.limits.upper()[i], d.robot.limits.lower()[i] - robot.q()[i]});
       fastest = std::max(fastest, std::abs(v[i]));
     }
-    if (t > ends - 1 && !stopping) rest = std::max(rest, fastest);
+    if (t > ends - watched && !stopping)
+      for (std::size_t i = 0; i < 6; ++i) {
+        // A joint that turns twice swings with the least of the peaks between its turns.
+        if (v[i] * peak[i] < 0 && std::abs(v[i]) > rests) {
+          if (++turns[i] > 1) swing = std::max(swing, std::abs(peak[i]));
+          peak[i] = 0;
+        }
+        if (std::abs(v[i]) > std::abs(peak[i]) && v[i] * peak[i] >= 0) peak[i] = v[i];
+      }
     if (stopping && seconds<double>(now - asked) > stops_in) stop = std::max(stop, fastest);
     if constexpr (I == Interface::position && P::tool) {
       const auto from = tool_at(at), to = tool_at(out.planned.position);
@@ -282,15 +293,15 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   ++found.scenes;
   found.velocity.take(velocity, seed), found.acceleration.take(acceleration, seed),
       found.jerk.take(jerk, seed);
-  found.tool.take(tool, seed), found.ends.take(beyond, seed), found.rest.take(rest, seed);
+  found.tool.take(tool, seed), found.ends.take(beyond, seed), found.swing.take(swing, seed);
   found.stop.take(stop, seed), found.invalid.take(invalid, seed);
   if (trace)
     std::printf(
         "period %.2f ms, delay %.1f ms, lag %.1f ms, late %.2f: velocity %.4f, acceleration %.4f, jerk %.4f, "
         "tool "
-        "%.4f, beyond %.2g rad, rest %.2g, stop %.2g rad/s\n",
+        "%.4f, beyond %.2g rad, swing %.2g, stop %.2g rad/s\n",
         1e3 * dt, 1e3 * seconds<double>(d.robot.delay), 1e3 * seconds<double>(d.robot.lag), d.late, velocity,
-        acceleration, jerk, tool, beyond, rest, stop);
+        acceleration, jerk, tool, beyond, swing, stop);
 }
 
 /// The scene of a seed: its number says which parts it has.
@@ -325,7 +336,7 @@ bool attack(const char* name, std::uint64_t cycles, std::uint64_t seed) {
       static_cast<unsigned long long>(found.refused));
   bool good = true;
   for (const Found* f : {&found.velocity, &found.acceleration, &found.jerk, &found.tool, &found.ends,
-                         &found.rest, &found.stop, &found.invalid}) {
+                         &found.swing, &found.stop, &found.invalid}) {
     std::printf("| %s | %.6g | %llu | %llu |\n", f->what, f->worst,
                 static_cast<unsigned long long>(f->scenes), static_cast<unsigned long long>(f->seed));
     good = good && f->scenes == 0;
