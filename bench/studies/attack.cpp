@@ -32,7 +32,8 @@ constexpr double rests = 1e-3;   ///< speed of a joint at rest, when nothing has
 constexpr double stands = 1e-6;  ///< the same after a stop [rad/s]
 /// Nobody does anything for so many time constants of the goal's gain, and for this time [s].
 constexpr double constants = 15, quiet = 12;
-constexpr double watched = 6;  ///< last part of it, in which nothing may swing [s]
+constexpr double longest_way = 2;  ///< of a tool back to its goal [m], at its greatest speed
+constexpr double watched = 6;      ///< last part of it, in which nothing may swing [s]
 
 struct Found {
   const char* what;
@@ -184,7 +185,8 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   const auto memory = std::make_unique<typename Scene::Memory>();
   scene.start(*memory, measured);
 
-  const double busy = roll(3, 8), ends = busy + quiet + constants / tracking_of<I, P>(d).K_c;
+  const double busy = roll(3, 8), way_back = P::tool ? longest_way / d.tool.speed : 0,
+               ends = busy + quiet + way_back + constants / tracking_of<I, P>(d).K_c;
   double most_jerk_time = 0;
   for (std::size_t i = 0; i < 6; ++i)
     most_jerk_time =
