@@ -1,12 +1,12 @@
-// Random legal scenes in a world that keeps what was declared and does all else: touches, goals, late cycles, joints held
-// fast, stops and resumes in any order, with every limit and passive part in or out.
+// Random legal scenes in a world that keeps what was declared and does all else: touches, goals, late cycles,
+// joints held fast, stops and resumes in any order, with every limit and passive part in or out.
 //
 //     attack [CYCLES = 500000] [SEED = 1]     that many cycles by position, and by velocity
-//     attack run SEED                         one scene, each second of it
+//     attack run SEED                         one scene, each quarter of a second of it
 //
-// Each scene ends with some time in which nobody does anything, and a stop. Judged in the servo's time, in which a command lasts one
-// period: velocity, acceleration and jerk of each joint, the way of the tool in a period, the ends of the joints; swings
-// that are left at rest, and the speed after the stop. Returns 1 if any of them is passed.
+// Each scene ends with some time in which nobody does anything, and a stop. Judged in the servo's time, in which a
+// command lasts one period: velocity, acceleration and jerk of each joint, the way of the tool in a period, the
+// ends of the joints; swings that are left at rest, and the speed after the stop. Returns 1 if any is passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -210,7 +210,7 @@ TEST_CASE(
                                     .virtual_damping = 4};
       const auto arm = by_position(ur5::Model{}, c);
       const auto limit = JointJerk<6>::constant(jerk);
-      // With the gains of a robot without this limit it swings by 0.3 rad/s after the push, where the jerk is 100 rad/s^3.
+      // With the gains of a robot without this limit it swings by 0.3 rad/s after the push, at 100 rad/s^3.
       const auto fitting = tracking_settings(arm, limit);
       const auto speed_left = [&](const JointControlSettings<6>& gains) {
         const auto scene =

@@ -144,6 +144,34 @@ TEST_CASE("torque rate: the first torque passes, within the rate all pass to the
   CHECK_THROWS_AS(static_cast<void>(by_position(Arm{}, c)), ConfigurationError);
 }
 
+namespace {
+/// 35 times what a wrist gives, to and fro every 100 ms.
+struct AsksForMuch : Jumps<LawRole::tracking> {
+  template <class K>
+  TorqueParts<6> parts(const Memory&, const K& known) const noexcept {
+    return {{0, 0, 0, 0, known.time() / 100ms % 2 == 0 ? 1000.0 : -1000.0, 0}, {}};
+  }
+};
+}  // namespace
+
+TEST_CASE("torque rate: from one limit to the other in the time of the rate, however much a law asks for") {
+  for_each_robot([](const auto& arm) {
+    const Cycle scene(arm, AsksForMuch{} + GravityControl{});
+    State<6> x{0ns, {0.3, -1.2, 1.4, -1.8, -1.4, 0.3}, {}};
+    auto memory = scene.start(x);
+    int turned = 0;  // cycles of 2 ms until the torque has the new sign
+    for (int k = 1; k < 100; ++k) {
+      typename decltype(scene)::Input input;
+      x.time = input.now = k * 2ms;
+      input.measured = x;
+      const auto out = scene.step(memory, input);
+      if (k >= 50 && out.planned.torque[4] > 0) turned = k - 49;
+    }
+    CHECK(turned >= 8);  // a limit in 20 ms
+    CHECK(turned <= 12);
+  });
+}
+
 TEST_CASE(
     "torque rate: what no joint gives is cut off first, so that a law that asks for far more turns round at "
     "once") {

@@ -95,7 +95,7 @@ class Slip {
     if (!(dot(force, force) <= T(1e12)) || !(unit > T(0.9) && unit < T(1.1)) || !(dt > T(0) && dt < T(1e6)))
       return result(m);
     const auto part = [&dt](const T& time) { return T(dt / (time + dt)); };
-    const bool gap = dt > T(0.05) || !m.touches;
+    const bool gap = dt > T(longest_gap) || !m.touches;
     m.force = gap ? force : Xyz<T>(m.force + part(s_.filter) * (force - m.force));
     m.normal = dot(m.force, inward);
     const Xyz<T> across = m.force - m.normal * inward;
@@ -106,29 +106,30 @@ class Slip {
     m.touches = true;
     const auto top = [&](T y, T x, T time) { return x > y ? x : T(y - part(time) * (y - x)); };
     m.peak = top(m.peak, m.shear, s_.fall), m.peak_demand = top(m.peak_demand, demand, s_.fall);
-    m.highest = top(m.highest, demand, T(300));
+    m.highest = top(m.highest, demand, T(remembers));
     const T drop = m.peak - m.shear, square = drop * drop;
-    const T sigma = dt / (T(2) * s_.filter + dt) * s_.noise * s_.noise;                   // squared
-    const bool slipping = m.since <= T(0.05), arrested = !slipping && m.since <= T(0.2);  // comes to rest
-    const bool drops = !arrested && square > T(25) * sigma && drop > s_.drop * m.peak &&
-                       square > T(9) * m.unrest && m.peak_demand >= T(0.85) * m.highest &&
-                       m.shear >= s_.max_drop * m.peak;
-    m.unrest = m.unrest + part(square > m.unrest ? T(0.2) : T(5)) * (square - m.unrest);
+    const T sigma = dt / (T(2) * s_.filter + dt) * s_.noise * s_.noise;  // squared
+    const bool slipping = m.since <= T(slide_time),
+               arrested = !slipping && m.since <= T(judged);  // comes to rest
+    const bool drops = !arrested && square > T(surely * surely) * sigma && drop > s_.drop * m.peak &&
+                       square > T(calmly * calmly) * m.unrest &&
+                       m.peak_demand >= T(near_highest) * m.highest && m.shear >= s_.max_drop * m.peak;
+    m.unrest = m.unrest + part(square > m.unrest ? T(unrest_rises) : T(unrest_falls)) * (square - m.unrest);
     const T mu = friction(m), full = m.slide * m.normal / (m.pressed > T(0) ? m.pressed : T(1));
     if (drops && !slipping) m.from = m.peak, m.pressed = m.normal, m.before = mu;
     m.since = drops ? T(0) : m.since < T(1e8) ? T(m.since + dt) : m.since;
     if (drops || slipping) {
       const bool released = m.shear < s_.max_drop * m.from;
-      const bool slides = m.normal <= T(1.05) * m.pressed && demand < mu;  // a tightened grip sticks
+      const bool slides = m.normal <= T(tightens) * m.pressed && demand < mu;  // a tightened grip sticks
       m.friction = released ? m.before : slides ? demand : mu;
       m.slipped = m.slipped || !released;
       m.slide = m.friction * m.pressed;
       if (released) m.since = T(1e9);
-    } else if (m.since <= T(0.2) && m.since + dt > T(0.2) && m.normal > T(1.04) * m.pressed &&
+    } else if (m.since <= T(judged) && m.since + dt > T(judged) && m.normal > T(has_tightened) * m.pressed &&
                T(2) * (m.shear - m.slide) < (m.from < full ? m.from : full) - m.slide) {
       m.friction = m.before;
-    } else if (s_.reserve * demand >= T(0.9) * mu) {
-      const T grown = mu + (m.slipped ? T(0.1) : T(1)) * s_.probe * dt * mu;
+    } else if (s_.reserve * demand >= T(tried) * mu) {
+      const T grown = mu + (m.slipped ? T(after_slip) : T(1)) * s_.probe * dt * mu;
       m.friction = grown < s_.max_friction ? grown : s_.max_friction;
     }
     return result(m);
@@ -136,7 +137,8 @@ class Slip {
   [[nodiscard]] Result result(const Memory& m) const noexcept {
     if (!m.touches) return {};
     const T mu = friction(m), demand = m.shear / m.normal, hold = s_.reserve * m.shear / mu;
-    return {m.since <= T(0.05), demand, T(1) - demand / mu, hold > s_.min_normal ? hold : s_.min_normal};
+    return {m.since <= T(slide_time), demand, T(1) - demand / mu,
+            hold > s_.min_normal ? hold : s_.min_normal};
   }
   /// The friction that is reckoned with.
   [[nodiscard]] T friction(const Memory& m) const noexcept {
@@ -144,6 +146,18 @@ class Slip {
   }
 
  private:
+  static constexpr double longest_gap = 0.05;   ///< between samples that are compared [s]
+  static constexpr double slide_time = 0.05;    ///< of a drop: friction falls within some 60 ms [s]
+  static constexpr double judged = 0.2;         ///< time in which a tightened grip tells slip from load [s]
+  static constexpr double remembers = 300;      ///< time constant of the highest demand: a carry [s]
+  static constexpr double surely = 5;           ///< deviations of the noise: one sample in three million
+  static constexpr double calmly = 3;           ///< times the unrest: shaking by up to 3 m/s^2 is none
+  static constexpr double near_highest = 0.85;  ///< share of the highest demand: a contact slips at its mu
+  static constexpr double unrest_rises = 0.2, unrest_falls = 5;  ///< time constants of the unrest [s]
+  /// Growth of the normal force with which a grip has not, and has tightened.
+  static constexpr double tightens = 1.05, has_tightened = 1.04;
+  static constexpr double tried = 0.9;       ///< share of mu / reserve from which on mu is tried
+  static constexpr double after_slip = 0.1;  ///< share of `probe` once the friction has been told
   Settings s_;
 };
 
