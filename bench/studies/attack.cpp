@@ -26,8 +26,8 @@ using namespace skinctl::testing;
 
 namespace {
 
-constexpr double rounding = 1e-4;        ///< share of a limit that is no breach
-constexpr double jerk_gives_way = 0.03;  ///< of the tool's way, in cycles in which jerk is the harder limit
+constexpr double rounding = 1e-4;       ///< share of a limit that is no breach
+constexpr double jerk_gives_way = 0.0;  ///< of the tool's way, in cycles in which jerk is the harder limit
 constexpr double rests = 1e-3;   ///< speed of a joint at rest, when nothing has happened for long [rad/s]
 constexpr double stands = 1e-6;  ///< the same after a stop [rad/s]
 /// Nobody does anything for so many time constants of the goal's gain, and for this time [s].
@@ -277,8 +277,23 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
     if (stopping && seconds<double>(now - asked) > stops_in) stop = std::max(stop, fastest);
     if constexpr (I == Interface::position && P::tool) {
       const auto from = tool_at(at), to = tool_at(out.planned.position);
-      tool = std::max(tool, std::sqrt(dot(to - from, to - from)) / (d.tool.speed * dt));
+      const double way = std::sqrt(dot(to - from, to - from)) / (d.tool.speed * dt);
+      tool = std::max(tool, way);
+      if (trace && way > 1 + rounding) {
+        std::printf("%7.3f s  tool %.4f ", t, way);
+        for (const Fault& f : faults)
+          if (out.status.has(f.reason))
+            std::printf(" %.*s", int(std::string_view(f.name).size()), std::string_view(f.name).data());
+        for (std::size_t i = 0; i < 6; ++i)
+          std::printf(" %.3f~%.3f(%.2f)", v[i], (out.planned.position[i] - at[i]) / dt,
+                      out.planned.acceleration[i]);
+        std::printf("\n");
+      }
       at = out.planned.position;
+    }
+    if constexpr (I == Interface::velocity && P::tool) {
+      const auto from = tool_at(measured.q), to = tool_at(integrate(measured.q, v, dt));
+      tool = std::max(tool, std::sqrt(dot(to - from, to - from)) / (d.tool.speed * dt));
     }
     last = v;
     before = out.planned.acceleration;

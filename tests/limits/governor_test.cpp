@@ -221,6 +221,54 @@ TEST_CASE("governor: the tool's speed is kept next to the ends of the joints") {
   CHECK(at_ends > (sanitized ? 6000 : 60000));
 }
 
+// A resolver that computes a cycle in substeps may hurry between them: the speed at the end says nothing of that.
+TEST_CASE("governor: a motion that is faster on its way than at its end keeps the tool's speed") {
+  constexpr double h = 0.014, most = 0.05;
+  const auto limits = ur5_test_limits<double>();
+  const ToolSpeed<Arm, 5> tool(Arm{}, limits, {.speed = most, .reach = 1.3});
+  oracle::Random random(31);
+  const auto tool_at = [](const JointPosition<6>& q) {
+    return link_poses<link_bit<5>>(Arm{}, q).get<5>().origin();
+  };
+  for (const bool smooth : {false, true}) {
+    double fastest = 0;
+    int slowed = 0, passed = 0;
+    const auto drive = [&](const auto& g) {
+      for (int k = 0; k < (sanitized ? 300 : 3000); ++k) {
+        typename std::remove_cvref_t<decltype(g)>::Memory memory{};
+        JointCommand<6> last, wish;
+        last.valid = wish.valid = true;
+        for (std::size_t i = 0; i < 6; ++i) {
+          last.position[i] = random.uniform(-2, 2);
+          last.velocity[i] = random.uniform(-0.02, 0.02);
+          wish.velocity[i] = random.uniform(-0.02, 0.02);
+          const double bulge = 0.25 * limits.acceleration()[i] * h * h;  // full acceleration, full braking
+          wish.position[i] = last.position[i] + h / 2 * (last.velocity[i] + wish.velocity[i]) +
+                             random.uniform(-bulge, bulge);
+        }
+        const auto out = g.step(memory, last, wish, State<6>{}, LinkWrenches<Arm, link_bit<2>>{},
+                                std::array<double, 1>{1}, h);
+        const Xyz<double> way = tool_at(out.command.position) - tool_at(last.position);
+        fastest = std::max(fastest, std::sqrt(dot(way, way)) / h);
+        CHECK(out.altered == out.status.has(Reason::tool_speed_limited));
+        (out.altered ? slowed : passed)++;
+      }
+    };
+    if (smooth) {
+      drive(governor_alone<Interface::position, Arm>(limits, tool,
+                                                     JerkLimits<6>(limits, JointJerk<6>::constant(5000))));
+    } else {
+      drive(governor_alone<Interface::position, Arm>(limits, tool));
+    }
+    CHECK(fastest <= most);
+    CHECK(fastest > 0.9 * most);
+    CHECK(slowed > (sanitized ? 15 : 150));
+    CHECK(passed > (sanitized ? 15 : 150));
+    MESSAGE(std::string(smooth ? "with" : "without")
+            << " a limit of jerk: fastest " << fastest << " m/s, " << slowed << " slowed");
+  }
+}
+
 TEST_CASE("governor: a jerk limit alone is kept by every command") {
   const auto scene = governed({.jerk = 300, .speed = 50, .force = 1e6, .blow = 1e6});
   JointAcceleration<6> last{};

@@ -48,12 +48,8 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   using Base = detail::LimitsOfScene<M, T, Sets, Limits...>;
 
  public:
-  using Base::count;
-  using Base::groups;
-  using Base::has_driven;
-  using Base::has_motion;
-  using Base::joints;
-  using Base::smooth;
+  using Base::count, Base::groups, Base::joints;
+  using Base::has_driven, Base::has_motion, Base::smooth;
   using Input = typename Base::Input;
   using Memory = typename Base::Memory;
   using Command = JointCommand<joints, T>;
@@ -138,18 +134,22 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   /// The command of the joints by position and velocity.
   SKINCTL_INLINE void move(Memory& m, const Input& in, const Going& going, const Slowed& left,
                            Output& out) const noexcept {
-    if constexpr (!smooth) {
-      if (left.slowed) move_hard(m, in, left.velocity, out);
-    } else {
-      const Velocity ahead = leads_to(out.command);
-      const Position moved = out.command.position - in.last.position;
-      if (left.slowed || this->broken(m, going, ahead, moved).any())
+    const Position moved = out.command.position - in.last.position;
+    Status broken = this->broken_between(m, going, out.command.velocity, moved);
+    if constexpr (smooth) broken |= this->broken(m, going, leads_to(out.command), moved);
+    out.status |= broken;
+    if (left.slowed || broken.any()) {
+      if constexpr (smooth) {
         move_smoothly(m, in, going, left.velocity, out);
+      } else {
+        move_hard(m, in, left.velocity, out);
+      }
+    }
+    if constexpr (smooth)
       each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
         out.status |=
             std::get<K>(motions_).exceeded(part_of<Set<K>>(in.last), part_of<Set<K>>(out.command), in.span);
       });
-    }
   }
   SKINCTL_INLINE void move_hard(Memory& m, const Input& in, const Velocity& u, Output& out) const noexcept {
     each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
@@ -178,7 +178,8 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
           Set<G>::put(std::get<G>(motions_).mover().leads_to(motion.velocity, motion.acceleration), ahead);
         };
         (mix.template operator()<K>(), ...);
-        return this->broken(m, going, v, moved) | this->broken(m, going, ahead, moved);
+        return this->broken(m, going, v, moved) | this->broken(m, going, ahead, moved) |
+               this->broken_between(m, going, v, moved);
       };
       T share(1);
       if (const Status broken = breaks(share); broken.any()) {

@@ -256,6 +256,25 @@ class LimitsOfScene {
     });
     return out;
   }
+  /// The same of the mean velocity of joints by position, where that is not the middle of its ends: a motion
+  /// in several substeps, or within a limit of jerk, may be faster on its way than at its ends. What is sent
+  /// to joints by velocity is the speed at the end.
+  [[nodiscard]] SKINCTL_INLINE Status broken_between(const Memory& m, const Going& going, const Velocity& v,
+                                                     const Position& moved) const noexcept {
+    bool bulges = false;
+    Velocity mean = v;
+    const Position straight = going.half_way(v);
+    each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
+      if constexpr (std::tuple_element_t<K, typename Sets::StiffGroups>::interface != Interface::velocity)
+        for (const std::size_t i : Set<K>::index) {
+          bulges = bulges || magnitude(T(moved[i] - straight[i])) > rounding_of_positions;
+          mean[i] = moved[i] / going.dt;
+        }
+    });
+    return bulges ? broken(m, going, mean, moved) : Status();
+  }
+  /// Difference of positions that is their rounding [rad].
+  static constexpr T rounding_of_positions = T(256) * std::numeric_limits<T>::epsilon();
 
   /// Whether a limit judges velocities.
   static constexpr bool judges_velocity = (!LimitsTorque<Limits> || ...);
