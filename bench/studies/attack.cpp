@@ -5,8 +5,8 @@
 //     attack run SEED                         one scene, each quarter of a second of it
 //
 // Each scene ends with some time in which nobody does anything, and a stop. Judged in the servo's time, in which a
-// command lasts one period: velocity, acceleration and jerk of each joint, the way of the tool in a period, the
-// ends of the joints; swings that are left at rest, and the speed after the stop. Returns 1 if any is passed.
+// command lasts one period: velocity, acceleration and jerk of each joint, the way of the tool in a period (by
+// velocity that of the real one), the ends of the joints; swings that are left at rest, and the speed after the stop. Returns 1 if any is passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -208,7 +208,12 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
     now += roll(0, 1) < d.late ? d.robot.period * (2 + long(rng() % 4)) : d.robot.period;
     const double t = seconds<double>(now);
     robot.advance(t);
+    [[maybe_unused]] const State<6> stood = measured;
     measure(now);
+    if constexpr (I == Interface::velocity && P::tool) {
+      const auto way = tool_at(measured.q) - tool_at(stood.q);
+      tool = std::max(tool, std::sqrt(dot(way, way)) / (d.tool.speed * seconds<double>(now - stood.time)));
+    }
     typename Scene::Input input;
     input.now = now;
     input.measured = measured;
@@ -290,10 +295,6 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
         std::printf("\n");
       }
       at = out.planned.position;
-    }
-    if constexpr (I == Interface::velocity && P::tool) {
-      const auto from = tool_at(measured.q), to = tool_at(integrate(measured.q, v, dt));
-      tool = std::max(tool, std::sqrt(dot(to - from, to - from)) / (d.tool.speed * dt));
     }
     last = v;
     before = out.planned.acceleration;

@@ -66,7 +66,7 @@ struct Wall {
 // One function, and loops in it: compilers take long for what is inlined.
 using Each = std::function<void(double, const State<6>&, double, Status)>;
 State<6> run(const Governors* with, State<6> s, const JointTorque<6>& drive, Wall wall, double duration,
-             const Each& each, bool stopping = false) {
+             const Each& each) {
   Governors::Memory memory{};
   for (double t = 0; t < duration; t += dt) {
     const JointTorque<6> hold = gravity_torque(Arm{}, s.q);
@@ -75,9 +75,9 @@ State<6> run(const Governors* with, State<6> s, const JointTorque<6>& drive, Wal
     wish.torque = limits.within(hold + drive, s.dq);
     Status status;
     if (with != nullptr) {
-      const auto out = with->step_torque(memory, wish, wish, hold, stopping, false, 50, s, wall.push(s.q),
-                                         nobody_near, dt);
-      wish.torque = stopping ? out.hold : out.command.torque;
+      const auto out =
+          with->step_torque(memory, wish, wish, hold, false, 50, s, wall.push(s.q), nobody_near, dt);
+      wish.torque = out.command.torque;
       status = out.status;
     }
     for (int k = 0; k < 10; ++k) {
@@ -120,17 +120,16 @@ TEST_CASE("Governor of torques: what keeps all limits passes to the bit, and wha
   const JointTorque<6> hold = gravity_torque(Arm{}, s.q);
   wish.torque = hold;
   wish.torque[4] += 0.05;
-  auto out = governor.step_torque(memory, wish, wish, hold, false, false, 50, s, Touch{}, nobody_near, dt);
+  auto out = governor.step_torque(memory, wish, wish, hold, false, 50, s, Touch{}, nobody_near, dt);
   CHECK_FALSE(out.altered);
   CHECK_FALSE(out.status.any());
   CHECK(out.command.torque == wish.torque);
-  CHECK(out.hold == hold);
   wish.torque[0] = std::nan("");
-  out = governor.step_torque(memory, wish, wish, hold, false, false, 50, s, Touch{}, nobody_near, dt);
+  out = governor.step_torque(memory, wish, wish, hold, false, 50, s, Touch{}, nobody_near, dt);
   CHECK_FALSE(out.altered);  // the guard refuses it
   wish.torque[0] = 0;
   CHECK_FALSE(
-      governor.step_torque(memory, wish, wish, hold, false, false, 50, s, Touch{}, nobody_near, 0.0).altered);
+      governor.step_torque(memory, wish, wish, hold, false, 50, s, Touch{}, nobody_near, 0.0).altered);
 }
 
 TEST_CASE("Governor of torques: by a velocity that is too old, and without a wish, it brakes nothing") {
@@ -143,7 +142,7 @@ TEST_CASE("Governor of torques: by a velocity that is too old, and without a wis
   wish.torque = hold;
   const auto step = [&](bool stale) {
     Governors::Memory memory{};
-    return governor.step_torque(memory, wish, wish, hold, false, stale, 50, s, Touch{}, nobody_near, dt);
+    return governor.step_torque(memory, wish, wish, hold, stale, 50, s, Touch{}, nobody_near, dt);
   };
   CHECK(step(false).altered);
   const auto passes = [&](bool stale) {
@@ -152,51 +151,10 @@ TEST_CASE("Governor of torques: by a velocity that is too old, and without a wis
     CHECK_FALSE(out.status.any());
     CHECK(out.command.torque == wish.torque);
     CHECK(out.command.valid == wish.valid);
-    CHECK(out.hold == hold);
   };
   passes(true);
   wish.valid = false;
   passes(false);
-}
-
-TEST_CASE(
-    "Governor of torques: in the cycle that finds a contact too strong it is held with damping at once") {
-  Random random(6);
-  State<6> s = pose(random);
-  for (double& v : s.dq) v = uniform(random, -0.5, 0.5);
-  JointCommand<6> wish;
-  wish.valid = true;
-  const JointTorque<6> hold = gravity_torque(Arm{}, s.q);
-  wish.torque = hold;
-  const auto held = [&](const LinkContact<2>& contact, const Touch& touch) {
-    Governors::Memory memory{};
-    return governing(contact).step_torque(memory, wish, wish, hold, false, false, 50, s, touch, nobody_near,
-                                          dt);
-  };
-  const auto damps = [&](const GovernedTorque<6, double>& out) {
-    double power = 0;
-    for (std::size_t i = 0; i < 6; ++i) power += (out.hold[i] - hold[i]) * s.dq[i];
-    return power < -1;
-  };
-  CHECK_FALSE(damps(held(region, Touch{})));
-  Touch hard;  // 121 N: more than the blow that the region bears, but it takes little power
-  hard.data[0][2] = 121;
-  auto bears_power = region;
-  bears_power.region.power = 1e4;
-  auto out = held(bears_power, hard);
-  CHECK(out.status.has(Reason::contact_force));
-  CHECK_FALSE(out.status.has(Reason::contact_power));
-  CHECK(damps(out));
-  auto bears_little = region;  // 10 N, and 0.01 W is more than it bears
-  bears_little.region.power = 0.01;
-  for (const double push : {10.0, -10.0}) {
-    hard.data[0][2] = push;
-    out = held(bears_little, hard);
-    if (out.status.has(Reason::contact_power)) break;
-  }
-  CHECK(out.status.has(Reason::contact_power));
-  CHECK_FALSE(out.status.has(Reason::contact_force));
-  CHECK(damps(out));
 }
 
 TEST_CASE("Governor of torques: no drive makes the tool faster than its limit, and it gets near it") {
@@ -253,24 +211,6 @@ TEST_CASE(
   CHECK(slowed > 0);
 }
 
-TEST_CASE("Governor of torques: one that stops for a contact is held with damping, and can be moved away") {
-  Random random(3);
-  State<6> s = pose(random);
-  for (double& v : s.dq) v = uniform(random, -0.5, 0.5);
-  const auto energy = [](const State<6>& x) {
-    return kinetic_energy(Arm{}, JointAngles<Arm, double>(Arm{}, x.q), x.dq);
-  };
-  const auto after = run(&governor, s, {}, {}, 0.05, [](double, const State<6>&, double, Status) {}, true);
-  CHECK(energy(after) < 0.01 * energy(s));
-  Wall hand;  // it pushes 20 mm deep for a second
-  hand.stiffness = 500;
-  s.dq = {};
-  hand.at = hand.place(s.q) + Xyz<double>{0, 0, 0.02};
-  const auto moved = run(&governor, s, {}, hand, 1.0, [](double, const State<6>&, double, Status) {}, true);
-  CHECK(dot(hand.n, hand.place(moved.q) - hand.place(s.q)) > 0.002);
-  CHECK(energy(moved) < 1e-3);
-}
-
 TEST_CASE(
     "Governor of torques: whatever bits are in what it reads, a torque within the limits or the wish "
     "itself") {
@@ -296,15 +236,13 @@ TEST_CASE(
     Touch touch;
     for (double& x : touch.data[0]) x = any(random() % 2 == 0 ? 0.0 : uniform(random, -30.0, 30.0));
     const std::array<double, 1> nearest{any(0.5)};
-    const auto out = governor.step_torque(memory, wish, wish, hold, random() % 4 == 0, random() % 50 == 0, 50,
-                                          s, touch, nearest, dt);
+    const auto out =
+        governor.step_torque(memory, wish, wish, hold, random() % 50 == 0, 50, s, touch, nearest, dt);
     for (std::size_t i = 0; i < 6; ++i) {
       if (out.altered) CHECK(std::abs(out.command.torque[i]) <= limits.torque()[i]);
       if (!out.altered)
         CHECK(std::bit_cast<std::uint64_t>(out.command.torque[i]) ==
               std::bit_cast<std::uint64_t>(wish.torque[i]));
-      if (std::bit_cast<std::uint64_t>(out.hold[i]) != std::bit_cast<std::uint64_t>(hold[i]))
-        CHECK(std::abs(out.hold[i]) <= limits.torque()[i]);
     }
     braked += out.altered;
     stopped += out.status.has(Reason::contact_force);

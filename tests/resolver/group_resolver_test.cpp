@@ -206,7 +206,7 @@ TEST_CASE(
     const auto torque = torques.step(torque_memory, law, torque_law_memory, robot.state(memory),
                                      torques.interval(torque_memory, now),
                                      std::span<const Pushes<3, double>>(touches + 1, 1));
-    // Of one joint whose arm follows commands: B dq / (1 + 3/2 h B/M).
+    // Of one joint whose arm follows commands: B dq / (1 + D B/M), D = 3/2 h.
     const auto at = robot.state(memory);
     const double m = mass_matrix(SmallModel{}, at.q)(2, 2), b = c.viscous[0];
     const double drag = b / (1 + 1.5 * 0.004 * b / m) * at.dq[2];
@@ -262,8 +262,11 @@ TEST_CASE(
     for (std::size_t i = 0; i < 2; ++i)
       CHECK(std::abs(out.command.velocity[i] - last[i]) <= 40 * 0.004 * (1 + 1e-9));
     last = out.command.velocity;
-    const auto held = gravity_torque(SmallModel{}, s.measured.q)[2];
-    CHECK(std::abs(out.command.torque[2] - held) <= 0.002 * std::abs(s.measured.dq[2]) + 1e-12);
+    const double held = gravity_torque(SmallModel{}, s.measured.q)[2] - out.command.torque[2];
+    CHECK(held * s.measured.dq[2] >= -1e-12);  // it brakes
+    CHECK(std::abs(held) <=
+          std::abs(mass_matrix(SmallModel{}, s.measured.q)(2, 2) * s.measured.dq[2] / 0.006) +
+              0.002 * std::abs(s.measured.dq[2]) + 1e-12);
     CHECK(out.fallback[2] == out.command.torque[2]);
     CHECK(out.fallback[0] == 0);
   }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/testing/plant.hpp"
 #include "tests/support/closed_loop.hpp"
 
 using namespace skinctl;
@@ -20,10 +21,13 @@ template <class T>
 RobotConfiguration<6, T> configuration() {
   return {.limits = limits_of<ur5::Description, T>(), .period = 2ms};
 }
-/// The friction of a torque that is held for 2 ms, `(B^-1 + 3/2 h M^-1)^-1 dq`.
+/// What acts against a motion, of a torque that is held for 2 ms: D is 3 ms.
+struct Drag {
+  Eigen::Matrix<double, 6, 1> friction;  ///< `(B^-1 + D M^-1)^-1 dq`
+  Eigen::Matrix<double, 6, 1> brakes;    ///< the same with 0.3 of what lacks to `M dq / D`
+};
 template <class T>
-Eigen::Matrix<double, 6, 1> held_drag(const JointTorque<6, T>& b, const State<6, T>& s,
-                                      const JointTorque<6, T>& motors = {}) {
+Drag held_drag(const JointTorque<6, T>& b, const State<6, T>& s, const JointTorque<6, T>& motors = {}) {
   auto mass = mass_matrix(ur5::Model{}, s.q);
   for (std::size_t i = 0; i < 6; ++i) mass(i, i) += motors[i];
   Eigen::Matrix<double, 6, 6> M, B;
@@ -35,7 +39,10 @@ Eigen::Matrix<double, 6, 1> held_drag(const JointTorque<6, T>& b, const State<6,
     dq[r] = double(s.dq[i]);
     for (std::size_t j = 0; j < 6; ++j) M(r, static_cast<Eigen::Index>(j)) = double(mass(i, j));
   }
-  return (B.inverse() + 0.003 * M.inverse()).inverse() * dq;
+  Drag out;
+  out.friction = (B.inverse() + 0.003 * M.inverse()).inverse() * dq;
+  out.brakes = out.friction + 0.3 * (M * dq / 0.003 - out.friction);
+  return out;
 }
 struct Asks {
   static constexpr Needs needs = {.mass = true};
@@ -91,9 +98,11 @@ TEST_CASE_TEMPLATE(
   CHECK(law.evaluations == 1);
   const auto drag = held_drag(c.viscous_friction, s);
   for (std::size_t i = 0; i < 6; ++i) {
-    const double want = double(push[i]) + double(gravity[i]) - drag[static_cast<Eigen::Index>(i)];
+    const auto r = static_cast<Eigen::Index>(i);
+    const double want = double(push[i]) + double(gravity[i]) - drag.friction[r];
     CHECK(double(out.command.torque[i]) == doctest::Approx(want).epsilon(1e-6));
-    CHECK(double(out.fallback[i]) == doctest::Approx(want - double(push[i])).epsilon(1e-5));
+    CHECK(double(out.hold[i]) == doctest::Approx(want - double(push[i])).epsilon(1e-5));
+    CHECK(double(out.fallback[i]) == doctest::Approx(double(gravity[i]) - drag.brakes[r]).epsilon(1e-5));
   }
 }
 
@@ -110,9 +119,9 @@ TEST_CASE_TEMPLATE("Resolver for torques: laws and friction know the motors, whi
   const auto held = robot.held(s), too_little = light.held(s);
   for (std::size_t i = 0; i < 6; ++i)
     CHECK(double(held[i]) ==
-          doctest::Approx(double(gravity[i]) - drag[static_cast<Eigen::Index>(i)]).epsilon(1e-5));
-  CHECK(drag[5] > 3.5);  // of 4 N m at 1 rad/s
-  CHECK(double(gravity[5] - too_little[5]) < 1);
+          doctest::Approx(double(gravity[i]) - drag.brakes[static_cast<Eigen::Index>(i)]).epsilon(1e-5));
+  CHECK(drag.friction[5] > 3.5);  // of 4 N m at 1 rad/s
+  CHECK(double(gravity[5] - too_little[5]) < 1.5);
   const NoTouch none;
   const auto known = robot.template known<Asks>(s, T(0.002), none);
   const auto links = mass_matrix(ur5::Model{}, s.q);
@@ -133,18 +142,18 @@ TEST_CASE_TEMPLATE("Resolver for torques: torques are cut to the limits", T, flo
   CHECK(out.command.torque[5] == T(28));
 }
 
-TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, gravity is held with friction", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, the robot brakes and gravity is held", T,
+                   float, double) {
   auto c = configuration<T>();
   c.viscous_friction = JointTorque<6, T>::constant(T(2));
   const Robot<T> robot(ur5::Model{}, c);
   const T nan = std::numeric_limits<T>::quiet_NaN();
   Yield::Memory law;
-  const auto holds = [&](const auto& out, double friction = 2) {
+  const auto holds = [&](const auto& out, bool brakes = true) {
     const auto gravity = gravity_torque(ur5::Model{}, at<T>(0ns).q);
     const auto drag = held_drag(c.viscous_friction, at<T>(0ns));
     for (std::size_t i = 0; i < 6; ++i) {
-      const double want = double(gravity[i]) - (friction > 0 ? drag[static_cast<Eigen::Index>(i)] : 0.0);
+      const double want = double(gravity[i]) - (brakes ? drag.brakes[static_cast<Eigen::Index>(i)] : 0.0);
       CHECK(double(out.command.torque[i]) == doctest::Approx(want).epsilon(1e-5));
     }
   };
@@ -168,7 +177,7 @@ TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, gravity is h
   CHECK(m.measured().q == at<T>(0ns).q);
   out = step(robot, m, law, bad, 40ms, JointTorque<6, T>::constant(T(3)));
   CHECK(out.status.has(Reason::state_stale));
-  holds(out, 0);  // nobody knows how it moves: friction by an old velocity would push
+  holds(out, false);  // nobody knows how it moves: braking by an old velocity would push
 }
 
 TEST_CASE_TEMPLATE("Resolver for torques: a push moves a robot that obeys, friction stops it", T, float,
@@ -198,6 +207,32 @@ TEST_CASE_TEMPLATE("Resolver for torques: a push moves a robot that obeys, frict
   CHECK(std::abs(s.dq[0]) < T(1e-3));
 }
 
+TEST_CASE(
+    "Resolver for torques: a stopped robot without friction brakes within 50 ms, and can be moved away") {
+  const Robot<double> robot(ur5::Model{}, configuration<double>());
+  auto m = robot.start(at<double>(0ns));
+  Yield::Memory law;
+  robot.stop(m);
+  State<6> s = at<double>(0ns);
+  const auto energy = [&] {
+    return kinetic_energy(ur5::Model{}, JointAngles<ur5::Model, double>(ur5::Model{}, s.q), s.dq);
+  };
+  const auto run = [&](Nanoseconds duration, const JointTorque<6>& push) {
+    for (const Nanoseconds end = s.time + duration; s.time < end;) {
+      const auto out = step(robot, m, law, s, s.time + 2ms, {});
+      s = simulate(ur5::Model{}, s, out.command.torque + push, 0.002);
+    }
+  };
+  const double begun = energy();
+  run(50ms, {});
+  CHECK(energy() < 0.01 * begun);
+  const double from = s.q[0];
+  run(1s, {20.0, 0.0, 0.0, 0.0, 0.0, 0.0});
+  CHECK(s.q[0] - from > 0.02);
+  run(100ms, {});
+  CHECK(energy() < 1e-3);
+}
+
 TEST_CASE("Resolver for torques: time that goes back or stands still repeats the command") {
   const Robot<double> robot(ur5::Model{}, configuration<double>());
   auto m = robot.start(at<double>(10ms));
@@ -207,8 +242,11 @@ TEST_CASE("Resolver for torques: time that goes back or stands still repeats the
   elsewhere.q[1] += 0.4;
   const auto late = step(robot, m, law, elsewhere, 8ms, {});
   CHECK(late.status == Reason::time_backwards);
-  const auto held = gravity_torque(ur5::Model{}, elsewhere.q);  // where it is, not where it was
-  for (std::size_t i = 0; i < 6; ++i) CHECK(late.fallback[i] == doctest::Approx(held[i]).epsilon(1e-12));
+  const auto gravity = gravity_torque(ur5::Model{}, elsewhere.q);  // where it is, not where it was
+  const auto drag = held_drag(JointTorque<6>::constant(1e-12), elsewhere);
+  for (std::size_t i = 0; i < 6; ++i)
+    CHECK(late.fallback[i] ==
+          doctest::Approx(gravity[i] - drag.brakes[static_cast<Eigen::Index>(i)]).epsilon(1e-9));
   CHECK(law.evaluations == 0);
   auto bad = at<double>(0ns);
   bad.q[0] = std::nan("");

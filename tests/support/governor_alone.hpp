@@ -35,17 +35,11 @@ struct GovernorAlone : Governor {
   }
   template <class Touch, class Nearest>
   auto step_torque(Memory& m, const JointCommand<N, T>& last, const JointCommand<N, T>& wish,
-                   const JointTorque<N, T>& hold, bool waits, bool stale, T rate, const State<N, T>& measured,
+                   const JointTorque<N, T>& hold, bool stale, T rate, const State<N, T>& measured,
                    const Touch& touch, const Nearest& nearest, T dt) const noexcept {
-    return Governor::step(m,
-                          {.last = last,
-                           .measured = measured,
-                           .span = dt,
-                           .dt = dt,
-                           .torque_rate = rate,
-                           .stale = stale,
-                           .waits = waits},
-                          wish, hold, TouchOf<Touch, Nearest>{touch, nearest});
+    return Governor::step(
+        m, {.last = last, .measured = measured, .span = dt, .dt = dt, .torque_rate = rate, .stale = stale},
+        wish, hold, TouchOf<Touch, Nearest>{touch, nearest});
   }
 };
 /// Of an arm of the model `M` by the interface `I`.

@@ -72,7 +72,6 @@ class ContactLimits {
   using Kind = LinkContacts;
   static constexpr Precedence precedence = Precedence::contact;
   static constexpr bool of_the_drive = true;
-  static constexpr Status holds_on = Status(Reason::contact_force) | Reason::contact_power;
   static constexpr LinkMask links = (link_bit<Ix> | ...);
   static constexpr std::size_t count = sizeof...(Ix);
   static constexpr std::size_t joints = M::joints;

@@ -16,12 +16,6 @@ struct Governed {
   Status status;
   bool altered = false;
 };
-/// The same with joints by torque; `hold` is the torque that holds them if the guard refuses the command.
-template <std::size_t N, Real T>
-struct GovernedTorque : Governed<N, T> {
-  JointTorque<N, T> hold;
-};
-
 /// The stage between resolver and guard of a scene: its limits in the order of their precedence. It knows
 /// what a limit is (`limits/limit.hpp`), and names none.
 ///
@@ -35,11 +29,12 @@ struct GovernedTorque : Governed<N, T> {
 /// where the stop does too, jerk gives way.
 ///
 /// **Joints by torque.** The motion under external forces is unknown, so the speed is braked:
-/// `braking_cycles` cycles ahead, after T, the torque leads to `u = dq + T M^-1 (tau - hold)`, of which the
-/// limits leave u'. `tau - M (u - u') / T` leads to u': drive that would make the robot too fast, or press
-/// harder than a region allows, is removed, and a robot that is pushed too fast is damped; what pushes it
-/// (the `resistance` of `MotionLimits`) counts as well, but not for a contact, whose force it would hide. It
-/// sets in without a jump (u' = u leaves the torque to the bit), and never exceeds the joints' torques.
+/// `braking_cycles` cycles and `braking_delays` delays ahead, after T, the torque leads to
+/// `u = dq + T M^-1 (tau - hold)`, of which the limits leave u'. `tau - M (u - u') / T` leads to u': drive that
+/// would make the robot too fast, or press harder than a region allows, is removed, and a robot that is pushed
+/// too fast is damped; what pushes it (the `resistance` of `MotionLimits`) counts as well, but not for a
+/// contact, whose force it would hide. It sets in without a jump (u' = u leaves the torque to the bit), and
+/// never exceeds the joints' torques.
 ///
 /// @tparam Sets    `JointGroups` of the robot.
 /// @tparam Limits  in the order of their precedence.
@@ -53,13 +48,13 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   using Input = typename Base::Input;
   using Memory = typename Base::Memory;
   using Command = JointCommand<joints, T>;
-  using Output = std::conditional_t<has_driven, GovernedTorque<joints, T>, Governed<joints, T>>;
+  using Output = Governed<joints, T>;
   using Base::Base;
 
   /// The command in place of `wish`.
   ///
   /// @param hold  the torque that holds the joints by torque: gravity compensation, with friction if it has
-  ///               some.
+  ///               some; without what brakes them.
   /// @param seen  the touch of this cycle: `pressed()` (`PressedAreas`, or wrenches on the links),
   ///              `nearest<Ix>()` (the strongest proximity reading of a link) and `coverage()`, as far as
   ///              limits ask.
@@ -68,13 +63,13 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   template <class Seen>
   SKINCTL_INLINE Output step(Memory& m, const Input& in, const Command& wish,
                              const JointTorque<joints, T>& hold, const Seen& seen) const noexcept {
-    Output out = passed(wish, hold);
+    Output out{wish.copy(), {}, false};
     if (!usable(in, wish, hold)) {
       this->forget_torque(m);
       return out;
     }
     if constexpr (has_driven) {
-      with_driven(m, in, seen, out);
+      with_driven(m, in, hold, seen, out);
     } else {
       const Going going = this->going_of(in);
       Slowed left{wish.velocity, {}};
@@ -90,7 +85,6 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   static constexpr int sharing_steps = 8;
   using Base::each_group;
   using Base::each_limit;
-  using Base::holds_on;
   using Base::judges_velocity;
   using Base::limits_;
   using Base::model_;
@@ -107,14 +101,6 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   template <std::size_t K>
   using Set = typename Base::template Set<K>;
 
-  [[nodiscard]] static SKINCTL_INLINE Output passed(const Command& wish,
-                                                    const JointTorque<joints, T>& hold) noexcept {
-    if constexpr (has_driven) {
-      return {{wish.copy(), {}, false}, hold};
-    } else {
-      return {wish.copy(), {}, false};
-    }
-  }
   [[nodiscard]] static SKINCTL_INLINE bool usable(const Input& in, const Command& wish,
                                                   const JointTorque<joints, T>& hold) noexcept {
     return wish.valid && detail::is_plausible(wish) && in.dt > T(0) && (!has_motion || in.span > T(0)) &&
@@ -201,8 +187,8 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
 
   /// The same with joints by torque.
   template <class Seen>
-  SKINCTL_NOINLINE void with_driven(Memory& m, const Input& in, const Seen& seen,
-                                    Output& out) const noexcept {
+  SKINCTL_NOINLINE void with_driven(Memory& m, const Input& in, const JointTorque<joints, T>& hold,
+                                    const Seen& seen, Output& out) const noexcept {
     const Going going = this->going_of(in);
     Slowed left{out.command.velocity, {}};
     if (in.stale) {
@@ -221,12 +207,9 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
     auto braked = drive.asked;
     if constexpr (of_torque < count)
       this->template part<of_torque>().observe(this->template own<of_torque>(m), drive.mass, drive.bias,
-                                               in.measured, acted, in.dt);
-    bool waits = in.waits, predicted = true;
-    if constexpr (judges_velocity) {
-      predicted = slow(m, in, going, drive, seen, braked, left, out);
-      waits = waits || (left.status & holds_on).any();
-    }
+                                               in.measured, acted, in.delay, in.dt);
+    bool predicted = true;
+    if constexpr (judges_velocity) predicted = slow(m, in, going, drive, hold, seen, braked, left, out);
     if constexpr (has_motion) move(m, in, going, left, out);
     if (!predicted) return;
     if constexpr (of_torque < count) {
@@ -237,19 +220,18 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
       if (kept.altered) braked = kept.torque, out.altered = true;
     }
     if (out.altered) out.command.torque = drive.with(out.command.torque, braked);
-    if (waits) out.hold = drive.with(out.hold, Driven::of(out.hold) - drive.that_takes(in.measured.dq));
   }
   /// What the limits leave of the velocity to which the torques lead, and the torque that leads there; false
   /// if that cannot be predicted.
   template <class Seen>
   SKINCTL_INLINE bool slow(Memory& m, const Input& in, const Going& going, const Drive& drive,
-                           const Seen& seen, typename Drive::Torque& braked, Slowed& left,
-                           Output& out) const noexcept {
+                           const JointTorque<joints, T>& hold, const Seen& seen,
+                           typename Drive::Torque& braked, Slowed& left, Output& out) const noexcept {
     typename Drive::Velocity led, world;
     typename Drive::Torque resistance;
     if constexpr (of_torque < count)
       resistance = this->template part<of_torque>().resistance(this->template own<of_torque>(m));
-    const bool predicted = drive.leads(out.hold, resistance, led, world);
+    const bool predicted = drive.leads(hold, resistance, led, world);
     if (!predicted) {
       if constexpr (!has_motion) return false;
       led = Driven::of(in.measured.dq), world = {};

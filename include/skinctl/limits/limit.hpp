@@ -79,7 +79,6 @@ struct NoInput {};
 // | `reason`                                 | status where `within` acts                                   | -         |
 // | `keeps(m, going, v, moved) -> bool`      | whether a motion that ends at v, by `moved`, keeps it: else a smooth motion gives way | true |
 // | `of_the_drive`                           | by torque it judges what the drive does, not what the world adds | false |
-// | `holds_on`                               | reasons after which joints by torque are held with damping   | none      |
 // | `look(m, seen, dt) -> Status`            | before the laws, `dt` seconds since the last cycle           | nothing   |
 // | `stays(m) -> bool`                       | whether the robot is to brake and hold                       | false     |
 // | `Input`, `see(m, input, q, now)`         | what it adds to the input of a cycle, and takes from it      | nothing   |
@@ -105,10 +104,6 @@ template <class L>
 concept LimitsTorque = requires { requires L::limits_torque; };
 template <class L>
 concept OfTheDrive = requires { requires L::of_the_drive; };
-template <class L>
-concept HoldsOn = requires {
-  { L::holds_on } -> std::convertible_to<Status>;
-};
 template <class L, class Q>
 concept StandsOff =
     requires(const L& limit, typename L::Memory& m, const Q& off) { limit.stand_off(m, off); };

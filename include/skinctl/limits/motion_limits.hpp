@@ -6,6 +6,7 @@
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/limits/detail/acted_torque.hpp"
 #include "skinctl/limits/detail/nearest_in_box.hpp"
 #include "skinctl/limits/limit.hpp"
 #include "skinctl/model/model.hpp"
@@ -50,6 +51,7 @@ class MotionLimits {
     JointVelocity<n, T> dq;  ///< in the last cycle
     Torque resists[3];       ///< r of the last cycles, newest first
     bool known = false;      ///< the above are valid
+    detail::ActedTorque<n, T> sent;
   };
   /// The torque that keeps the limits, the velocity to which it leads, and the limits that acted.
   struct Kept {
@@ -62,17 +64,20 @@ class MotionLimits {
   explicit MotionLimits(const M& model) : model_(model) {}
   [[nodiscard]] const M& model() const noexcept { return model_; }
 
-  /// Takes down, once a cycle, what has resisted the last torque; the parameters are those of `within`.
+  /// Takes down, once a cycle, what has resisted the torque that acted; the parameters are those of `within`.
+  ///
+  /// @param delay  from a torque that is sent until it acts [s].
   SKINCTL_INLINE void observe(Memory& m, const MassMatrix<joints, T>& mass,
                               const JointTorque<joints, T>& bias, const State<joints, T>& measured,
-                              const Torque& last, const T& dt) const noexcept {
+                              const Torque& last, const T& delay, const T& dt) const noexcept {
     const JointVelocity<n, T> dq = Set::of(measured.dq);
     m.resists[2] = m.resists[1];
     m.resists[1] = m.resists[0];
     m.resists[0] = {};
-    if (m.known) {
+    Torque acted;
+    if (m.sent.step(last, dt, delay, acted) && m.known) {
       const Torque gained = momentum_of<Set>(mass, measured.dq - whole(m.dq)), still = Set::of(bias);
-      for (std::size_t i = 0; i < n; ++i) m.resists[0][i] = last[i] - still[i] - gained[i] / dt;
+      for (std::size_t i = 0; i < n; ++i) m.resists[0][i] = acted[i] - still[i] - gained[i] / dt;
     }
     m.dq = dq;
     m.known = true;

@@ -19,13 +19,14 @@ struct AllAbrupt {
 };
 
 /// The result of one cycle of a resolver: the command, its status, the torque of each part of the law in its
-/// last evaluation, and the torque that holds the driven joints if the guard refuses the command.
+/// last evaluation, the torque that holds the driven joints, friction included, and that which brakes and holds them
+/// if the guard refuses the command.
 template <std::size_t N, Real T, std::size_t Terms>
 struct Resolved {
   JointCommand<N, T> command;
   Status status;
   std::array<JointTorque<N, T>, Terms> shares;
-  JointTorque<N, T> fallback;
+  JointTorque<N, T> hold, fallback;
 
   /// Member by member: GCC would first zero an aggregate of this size, by an instruction that starts slowly.
   SKINCTL_INLINE Resolved(const JointCommand<N, T>& given, Status found,
@@ -192,7 +193,8 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
 
     const bool braking = m.stop || begun.stale;
     if constexpr (has_driven) {
-      Driven::put(Driven::of(load.gravity) - load.resists, out.fallback);
+      Driven::put(Driven::of(load.gravity) - load.resists, out.hold);
+      Driven::put(Driven::of(load.gravity) - load.brakes, out.fallback);
       load.given = Driven::of(out.fallback);
       if (!has_virtual && m.stop && !begun.stale) out.status |= Reason::stopping;
     }
@@ -236,7 +238,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
       const auto sent_by = [&](const auto& who) {
         const Knows<L, Touch> known =
             who.robot.template known<L>(seen, seconds<T>(this->period()), who.touch);
-        return Driven::of(torque_of(who.law, who.memory, known)) - who.robot.friction(newest);
+        return Driven::of(torque_of(who.law, who.memory, known)) - who.robot.resistance(newest).friction;
       };
       Driven::put(sent_by(before) - sent_by(next), lacks);
     }

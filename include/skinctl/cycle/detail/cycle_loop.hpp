@@ -126,7 +126,6 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
         found |= given.status;
         slowed = given.altered;
         resolved.command.assign(given.command);
-        if constexpr (Resolver::has_driven) resolved.fallback = given.hold;
       }
     }
     const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured(), interval,
@@ -200,16 +199,17 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
                              bool stops) const noexcept {
     const scalar dt = seconds<scalar>(interval.to - interval.from);
     const auto& last = guard_.last(m.guard);
-    const typename Governor::Input in{.last = last,
-                                      .measured = m.robot.measured(),
-                                      .span = seconds<scalar>(interval.given(resolver_.period())),
-                                      .dt = dt,
-                                      .torque_rate = scalar(guard_.settings().torque_rate),
-                                      .motors = resolver_.shape().inertia,
-                                      .stale = resolved.status.has(Reason::state_stale),
-                                      .waits = guard_.waits(m.guard) || pauses(m),
-                                      .stops = stops};
-    return governor_.step(m.governor, in, resolved.command, resolved.fallback, seen);
+    const typename Governor::Input in{
+        .last = last,
+        .measured = m.robot.measured(),
+        .span = seconds<scalar>(interval.given(resolver_.period())),
+        .dt = dt,
+        .torque_rate = scalar(guard_.settings().torque_rate),
+        .delay = seconds<scalar>(resolver_.driven_delay() + resolver_.driven_lag()),
+        .motors = resolver_.shape().inertia,
+        .stale = resolved.status.has(Reason::state_stale),
+        .stops = stops};
+    return governor_.step(m.governor, in, resolved.command, resolved.hold, seen);
   }
 
   // For `Configurations`: whether another one may take over now; the law's start at the robot's state; the

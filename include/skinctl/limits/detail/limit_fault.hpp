@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 struct NamesOfALimit {
-  int share, within, keeps, look, stays, see, stand_off, links, holds_on, reason;
+  int share, within, keeps, look, stays, see, stand_off, links, reason;
 };
 SKINCTL_NAMES(NamesShare, NamesOfALimit, share);
 SKINCTL_NAMES(NamesWithin, NamesOfALimit, within);
@@ -21,7 +21,6 @@ SKINCTL_NAMES(NamesStays, NamesOfALimit, stays);
 SKINCTL_NAMES(NamesSee, NamesOfALimit, see);
 SKINCTL_NAMES(NamesStandOff, NamesOfALimit, stand_off);
 SKINCTL_NAMES(NamesLinks, NamesOfALimit, links);
-SKINCTL_NAMES(NamesHoldsOn, NamesOfALimit, holds_on);
 SKINCTL_NAMES(NamesReason, NamesOfALimit, reason);
 
 /// The touch of any scene, as limits see it.
@@ -52,7 +51,6 @@ enum class LimitFault {
   input,
   stand_off,
   links,
-  holds_on,
   idle
 };
 /// The first fault of a limit, for a robot of N joints whose motion is a `Going`.
@@ -80,7 +78,6 @@ consteval LimitFault fault_in_limit() {
       if (!Sees<L, Q>) return see;
     if (NamesStandOff<L> && !StandsOff<L, Q>) return stand_off;
     if (NamesLinks<L> && !ReadsTouch<L>) return links;
-    if (NamesHoldsOn<L> && !HoldsOn<L>) return holds_on;
     const bool acts = slows || turns || Looks<L, Seen, T> || Stays<L> || DecidesMotion<L> || LimitsTorque<L>;
     return acts ? none : idle;
   }
@@ -104,7 +101,6 @@ struct SayLimit {
                 "limit: see(memory, input, q, now) needs a type Input, which it adds to the scene's");
   static_assert(F != stand_off, "limit: stand_off(memory, off)");
   static_assert(F != links, "limit: links has to be a LinkMask");
-  static_assert(F != holds_on, "limit: holds_on has to be a Status");
   static_assert(F != idle, "this limit limits nothing: it has neither share nor within, look or stays");
 };
 

@@ -22,9 +22,9 @@ struct GovernorInput {
   T span;                          ///< time in which the robot carries the command out [s]
   T dt;                            ///< time since the last cycle [s]
   T torque_rate = T(0);            ///< fastest change of a torque that the guard allows [limits per second]
+  T delay = T(0);                  ///< delay and lag of the joints by torque [s]
   JointTorque<N, T> motors = {};   ///< inertia of the motors at joints by torque [kg m^2]
   bool stale = false;  ///< whether measured velocities are too old to brake by: then joints by torque pass
-  bool waits = false;  ///< whether joints by torque are to be held with damping
   bool stops = false;  ///< whether a stop was requested: it ends at a limit, and does not slide along
 };
 
@@ -58,8 +58,9 @@ class LimitsOfScene {
         ...);
     return all;
   }();
-  /// The number of cycles of the prediction of torques, and of braking by them.
-  static constexpr int braking_cycles = 4;
+  /// The time of the prediction of torques, and of braking by them, in cycles and in delays of the joints: at least
+  /// twice the loop's delay, faster braking swings.
+  static constexpr int braking_cycles = 4, braking_delays = 2;
   /// And the shortest such time [s]: a guard turns a torque over its whole range in 20 ms.
   static constexpr double shortest_braking = 0.01;
   using Input = GovernorInput<joints, T>;
@@ -203,7 +204,7 @@ class LimitsOfScene {
     Position q = in.last.position;
     Velocity from = in.last.velocity;
     if constexpr (has_driven) {
-      ahead = T(braking_cycles) * in.dt;
+      ahead = T(braking_cycles) * in.dt + T(braking_delays) * in.delay;
       if (ahead < T(shortest_braking)) ahead = T(shortest_braking);
       Driven::put(Driven::of(in.measured.q), q);
       Driven::put(Driven::of(in.stale ? Velocity{} : in.measured.dq), from);
@@ -278,16 +279,6 @@ class LimitsOfScene {
 
   /// Whether a limit judges velocities.
   static constexpr bool judges_velocity = (!LimitsTorque<Limits> || ...);
-  static constexpr Status holds_on = [] {
-    Status all;
-    (
-        [&] {
-          if constexpr (HoldsOn<Limits>) all |= Limits::holds_on;
-        }(),
-        ...);
-    return all;
-  }();
-
   [[no_unique_address]] M model_;
   JointLimits<joints, T> limits_;
   [[no_unique_address]] std::tuple<Limits...> parts_;

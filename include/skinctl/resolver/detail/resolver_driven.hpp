@@ -63,6 +63,7 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     Torque gravity;        ///< that holds their weight [N m]
     Torque port;           ///< of contacts [N m]
     DrivenTorque resists;  ///< friction that is added [N m]
+    DrivenTorque brakes;   ///< where no law is asked, friction included [N m]
     DrivenTorque passive;  ///< for which a tank does not pay [N m]
     DrivenTorque given;    ///< sent to them [N m]
   };
@@ -114,7 +115,10 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
       const State<joints, T>& now = m.measured();
       load.gravity = gravity_torque(model_, now.q);
       // An old velocity is no basis for braking.
-      if (!begun.stale) load.resists = this->friction(now);
+      if (!begun.stale) {
+        const auto resistance = this->resistance(now);
+        load.resists = resistance.friction, load.brakes = resistance.brakes;
+      }
       if constexpr (has_tank) {
         // The stiff joints draw from the same tank afterwards.
         const auto& tank = passivity_.template get<EnergyTank<T>>();
@@ -124,8 +128,8 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
         tank.book(m.driven.tank, Driven::of(begun.displaced), Driven::of(load.port),
                   Driven::of(load.gravity));
         shared = m.driven.tank.energy;
-        load.passive =
-            tank.settings().port_gain * Driven::of(load.port) + Driven::of(load.gravity) - load.resists;
+        load.passive = tank.settings().port_gain * Driven::of(load.port) + Driven::of(load.gravity) -
+                       (m.stop ? load.brakes : load.resists);
       }
       return load;
     }

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "skinctl/dynamics/quantities.hpp"
-#include "skinctl/resolver/detail/held_friction.hpp"
 #include "skinctl/resolver/detail/virtual_joints.hpp"
 #include "skinctl/resolver/integrator.hpp"
+#include "skinctl/robot/detail/held_friction.hpp"
 #include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/tool_shape.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
@@ -158,13 +158,24 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
     for (const std::size_t i : Driven::index) m(i, i) = m(i, i) + shape_.inertia[i];
     return m;
   }
-  /// The friction that is added to the driven joints [N m].
-  [[nodiscard]] SKINCTL_INLINE DrivenTorque friction(const State<joints, T>& s) const noexcept {
-    if constexpr (has_driven)
-      if (has_friction_)
-        return held_friction<Driven>(shape_.viscous, real_mass(s.q), s.dq, seconds<T>(period_));
-    return {};
+  /// The friction that is added to the driven joints, and the torque that brakes them, friction included [N m].
+  struct Resistance {
+    DrivenTorque friction, brakes;
+  };
+  [[nodiscard]] SKINCTL_INLINE Resistance resistance(const State<joints, T>& s) const noexcept {
+    Resistance out;
+    if constexpr (has_driven) {
+      const auto mass = real_mass(s.q);
+      const T delay = seconds<T>(driven_delay_ + driven_lag_ + 3 * period_ / 2);  // D
+      if (has_friction_) out.friction = held_friction<Driven>(shape_.viscous, mass, s.dq, delay);
+      const DrivenTorque hardest = momentum_of<Driven>(mass, s.dq) * T(T(1) / delay);
+      out.brakes = out.friction + T(brake_share) * (hardest - out.friction);
+    }
+    return out;
   }
+  /// What brakes the driven joints where no law is asked, in parts of the hardest damping that does not shake them,
+  /// `M dq / D`: the share of the default gain of tracking by torque.
+  static constexpr double brake_share = 0.3;
   /// The virtual robot's torque within its limits, along the motion that `tau` asks for; with Coriolis
   /// forces: at full speed they are as large as what is left of a light joint's torque.
   [[nodiscard]] SKINCTL_COLD Torque limited(const State<joints, T>& now, const Torque& tau) const noexcept {

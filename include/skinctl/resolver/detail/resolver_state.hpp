@@ -84,11 +84,11 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     return out;
   }
 
-  /// The torque that holds the driven joints without a law: `G(q) - B dq`; zero for the others.
+  /// The torque that holds the driven joints without a law: gravity, and brakes; zero for the others.
   [[nodiscard]] JointTorque<joints, T> held(const State<joints, T>& robot) const noexcept {
     JointTorque<joints, T> out;
     if constexpr (has_driven)
-      Driven::put(Driven::of(gravity_torque(model_, robot.q)) - this->friction(robot), out);
+      Driven::put(Driven::of(gravity_torque(model_, robot.q)) - this->resistance(robot).brakes, out);
     return out;
   }
 

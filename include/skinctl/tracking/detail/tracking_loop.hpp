@@ -4,6 +4,7 @@
 
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/law/evaluate.hpp"
+#include "skinctl/robot/detail/held_friction.hpp"
 #include "skinctl/tracking/damping.hpp"
 #include "skinctl/tracking/joint_space.hpp"
 
@@ -77,11 +78,11 @@ class TrackingLoop : public Composable {
     if constexpr (inertial) a_r = a_r - share.feedback * damped;
     const auto& shape = gains().virtual_dynamics;
     const R decayed = a_r + shape.damping * v_r;
-    const R shaped = shape.viscous * v_r + shape.inertia * decayed;  // of rotors and friction
     const JointVelocity<N, T> dq_r(v_r);
     const JointAcceleration<N, T> ddq_r(decayed);
     JointTorque<N, T> tau;
     const JointAngles<M, T> angles(known.model(), R(mid.q) + dx);
+    const R shaped = R(added_friction<K>(known.model(), angles, dq_r)) + shape.inertia * decayed;
     constexpr bool weighs = G == GravityTerm::included;
     if constexpr (K::carries_bias) {
       BiasBeside<N, T> unasked;
@@ -123,6 +124,21 @@ class TrackingLoop : public Composable {
   }
 
   [[nodiscard]] static SKINCTL_INLINE T finite(const T& x) noexcept { return x - x == T(0) ? x : T(0); }
+  /// The torque that the robot's added friction takes at the speed `v`: of a virtual robot B v, of a real one
+  /// as much as its delay allows, see `held_friction`. With B v a loop of 20 ms ran away by its own friction.
+  template <class K, class M, class Angles>
+  [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> added_friction(const M& model, const Angles& angles,
+                                                                const JointVelocity<N, T>& v) const noexcept {
+    using R = Row<N, T>;
+    const auto& shape = gains().virtual_dynamics;
+    if constexpr (!K::is_virtual)
+      if (any(R(shape.viscous) > R(T(0)))) {
+        auto mass = mass_matrix(model, angles);
+        for (std::size_t i = 0; i < N; ++i) mass(i, i) = mass(i, i) + shape.inertia[i];
+        return held_friction<AllJoints<N>>(shape.viscous, mass, v, seconds<T>(gains().delay_in_loop()));
+      }
+    return JointTorque<N, T>(shape.viscous * R(v));
+  }
   [[nodiscard]] SKINCTL_INLINE Gain<T> gain(const Memory& memory, const T& x) const noexcept {
     const T t = seconds<T>(memory.since_reset) + x;
     return memory.tb > T(0) ? schedule_.at(t, memory.tb) : schedule_.rising(t, memory.K_from);
