@@ -40,6 +40,8 @@ constexpr double quiet = 20;     ///< time in which nobody does anything [s]
 constexpr double watched = 5;    ///< last part of it, in which nothing may swing [s]
 constexpr double stops_in = 4;   ///< time after which a stopped arm stands [s]
 constexpr Nanoseconds plant_step = 100us;
+constexpr double tank_start = 1;  ///< energy of the tank [J]
+constexpr double port_gain = 1;   ///< with which the law answers pushes
 /// The mechanical stops: behind the declared ends [rad], and as stiff as rubber [N m/rad, N m s/rad].
 constexpr double behind_end = 0.1, stop_stiffness = 1000, stop_damping = 10;
 
@@ -61,9 +63,12 @@ struct Findings {
   Found ends{"way beyond the end of a joint, nobody pushing [rad]", beyond_end};
   Found swing{"swing at rest: speed between two turns of a joint [rad/s]", rests};
   Found stop{"speed after a stop [rad/s]", rests};
+  Found energy{"energy that neither pushes nor the tank gave [J]", 0.01};
   Found invalid{"commands that are none", 0};
   std::uint64_t cycles = 0, scenes = 0, refused = 0;
-  auto all() { return std::array{&torque, &rate, &velocity, &pushed, &ends, &swing, &stop, &invalid}; }
+  auto all() {
+    return std::array{&torque, &rate, &velocity, &pushed, &ends, &swing, &stop, &energy, &invalid};
+  }
 };
 
 /// Which parts a scene has.
@@ -142,7 +147,7 @@ auto scene_of(const Drawn& d) {
   tracking.lambda *= d.softer, tracking.K_c *= d.softer, tracking.K_i1 *= d.softer;
   tracking.K_i2 *= d.softer;
   const auto law = SplineJoint<6>(tracking) + SkinJointControl{} + GravityControl{};
-  const EnergyTank<> tank({.start = 1, .max = 1});
+  const EnergyTank<> tank({.start = tank_start, .max = tank_start, .port_gain = port_gain});
   const auto plain = [&] {
     if constexpr (P::tank) {
       return Cycle(robot(tank), skin(), law);
@@ -163,6 +168,7 @@ class Arm {
   State<6> x{0ns, Drawn::home, {}};
   std::array<bool, 6> fast{};
   std::array<double, cells> force{};
+  double given = 0;  ///< work of the pushes [J]
 
   explicit Arm(const Drawn& d) : declared_(d.robot), dry_(d.dry) {
     for (std::size_t i = 0; i < 6; ++i) {
@@ -171,6 +177,11 @@ class Arm {
   }
   void start(const JointTorque<6>& tau) { tau_ = tau; }
   void command(const JointTorque<6>& tau) { under_way_.push_back({x.time + declared_.delay, tau}); }
+  [[nodiscard]] double kinetic() const {
+    double sum = kinetic_energy(ur5::Model{}, JointAngles<ur5::Model, double>(ur5::Model{}, x.q), x.dq);
+    for (std::size_t i = 0; i < 6; ++i) sum += 0.5 * declared_.virtual_inertia[i] * x.dq[i] * x.dq[i];
+    return sum;
+  }
   void advance(Nanoseconds now) {
     for (; x.time < now; x.time += plant_step) {
       for (; !under_way_.empty() && under_way_.front().first <= x.time; under_way_.pop_front())
@@ -183,11 +194,14 @@ class Arm {
         if (past != 0) tau[i] -= stop_stiffness * past + stop_damping * x.dq[i];
         if (fast[i]) x.dq[i] = 0, motors[i] = 1e9;
       }
-      add_pushes<2>(x.q, forearm(), force, tau);
-      add_pushes<5>(x.q, hand(), force, tau);
+      JointTorque<6> push;
+      add_pushes<2>(x.q, forearm(), force, push);
+      add_pushes<5>(x.q, hand(), force, push);
+      tau += push;
       const double h = seconds<double>(plant_step);
       x.dq = integrate(x.dq, acceleration(ur5::Model{}, x, tau, motors), h);
       x.q = integrate(x.q, x.dq, h);
+      given += h * power(push, x.dq);
     }
   }
 
@@ -226,7 +240,8 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
 
   const double busy = roll(3, 8), ends = busy + quiet;
   JointTorque<6> last = memory->robot.command().torque;
-  double torque = 0, rate = 0, velocity = 0, pushed = 0, beyond = 0, swing = 0, stop = 0, invalid = 0;
+  double torque = 0, rate = 0, velocity = 0, pushed = 0, beyond = 0, swing = 0, stop = 0, energy = 0,
+         invalid = 0;
   Nanoseconds now{};
   double last_push = -1, printed = 0;
   bool stopping = false;
@@ -279,6 +294,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
     const auto out = scene.step(*memory, input);
     ++found.cycles;
     invalid += !out.command.valid;
+    if (P::tank) energy = std::max(energy, robot.kinetic() - (1 + port_gain) * robot.given - tank_start);
     const bool alone = t - last_push > 0.5;
     double fastest = 0;
     for (std::size_t i = 0; i < 6; ++i) {
@@ -323,13 +339,13 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   ++found.scenes;
   found.torque.take(torque, seed), found.rate.take(rate, seed), found.velocity.take(velocity, seed);
   found.pushed.take(pushed, seed), found.ends.take(beyond, seed), found.swing.take(swing, seed);
-  found.stop.take(stop, seed), found.invalid.take(invalid, seed);
+  found.stop.take(stop, seed), found.energy.take(energy, seed), found.invalid.take(invalid, seed);
   if (trace)
     std::printf(
         "period %.2f ms, delay %.1f ms, late %.2f: torque %.4f, rate %.4f, velocity %.4f, pushed %.4f, "
-        "beyond %.2g rad, swing %.2g, stop %.2g rad/s\n",
+        "beyond %.2g rad, swing %.2g, stop %.2g rad/s, energy %.3g J\n",
         1e3 * dt, 1e3 * seconds<double>(d.robot.delay), d.late, torque, rate, velocity, pushed, beyond, swing,
-        stop);
+        stop, energy);
 }
 
 /// The scene of a seed: its number says which parts it has.
