@@ -70,7 +70,10 @@ struct Arm::Parts {
     for (;;) {
       const Heard heard = driver->wait(state);
       if (heard == Heard::lost) throw std::runtime_error("the robot was lost: " + driver->error());
-      if (heard == Heard::state) return;
+      if (heard == Heard::state) {
+        options.each_cycle(state.time);
+        return;
+      }
     }
   }
   void tell(const std::array<double, 6>& q) {
@@ -118,6 +121,13 @@ Arm::Stand Arm::go(const JointAngles6& to, double speed) {
   return stand;
 }
 
+void Arm::stay(double duration) {
+  Parts& p = *parts_;
+  const JointAngles6 q = p.measured();
+  const Nanoseconds begin = p.state.time;
+  while (seconds<double>(p.state.time - begin) < duration) p.tell(q), p.hear();
+}
+
 Ride Arm::follow(const std::function<JointPoint(double)>& path, double duration) {
   Parts& p = *parts_;
   constexpr double rest = 1;
@@ -145,7 +155,7 @@ Ride Arm::follow(const std::function<JointPoint(double)>& path, double duration)
       for (std::size_t i = 0; i < 6; ++i) out.q(Eigen::Index(k), Eigen::Index(i)) = rows[k][i];
     return out;
   };
-  return {table(measured), table(torque).q, table(truth)};
+  return {begin, table(measured), table(torque).q, table(truth)};
 }
 
 }  // namespace calibrate_skin

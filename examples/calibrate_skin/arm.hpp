@@ -23,6 +23,7 @@ struct RobotMasses {
 
 /// What became of a motion; times from its first cycle.
 struct Ride {
+  skinctl::Nanoseconds begin{};      ///< of its times, by the robot's clock
   skinctl::JointRecording measured;  ///< as the robot reports it
   Eigen::MatrixXd torque;            ///< by the motors' currents, a row per stamp of `measured` [N m]
   skinctl::JointRecording truth;     ///< of a simulated robot as it was, of a real one the same as `measured`
@@ -45,6 +46,8 @@ class Arm {
     JointAngles6 measured{}, truth{};
   };
   Stand go(const JointAngles6& q, double speed = 0.8);
+  /// Stays where it is told to be [s].
+  void stay(double duration);
   /// Along `path` [rad], from where it is at 0; a second of rest is added at both ends, and the times count from its beginning.
   [[nodiscard]] Ride follow(const std::function<skinctl::JointPoint(double)>& path, double duration);
 

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "skinctl/core/time.hpp"
+
 namespace calibrate_skin {
 
 namespace fs = std::filesystem;
@@ -29,6 +31,16 @@ struct ArmOptions {
   const std::atomic<bool>* stop = nullptr;  ///< set: the arm stops, and `Interrupted` is thrown
   std::function<void(const std::string&)> say = [](const std::string&) {};
   bool quiet = true;  ///< no progress line
+  /// Told the robot's clock in each of its cycles.
+  std::function<void(skinctl::Nanoseconds now)> each_cycle = [](skinctl::Nanoseconds) {};
+};
+
+/// A skin that exists, and sends datagrams to this computer.
+struct WireOptions {
+  std::string address = "127.0.0.1";  ///< of this computer
+  std::uint16_t port = 0;             ///< 0: there is none, the skin is simulated
+  std::string key;                    ///< file with the key that seals the datagrams; may be empty
+  fs::path network;                   ///< ids and neighbours of its cells, as `network.json`
 };
 
 struct Options {
@@ -38,6 +50,7 @@ struct Options {
   bool images = false;  ///< lights are found in rendered images, by OpenCV, not told with errors
   fs::path placed;  ///< a skin file in which first cells of patches lie as somebody placed them; may be empty
   bool masses = true;  ///< false: the model has axes only
+  WireOptions wire{};
   ArmOptions arm{};
   std::function<void(const std::string&)> say = [](const std::string&) {};
   /// Told what is going to move before it moves; false: nobody agreed, and nothing moves.
@@ -50,5 +63,9 @@ struct Options {
 /// left. Throws what `run_steps` and `write_results` throw, and `ConfigurationError` for a folder with a calibration of other options.
 std::optional<std::size_t> calibrate(const Options& options, std::uint64_t seed, const std::string& again,
                                      const std::string& until, const std::string& truth);
+
+/// Writes the simulated skin of a seed for a robot that wears it: `worn.json`, a skin file of all cells where they are, and
+/// `network.json`, what their network reports.
+void write_worn(const fs::path& folder, std::uint64_t seed);
 
 }  // namespace calibrate_skin

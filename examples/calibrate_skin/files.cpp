@@ -1,5 +1,6 @@
 // The results of a calibration as files: a skin, a robot, a report.
 #include <array>
+#include <exception>
 #include <map>
 #include <stdexcept>
 
@@ -92,6 +93,31 @@ SkinFile true_skin_file(SkinFile file, const World& world) {
   return file;
 }
 
+SkinFile worn_skin_file(const World& world) {
+  SkinFile file;
+  file.source = "the simulated skin";
+  for (std::size_t l = 0; l < ur5::tubes.size(); ++l) {
+    const NamedLink& link = ur5::Ros2Links::named_links[l];
+    const ur5::Tube& tube = ur5::tubes[l];
+    SkinFile::Patch patch;
+    patch.name = "skin of " + std::string(link.name);
+    patch.link = link.name;
+    patch.gains = {.force = gains[l], .proximity = 0};
+    patch.X_LinkRoot.p = patch.X_LinkRoot.p - link.p;
+    for (const World::Cell& c : world.truth()) {
+      if (c.link != l) continue;
+      auto& cell = patch.cells.emplace_back();
+      cell.id = c.id;
+      cell.X_RootCell = skin_pose(c.X_LinkCell);
+    }
+    if (patch.cells.empty()) continue;
+    file.links.push_back({std::string(link.name), tube.radius, norm(tube.to - tube.from), {0, 0, 1}, 0});
+    file.patches.push_back(std::move(patch));
+  }
+  file.check();
+  return file;
+}
+
 FoundAxes axes_of(const Json& moved) {
   if (!moved.at("complete").get<bool>()) return {{}, "not all axes are known: no table, and no model\n"};
   std::array<AxisLine, 6> lines;
@@ -109,29 +135,45 @@ FoundAxes axes_of(const Json& moved) {
   return {found.model<Chain<6>>(), found.text()};
 }
 
-void write_results(const Options& options) {
-  const Json found = read_json(options.folder / "result.json"),
-             moved = read_json(options.folder / "lines.json");
-  const SkinFile file = skin_file_of(found);
-  const FoundAxes axes = axes_of(moved);
-  std::string urdf;
-  if (axes.model) {
-    FoundModel model = *axes.model;
-    if (fs::exists(options.folder / "masses.json")) {
-      const Json masses = read_json(options.folder / "masses.json");
-      if (masses.contains("bodies"))
-        model = with_bodies(model, {.bodies = masses.at("bodies").get<decltype(RobotMasses::bodies)>()});
-    }
-    UrdfDress dress{.name = "calibrated_ur5"};
-    for (std::size_t i = 0; i < 6; ++i) dress.links.emplace_back(ur5::Ros2Links::named_links[i].name);
-    urdf = urdf_text(model, dress);
+namespace {
+
+std::string urdf_of(const fs::path& folder, const FoundAxes& axes) {
+  FoundModel model = *axes.model;
+  if (fs::exists(folder / "masses.json")) {
+    const Json masses = read_json(folder / "masses.json");
+    if (masses.contains("bodies"))
+      model = with_bodies(model, {.bodies = masses.at("bodies").get<decltype(RobotMasses::bodies)>()});
   }
-  write_text(options.folder / "dh.txt", axes.table);
-  if (!urdf.empty()) write_text(options.folder / "model.urdf", urdf);
-  write_text(options.folder / "report.html", report_of(options.folder));
-  if (file.patches.empty())
-    throw std::runtime_error("no patch is known well enough: no skin file was written; see report.html");
-  write_text(options.folder / "skin.json", skin_file_text(file));
+  UrdfDress dress{.name = "calibrated_ur5"};
+  for (std::size_t i = 0; i < 6; ++i) dress.links.emplace_back(ur5::Ros2Links::named_links[i].name);
+  return urdf_text(model, dress);
+}
+
+}  // namespace
+
+void write_results(const Options& options) {
+  std::exception_ptr failed;
+  // Each for itself: what cannot be written takes nothing else with it.
+  const auto attempt = [&](const auto& write) {
+    try {
+      write();
+    } catch (...) {
+      if (!failed) failed = std::current_exception();
+    }
+  };
+  attempt([&] {
+    const SkinFile file = skin_file_of(read_json(options.folder / "result.json"));
+    if (file.patches.empty())
+      throw std::runtime_error("no patch is known well enough: no skin file was written; see report.html");
+    write_text(options.folder / "skin.json", skin_file_text(file));
+  });
+  attempt([&] {
+    const FoundAxes axes = axes_of(read_json(options.folder / "lines.json"));
+    write_text(options.folder / "dh.txt", axes.table);
+    if (axes.model) write_text(options.folder / "model.urdf", urdf_of(options.folder, axes));
+  });
+  attempt([&] { write_text(options.folder / "report.html", report_of(options.folder)); });
+  if (failed) std::rethrow_exception(failed);
 }
 
 }  // namespace calibrate_skin

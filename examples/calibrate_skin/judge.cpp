@@ -1,7 +1,6 @@
 #include "examples/calibrate_skin/judge.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -12,7 +11,6 @@
 #include "examples/calibrate_skin/masses.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/compliant_ur5/run.hpp"
-#include "skinctl/calibration/turn.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_links.hpp"
@@ -21,48 +19,6 @@
 namespace calibrate_skin {
 
 using namespace skinctl;
-
-namespace {
-
-std::size_t link_of(const SkinFile::Patch& patch) {
-  for (std::size_t l = 0; l < 6; ++l)
-    if (ur5::Ros2Links::named_links[l].name == patch.link) return l;
-  throw std::runtime_error("no link " + patch.link);
-}
-FitPose fit_pose(const SkinPose& X) {
-  return {Eigen::Quaterniond(X.q[3], X.q[0], X.q[1], X.q[2]).normalized().toRotationMatrix(),
-          {X.p.x, X.p.y, X.p.z}};
-}
-
-}  // namespace
-
-SkinError skin_error(const SkinFile& file, const World& world) {
-  SkinError out;
-  for (const auto& patch : file.patches) {
-    const std::size_t link = link_of(patch);
-    FitPose X_LinkRoot = fit_pose(patch.X_LinkRoot);
-    const auto& p = ur5::Ros2Links::named_links[link].p;
-    X_LinkRoot.p += Eigen::Vector3d(p.x, p.y, p.z);
-    for (const auto& cell : patch.cells) {
-      ++out.of;
-      if (!cell.masked.empty()) continue;
-      ++out.cells;
-      const World::Cell* truth = world.find(std::uint16_t(cell.id));
-      if (truth == nullptr || truth->link != link) {
-        ++out.wrong_link;
-        continue;
-      }
-      const FitPose X = X_LinkRoot * fit_pose(cell.X_RootCell);
-      const double place = (X.p - truth->X_LinkCell.p).norm(),
-                   angle = turn_vector(truth->X_LinkCell.R.transpose() * X.R).norm();
-      out.place_rms += place * place, out.turn_rms += angle * angle;
-      out.place_worst = std::max(out.place_worst, place), out.turn_worst = std::max(out.turn_worst, angle);
-    }
-  }
-  const double n = std::max(1.0, double(out.cells - out.wrong_link));
-  out.place_rms = std::sqrt(out.place_rms / n), out.turn_rms = std::sqrt(out.turn_rms / n);
-  return out;
-}
 
 MassError mass_error(const fs::path& folder, const World& world) {
   const Json masses = read_json(folder / "masses.json");

@@ -16,6 +16,13 @@ struct SkinError {
 };
 [[nodiscard]] SkinError skin_error(const skinctl::SkinFile& found, const World& world);
 
+/// The index of a patch's link. Throws `std::runtime_error` for a name that no link has.
+[[nodiscard]] std::size_t link_of(const skinctl::SkinFile::Patch& patch);
+
+/// Calibrates into `folder` without a camera, on a simulated robot that wears the skin of this seed and sends its datagrams over
+/// a socket, of which a share is lost. Shares with the reader no more than these.
+[[nodiscard]] SkinError over_wire(const fs::path& folder, std::uint64_t seed, double loss);
+
 /// The model of a calibration against the robot as it is, in a hundred postures, rotors included.
 struct MassError {
   double found = 0,

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
 
 #include "examples/calibrate_skin/calibration.hpp"
@@ -14,6 +15,23 @@ namespace {
 
 using namespace calibrate_skin;
 namespace job = examples::job;
+
+void listen_at(const std::string& where, Options& options, bool no_camera) {
+  const auto colon = where.rfind(':');
+  if (colon != std::string::npos) options.wire.address = where.substr(0, colon);
+  const int port = std::atoi(where.c_str() + (colon == std::string::npos ? 0 : colon + 1));
+  skinctl::require(port >= 1 && port <= 65535, "--skin: the port", port, "1 to 65535");
+  options.wire.port = static_cast<std::uint16_t>(port);
+  if (options.arm.host.empty())
+    throw skinctl::ConfigurationError(
+        "--skin: a skin that exists sits on a robot that exists; --robot names it");
+  if (options.wire.network.empty())
+    throw skinctl::ConfigurationError(
+        "--skin: its datagrams do not say who is joined to whom; --network does");
+  if (!no_camera)
+    throw skinctl::ConfigurationError(
+        "--skin: no camera is read yet; --no-camera places the patches by motion alone");
+}
 
 int run(int argc, char** argv) {
   CLI::App app(
@@ -31,6 +49,18 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   app.add_option("--robot", options.arm.host, "host of a real UR5 that is switched on: it MOVES");
+  std::string skin, write;
+  app.add_option("--skin", skin,
+                 "[ADDRESS:]PORT of this computer at which the datagrams of a skin on that robot arrive; its "
+                 "accelerations are read in place of simulated ones");
+  app.add_option("--network", options.wire.network,
+                 "that skin's cells and who is joined to whom, as network.json has them")
+      ->check(CLI::ExistingFile);
+  app.add_option("--skin-key", options.wire.key, "file with the key that seals the datagrams: 64 hex digits")
+      ->check(CLI::ExistingFile);
+  app.add_option("--write-worn", write,
+                 "only write worn.json and network.json of the simulated skin into this folder, for "
+                 "simulated_ur5 to wear");
   app.add_flag("--yes", yes, "your consent to all motions of a real robot, instead of one question each");
   app.add_flag("--shoulder-by-hand", options.shoulder_by_hand,
                "the first link's patch was turned by hand in eight poses before it was glued on");
@@ -51,8 +81,8 @@ int run(int argc, char** argv) {
   app.add_flag("--own-clock", options.arm.own_clock,
                "the robot is a simulation: its clock need not agree with this computer's")
       ->group("Robot");
-  const std::vector<std::string> names = {"network", "rest",    "shape",  "motion", "lines",
-                                          "camera",  "torques", "masses", "result"};
+  const std::vector<std::string> names = {"network", "rest",   "shape",   "motion", "lines",
+                                          "camera",  "result", "torques", "masses"};
   app.add_option("--again", again, "from which step on everything is done again")
       ->check(CLI::IsMember(names));
   app.add_option("--until", until, "the last step that is done now; without --until, the next run goes on")
@@ -70,6 +100,11 @@ int run(int argc, char** argv) {
   options.folder = folder;
   examples::refuse_own_input((options.folder / "skin.json").string(), {options.placed.string()});
   options.camera = !no_camera, options.masses = !no_masses;
+  if (!skin.empty()) listen_at(skin, options, no_camera);
+  if (!write.empty()) {
+    write_worn(write, seed);
+    return job::code(job::Exit::fine);
+  }
   options.arm.stop = &signals.asked();
   options.arm.quiet = quiet;
   if (!quiet)

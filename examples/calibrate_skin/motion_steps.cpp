@@ -6,6 +6,7 @@
 #include "examples/calibrate_skin/fits.hpp"
 #include "examples/calibrate_skin/json_values.hpp"
 #include "examples/calibrate_skin/step_functions.hpp"
+#include "examples/calibrate_skin/wire.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/support/text.hpp"
 #include "skinctl/calibration/detail/symmetric.hpp"
@@ -119,6 +120,29 @@ Json placed_by_motion(const JointLines& found, const Recorded& which, std::size_
           {"cells", all.size()}};
 }
 
+MotionRecording felt_in_world(const World& world, const std::vector<std::uint16_t>& ids,
+                              const PlannedMotion& planned, const Options& options) {
+  Arm arm(options.arm, world.robot());
+  static_cast<void>(arm.go(home));
+  return world.moved(ids, arm.follow(planned.path, planned.duration));
+}
+
+MotionRecording felt_on_wire(const std::vector<std::uint16_t>& ids, const PlannedMotion& planned,
+                             const Options& options, std::string& said) {
+  WireSkin skin(options.wire);
+  Arm arm(skin.listening(options.arm), {});
+  static_cast<void>(arm.go(home));
+  skin.begin();
+  const Ride ride = arm.follow(planned.path, planned.duration);
+  MotionRecording out;
+  out.joints = ride.measured, out.torque = ride.torque;
+  const double duration = ride.measured.time.back();
+  const auto least = std::size_t(50 * duration);  // a fifth of what 250 measurements a second give
+  for (const std::uint16_t id : ids) out.cells.push_back(skin.readings(id, ride.begin, duration, least));
+  said = "; " + skin.said();
+  return out;
+}
+
 }  // namespace
 
 Json motion_step(const World& world, const Options& options) {
@@ -135,10 +159,9 @@ Json motion_step(const World& world, const Options& options) {
   std::vector<std::string> announcement = planned.announcements;
   announcement.push_back(text("elbow, wrists and flange come as low as %.2f m above the robot's foot", low));
   ask(options, announcement);
-  Arm arm(options.arm, world.robot());
-  static_cast<void>(arm.go(home));
-  const Ride ride = arm.follow(planned.path, planned.duration);
-  const MotionRecording felt = world.moved(which.ids, ride);
+  std::string said;
+  const MotionRecording felt = options.wire.port != 0 ? felt_on_wire(which.ids, planned, options, said)
+                                                      : felt_in_world(world, which.ids, planned, options);
   Json cells = Json::array();
   for (std::size_t c = 0; c < felt.cells.size(); ++c) {
     Json t = Json::array(), y = Json::array();
@@ -153,7 +176,7 @@ Json motion_step(const World& world, const Options& options) {
           {"joints", rows_of(felt.joints.q)},
           {"torques", rows_of(felt.torque)},
           {"cells", cells},
-          {"said", text("%zu cells, %.0f s", which.ids.size(), felt.joints.time.back())}};
+          {"said", text("%zu cells, %.0f s", which.ids.size(), felt.joints.time.back()) + said}};
 }
 
 Json lines_step(const Options& options) {

@@ -4,6 +4,7 @@
 #include "examples/calibrate_skin/fits.hpp"
 #include "examples/calibrate_skin/json_values.hpp"
 #include "examples/calibrate_skin/step_functions.hpp"
+#include "examples/calibrate_skin/wire.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/support/text.hpp"
 #include "skinctl/skin_network/patch_graph.hpp"
@@ -13,8 +14,34 @@ namespace calibrate_skin {
 using namespace skinctl;
 using examples::text;
 
-Json network_step(const World& world) {
-  const NetworkReport report = world.run_network();
+namespace {
+
+// What a skin's own boxes have said: each cell's id and, port by port, whose port it is joined to.
+NetworkReport told_network(const fs::path& file) {
+  NetworkReport out;
+  const Json told = read_json(file);
+  for (const Json& cell : told.at("cells")) {
+    CellNames& names = out.cells.emplace_back();
+    names.id = cell.at("id").get<std::uint16_t>();
+    names.label = cell.value("label", std::uint16_t(0));
+    const Json& neighbours = cell.at("neighbours");
+    if (neighbours.size() != names.neighbours.size())
+      throw std::runtime_error(file.string() + ": cell " + std::to_string(names.id) + " needs four ports");
+    for (std::size_t p = 0; p < names.neighbours.size(); ++p)
+      names.neighbours[p] = {neighbours[p].at(0).get<std::uint16_t>(),
+                             neighbours[p].at(1).get<std::uint8_t>()};
+    out.parents.push_back(cell.value("parent", std::uint16_t(0)));
+    out.hops.push_back(cell.value("hops", std::uint16_t(0)));
+  }
+  require(!out.cells.empty(), "cells of the network that is told", 0, ">= 1");
+  return out;
+}
+
+}  // namespace
+
+Json network_step(const World& world, const Options& options) {
+  const NetworkReport report =
+      options.wire.port != 0 ? told_network(options.wire.network) : world.run_network();
   const SkinGraph graph = skin_graph(report.cells);
   Json cells = Json::array(), patches = Json::array();
   for (std::size_t i = 0; i < report.cells.size(); ++i) {
@@ -87,9 +114,40 @@ std::string announced(const std::vector<JointAngles6>& poses, double seconds) {
       poses.size(), seconds, low);
 }
 
+namespace {
+
+// In each pose half a second, after the drives have come to rest.
+Json rest_on_wire(const Json& net, const std::vector<JointAngles6>& poses, const Options& options) {
+  constexpr double rest = 0.5;
+  constexpr std::size_t least = 20;  // measurements of a cell in a pose
+  ask(options, {announced(poses, 0.6 + rest)});
+  WireSkin skin(options.wire);
+  Arm arm(skin.listening(options.arm), {});
+  static_cast<void>(arm.go(home));
+  Json patches = Json::array(), measured = Json::array();
+  for (const auto& patch : net.at("patches")) patches.push_back(Json(patch.at("ids").size(), Json::array()));
+  for (std::size_t n = 0; n < poses.size(); ++n) {
+    measured.push_back(arm.go(poses[n]).measured);
+    skin.begin();
+    arm.stay(rest);
+    for (std::size_t k = 0; k < patches.size(); ++k) {
+      const Json& ids = net.at("patches").at(k).at("ids");
+      for (std::size_t i = 0; i < ids.size(); ++i)
+        patches[k][i].push_back(json_of(skin.mean(ids.at(i).get<std::uint16_t>(), least)));
+    }
+    options.say(text("  pose %zu of %zu", n + 1, poses.size()));
+  }
+  static_cast<void>(arm.go(home));
+  return {
+      {"poses", measured}, {"readings", patches}, {"said", text("%zu poses; ", poses.size()) + skin.said()}};
+}
+
+}  // namespace
+
 Json rest_step(const World& world, const Options& options) {
   const Json net = read_json(options.folder / "network.json");
   const auto poses = world.rest_poses();
+  if (options.wire.port != 0) return rest_on_wire(net, poses, options);
   ask(options, {announced(poses, 0.6)});
   Arm arm(options.arm, world.robot());
   static_cast<void>(arm.go(home));

@@ -9,7 +9,7 @@
 
 namespace calibrate_skin {
 
-[[nodiscard]] Json network_step(const World& world);
+[[nodiscard]] Json network_step(const World& world, const Options& options);
 [[nodiscard]] Json rest_step(const World& world, const Options& options);
 [[nodiscard]] Json shape_step(const Options& options);
 [[nodiscard]] Json motion_step(const World& world, const Options& options);

@@ -15,7 +15,7 @@ using examples::text;
 std::vector<Step> steps_of(const Options& options, const World& world) {
   std::vector<Step> all = {
       {"network", "network.json", "cells find their ids, their neighbours and their tree",
-       [&] { return network_step(world); }},
+       [&] { return network_step(world, options); }},
       {"rest", "rest.json", "the robot rests in eight poses", [&] { return rest_step(world, options); }},
       {"shape", "shape.json", "patches are reconstructed from gravity", [&] { return shape_step(options); }},
       {"motion", "motion.json", "the robot moves for a minute: each joint alone, then all",
@@ -24,12 +24,12 @@ std::vector<Step> steps_of(const Options& options, const World& world) {
        [&] { return lines_step(options); }},
       {"camera", "camera.json", "patches are placed on their links",
        [&] { return camera_step(world, options); }},
+      {"result", "result.json", "what is not known well enough is masked",
+       [&] { return result_step(world, options); }},
       {"torques", "torques.json", "the robot moves for forty seconds: its currents are recorded",
        [&] { return torques_step(world, options); }},
       {"masses", "masses.json", "masses, friction and rotors are found from the currents",
        [&] { return masses_step(world, options); }},
-      {"result", "result.json", "what is not known well enough is masked",
-       [&] { return result_step(world, options); }},
   };
   if (!options.masses)
     std::erase_if(all, [](const Step& s) { return s.name == "torques" || s.name == "masses"; });
@@ -81,22 +81,36 @@ bool run_steps(const Options& options, const World& world, const std::string& ag
 std::optional<std::size_t> calibrate(const Options& options, std::uint64_t seed, const std::string& again,
                                      const std::string& until, const std::string& truth) {
   fs::create_directories(options.folder);
-  const Json which = {{"seed", seed},
-                      {"shoulder_by_hand", options.shoulder_by_hand},
-                      {"camera", options.camera},
-                      {"masses", options.masses},
-                      {"robot", options.arm.host}};
+  Json which = {{"seed", seed},
+                {"shoulder_by_hand", options.shoulder_by_hand},
+                {"camera", options.camera},
+                {"masses", options.masses},
+                {"robot", options.arm.host}};
+  if (options.wire.port != 0) which["skin"] = "wire";
   const fs::path described = options.folder / "which.json";
   if (fs::exists(described) && read_json(described) != which)
     throw ConfigurationError(options.folder.string() +
                              " holds a calibration with other options: choose another folder");
   write_json(described, which);
   const World world(seed);
-  if (run_steps(options, world, again, until)) return std::nullopt;
+  try {
+    if (run_steps(options, world, again, until)) return std::nullopt;
+  } catch (...) {
+    // What motion and camera found does not depend on the masses, nor on anything else that comes behind it.
+    if (fs::exists(options.folder / "result.json")) write_results(options);
+    throw;
+  }
   write_results(options);
   const SkinFile skin = read_skin_file((options.folder / "skin.json").string());
   if (!truth.empty()) write_skin_file(true_skin_file(skin, world), truth);
   return skin.cells();
+}
+
+void write_worn(const fs::path& folder, std::uint64_t seed) {
+  fs::create_directories(folder);
+  const World world(seed);
+  write_skin_file(worn_skin_file(world), (folder / "worn.json").string());
+  write_json(folder / "network.json", network_step(world, {}));
 }
 
 }  // namespace calibrate_skin

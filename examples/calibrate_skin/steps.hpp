@@ -29,7 +29,7 @@ struct Step {
 bool run_steps(const Options& options, const World& world, const std::string& again = {},
                const std::string& until = {});
 
-/// From `result.json` and `lines.json`: `skin.json`, `model.urdf`, `dh.txt`, `report.html`. Throws `std::runtime_error` if no
+/// From `result.json` and `lines.json`, each whatever becomes of the others: `skin.json`, `model.urdf`, `dh.txt`, `report.html`. Throws `std::runtime_error` if no
 /// patch is known well enough for a skin file.
 void write_results(const Options& options);
 
@@ -43,6 +43,9 @@ void write_json(const fs::path& path, const Json& value);
 [[nodiscard]] skinctl::SkinFile skin_file_of(const Json& result);
 /// The same cells where they truly are: for judging only.
 [[nodiscard]] skinctl::SkinFile true_skin_file(skinctl::SkinFile found, const World& world);
+
+/// All cells where they truly are, a patch a link: for a simulated robot that wears them.
+[[nodiscard]] skinctl::SkinFile worn_skin_file(const World& world);
 
 /// `{p, q}`, and back.
 [[nodiscard]] Json json_of(const skinctl::FitPose& X);

@@ -91,6 +91,10 @@ int main(int argc, char** argv) {
   app.add_option("--skin-target", skin, "HOST:PORT that gets the skin's datagrams");
   app.add_option("--skin-key", key_file, "file with the key that seals them: 64 hex digits")
       ->check(CLI::ExistingFile);
+  bool cheap = false;
+  app.add_flag("--accelerometers", cheap,
+               "the skin's accelerometers err as cheap ones do, and each of their measurements is sent");
+  app.add_option("--skin-loss", config.skin_loss, "share of the skin's datagrams that never arrive");
   app.add_option("--skin-stop-after", config.skin_stop_after,
                  "the skin falls silent so long after the start [s]");
   app.add_option(
@@ -143,6 +147,7 @@ int main(int argc, char** argv) {
           series == "cb3" ? simulated_ur5::Series::cb3 : simulated_ur5::Series::e_series;
     if (!polyscope.empty()) config.controller.version = read_version(polyscope);
     if (!skin_file.empty()) config.controller.cells = simulated_ur5::read_skin_cells(skin_file);
+    if (cheap) simulated_ur5::err_as_cheap_ones(config.controller.skin);
     if (!key_file.empty()) config.skin_key = adapters::skin::Key::read(key_file);
     if (!skin.empty()) split_target(skin, config);
     if (!faults.empty())

@@ -56,6 +56,7 @@ void check(const Config& c) {
   require(c.speed >= 0 && c.speed <= 1000, "speed", c.speed, "0 (lock-step) to 1000");
   require(c.idle_speed > 0 && c.idle_speed <= 1000, "idle speed", c.idle_speed, "> 0 to 1000");
   require(c.patience > 0 && c.patience <= 3600, "patience", c.patience, "> 0 to 3600 s");
+  require(c.skin_loss >= 0 && c.skin_loss <= 1, "skin loss", c.skin_loss, "0 to 1");
   require(c.skin_stop_after >= 0, "skin stop after", c.skin_stop_after, ">= 0 s");
   require(c.quirks.skipped_outputs >= 0 && c.quirks.skipped_outputs <= 0.9, "skipped outputs",
           c.quirks.skipped_outputs, "0 to 0.9");
@@ -541,9 +542,27 @@ class SimulatedUr5::Network {
       skin_port_ = 0;
       return;
     }
-    skin_datagrams_ +=
-        skin_sender_->send(samples, std::chrono::nanoseconds(t + config_.controller.skin.clock_offset));
+    const std::chrono::nanoseconds now(t + config_.controller.skin.clock_offset);
+    if (config_.skin_loss > 0) {
+      send_lossy(samples, now);
+      return;
+    }
+    skin_datagrams_ += skin_sender_->send(samples, now);
     skin_samples_ += samples.size();
+  }
+
+  void send_lossy(std::span<const SkinSample> samples, std::chrono::nanoseconds now) {
+    constexpr std::size_t full = adapters::skin::max_samples(8);
+    do {
+      const auto some = samples.first(std::min(samples.size(), full));
+      samples = samples.subspan(some.size());
+      if (loss_.uniform() < config_.skin_loss) {
+        skin_sender_->skip();
+        continue;
+      }
+      skin_datagrams_ += skin_sender_->send(some, now);
+      skin_samples_ += some.size();
+    } while (!samples.empty());
   }
 
   void close_all() {
@@ -585,6 +604,7 @@ class SimulatedUr5::Network {
   asio::ip::address skin_address_;
   std::uint16_t skin_port_ = 0;
   bool skin_on_ = true;
+  Random loss_{7};
   std::uint64_t skin_datagrams_ = 0, skin_samples_ = 0;
 
   std::thread thread_;

@@ -44,6 +44,7 @@ struct Config {
   std::string skin_host = "127.0.0.1";          ///< numeric address that gets the skin's datagrams
   std::uint16_t skin_port = 0;                  ///< 0: nobody gets them
   std::optional<adapters::skin::Key> skin_key;  ///< the datagrams are sealed with it
+  double skin_loss = 0;                         ///< share of its datagrams that never arrive
   double skin_stop_after = 0;  ///< the skin falls silent this long after the scenario's start [s]; 0: never
   /// Whether programs may make the robot connect to other addresses than this machine's own loopback.
   bool reach_out = false;

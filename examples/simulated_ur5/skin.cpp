@@ -8,6 +8,7 @@ namespace simulated_ur5 {
 namespace {
 
 constexpr std::size_t max_cells = 20000;
+constexpr double standard_gravity = 9.80665;  // [m/s^2]
 
 double step(double value, double size) {
   return std::round(value / size) * size;
@@ -25,6 +26,12 @@ void complete(SkinCell& cell) {
   }
 }
 
+void err_as_cheap_ones(SkinConfig& config) {
+  config.accelerometers = AccelerometerFaults::cheap();
+  config.acceleration_noise = 0.009 * standard_gravity;
+  config.acceleration_delta = 0;
+}
+
 void check(const SkinConfig& c) {
   using skinctl::require;
   require(c.period >= plant_step && c.period % plant_step == 0 && c.period <= nanoseconds(1), "skin period",
@@ -40,6 +47,9 @@ void check(const SkinConfig& c) {
   require(c.proximity_noise >= 0 && c.proximity_noise <= 1, "proximity noise", c.proximity_noise, "0 to 1");
   require(c.acceleration_noise >= 0 && c.acceleration_noise <= 100, "acceleration noise",
           c.acceleration_noise, "0 to 100 m/s^2");
+  const AccelerometerFaults& a = c.accelerometers;
+  for (const double x : {a.bias, a.scale, a.misalignment, a.cross_axis, a.vibration})
+    require(x >= 0 && x <= 0.5, "an error of accelerometers", x, "0 to 0.5");
   require(c.force_delta >= 0, "force delta", c.force_delta, ">= 0");
   require(c.proximity_delta >= 0, "proximity delta", c.proximity_delta, ">= 0");
   require(c.acceleration_delta >= 0, "acceleration delta", c.acceleration_delta, ">= 0 m/s^2");
@@ -57,6 +67,42 @@ Skin::Skin(std::vector<SkinCell> cells, const SkinConfig& config, std::uint64_t 
   felt_.reserve(cells_.size());
   out_.reserve(cells_.size());
   for (std::size_t i = 0; i < cells_.size(); ++i) index_[cells_[i].id] = i;
+  draw_accelerometers(seed);
+}
+
+void Skin::draw_accelerometers(std::uint64_t seed) {
+  const AccelerometerFaults& f = config_.accelerometers;
+  Random random(seed + 0x5eed);  // a sensor stays the same when the noise starts anew
+  const auto three = [&](double size) {
+    const double x = random.normal(), y = random.normal(), z = random.normal();
+    return Vec3{size * x, size * y, size * z};
+  };
+  accelerometers_.resize(cells_.size());
+  for (Accelerometer& a : accelerometers_) {
+    const Vec3 turn = three(f.misalignment), scale = three(f.scale);
+    const double gain[3] = {1 + scale.x, 1 + scale.y, 1 + scale.z};
+    // Rows are the sensor's axes in the cell, to first order in the turn, each with a part of the others'.
+    const Vec3 axes[3] = {{1, turn.z, -turn.y}, {-turn.z, 1, turn.x}, {turn.y, -turn.x, 1}};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 others =
+          f.cross_axis * (random.normal() * axes[(k + 1) % 3] + random.normal() * axes[(k + 2) % 3]);
+      a.matrix[k] = gain[k] * (axes[k] + others);
+    }
+    a.bias = three(standard_gravity * f.bias);
+  }
+  for (auto& link : shakes_)
+    for (Shake& shake : link)
+      shake = {6.283185307179586 * (8 + 7 * random.uniform()), 6.283185307179586 * random.uniform(),
+               6.283185307179586 * random.uniform(),
+               (standard_gravity * f.vibration / std::sqrt(3.0)) * normalised(three(1))};
+}
+
+Vec3 Skin::shaking(std::size_t link, Nanoseconds t) const {
+  Vec3 sum{0, 0, 0};
+  for (const Shake& s : shakes_[link])
+    sum =
+        sum + std::sin(s.rate * seconds(t) + 3 * std::sin(0.6 * seconds(t) + s.sway) + s.phase) * s.direction;
+  return sum;
 }
 
 void Skin::restart(std::uint64_t seed) {
@@ -78,6 +124,9 @@ void Skin::set_dead(std::uint32_t cell, bool dead) {
 void Skin::feel(Nanoseconds t, const Links& links, const SkinStimulus& stimulus) {
   felt_.clear();
   const double h = seconds(config_.period);
+  const bool shaken = config_.accelerometers.vibration > 0;
+  std::array<Vec3, 6> shakes{};
+  for (std::size_t l = 0; shaken && l < shakes.size(); ++l) shakes[l] = shaking(l, t);
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const SkinCell& cell = cells_[i];
     Memory& m = memory_[i];
@@ -101,12 +150,14 @@ void Skin::feel(Nanoseconds t, const Links& links, const SkinStimulus& stimulus)
     if (ticks_ >= 2) acceleration = acceleration + (1 / (h * h)) * (here - 2 * m.before + m.before_that);
     m.before_that = m.before;
     m.before = here;
-    const Vec3 in_link = pose.rotate_back(acceleration);
+    const Vec3 in_link = pose.rotate_back(acceleration) + shakes[cell.link];
     const Vec3 along{dot(cell.axis, in_link), dot(cross(cell.normal, cell.axis), in_link),
                      dot(cell.normal, in_link)};
-    const double in_cell[3] = {along.x, along.y, along.z};
+    const Accelerometer& own = accelerometers_[i];
+    const double bias[3] = {own.bias.x, own.bias.y, own.bias.z};
     for (std::size_t a = 0; a < 3; ++a) {
-      const double reading = in_cell[a] + config_.acceleration_noise * random_.noise();
+      const double reading =
+          dot(own.matrix[a], along) + bias[a] + config_.acceleration_noise * random_.noise();
       s.acceleration[a] = static_cast<float>(std::clamp(step(reading, 9.80665 / 256), -157.0, 157.0));
     }
     s.temperature = static_cast<float>(step(config_.temperature, 0.5));

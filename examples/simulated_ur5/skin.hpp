@@ -28,6 +28,18 @@ struct SkinCell {
 /// plane.
 void complete(SkinCell& cell);
 
+/// How the accelerometers of cheap cells err: standard deviations of what stays with a cell, and the shaking of a link.
+struct AccelerometerFaults {
+  double bias = 0;          ///< of an axis [g]
+  double scale = 0;         ///< of an axis
+  double misalignment = 0;  ///< of the soldered sensor in its cell, about an axis [rad]
+  double cross_axis = 0;    ///< of one axis by another
+  double vibration = 0;     ///< of a link, at 8 to 15 Hz, amplitude [g]
+
+  /// BMA250, with a sensor that is soldered within 0.2 degrees.
+  [[nodiscard]] static AccelerometerFaults cheap() { return {0.040, 0.015, 0.0035, 0.003, 0.020}; }
+};
+
 struct SkinConfig {
   Nanoseconds period = 4'000'000;        ///< of the samples, a multiple of `plant_step`
   Nanoseconds keep_alive = 100'000'000;  ///< longest silence of a cell without new data
@@ -36,6 +48,7 @@ struct SkinConfig {
   double force_noise = 0.0003;           ///< standard deviation of each force reading
   double proximity_noise = 0.0005;
   double acceleration_noise = 0.02;  ///< [m/s^2]
+  AccelerometerFaults accelerometers;
   double proximity_distance = 0.01;  ///< of a finger that gives reading 0.5 [m]
   double temperature = 30;           ///< [C]
   /// A reading that changed by this much is new data; a cell that is pressed by so much sends all its
@@ -48,6 +61,8 @@ struct SkinConfig {
   std::vector<skinctl::testing::FaultyCell> faults;
 };
 void check(const SkinConfig& config);
+/// Accelerometers of a calibration: `AccelerometerFaults::cheap`, noise of 9 mg, and each measurement is sent.
+void err_as_cheap_ones(SkinConfig& config);
 
 /// One sample as it goes out, by the skin's clock.
 using SkinSample = skinctl::CellSample;
@@ -76,6 +91,10 @@ class Skin {
   void set_dead(std::uint32_t cell, bool dead);
 
  private:
+  /// Draws what is wrong with the accelerometers.
+  void draw_accelerometers(std::uint64_t seed);
+  /// What shakes a link at `t`, in its axes [m/s^2].
+  [[nodiscard]] Vec3 shaking(std::size_t link, Nanoseconds t) const;
   /// What the sensors read at `t`, cell by cell.
   void feel(Nanoseconds t, const Links& links, const SkinStimulus& stimulus);
 
@@ -87,8 +106,20 @@ class Skin {
     bool dead = false;
     Vec3 before, before_that;  ///< positions at the two samples before
   };
+  /// Reading of an accelerometer: `matrix f + bias`.
+  struct Accelerometer {
+    std::array<Vec3, 3> matrix{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< by rows
+    Vec3 bias;                                                                ///< [m/s^2]
+  };
+  struct Shake {
+    double rate, phase, sway;  ///< [rad/s], [rad], [rad]
+    Vec3 direction;            ///< [m/s^2]
+  };
+
   std::vector<SkinCell> cells_;
   SkinConfig config_;
+  std::vector<Accelerometer> accelerometers_;
+  std::array<std::array<Shake, 3>, 6> shakes_{};
   std::vector<Memory> memory_;
   std::vector<SkinSample> felt_, out_;
   skinctl::Unrest<> unrest_;

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "skinctl/calibration/activation.hpp"
 #include "skinctl/calibration/dynamics_excitation.hpp"
 #include "skinctl/robots/ur5.hpp"
 
@@ -58,6 +59,27 @@ TEST_CASE("Excitation of a skin: within every limit, each joint alone, then all,
     CHECK(moved > 0.3);
   }
   CHECK(motion.announcements().back().joint == -1);
+}
+
+TEST_CASE("Excitation of a skin: recorded from its first instant on, each joint is seen to move alone") {
+  for (const double begins : {0.0, -0.5}) {
+    const SkinExcitation motion(home, limits(), {}, ur5::Model{});
+    JointRecording joints;
+    CellReadings cell;
+    const auto rows = static_cast<Eigen::Index>((motion.duration() - begins) * 125);
+    joints.q.resize(rows, 6), cell.y.resize(3, 2 * rows);
+    for (Eigen::Index k = 0; k < 2 * rows; ++k) {
+      const double t = begins + double(k) / 250;
+      cell.time.push_back(t), cell.y.col(k) << 0, 0, 1;
+      if (k % 2 == 0) joints.time.push_back(t), joints.q.row(k / 2) = motion.at(t).q.transpose();
+    }
+    const MeasuredMotion measured(joints);
+    CHECK((measured.first() - motion.at(begins).q).norm() < 1e-4);
+    const auto data = detail::fit::block_means({cell}, measured.start() + 0.2, measured.end() - 0.2, 0.04);
+    const Activation found = find_activation(data, measured);
+    CHECK((found.home - home).norm() < 1e-4);
+    CHECK(found.alone == std::vector<bool>(6, true));
+  }
 }
 
 TEST_CASE("Excitation of a skin: a slow robot in a narrow place still moves within its limits") {

@@ -249,7 +249,8 @@ inline TrustSettings fault_trust(const SkinSignalSettings& signals, std::span<co
     trusted.receive(*c, spoilt, to - 8ms, to, 1, &w[2]);
     trusted.receive(*d, samples, to - 8ms, to, 1, &w[3]);
     for (std::size_t i = 0; i < 260; ++i) {
-      const bool masked = trusted.mask(*c, i) > 0.5f, bad = spoil.faulty(ids[i], to);
+      const bool of_arm = r.moves && arm.skin().mask(faulty_memory->skin, i) > 0.5f;
+      const bool masked = of_arm || trusted.mask(*c, i) > 0.5f, bad = spoil.faulty(ids[i], to);
       if (masked && bad && found[i] < 0) found[i] = seconds<double>(to - r.begins);
       if (masked && !bad) falsely[i] = true;
       if (!bad) out.cell_seconds += 0.008;

@@ -38,6 +38,8 @@ class Sender {
   std::size_t send(std::span<const skinctl::CellSample> samples, skinctl::Nanoseconds now) noexcept {
     return send<skinctl::Hexagon>(samples, now);
   }
+  /// As if the next datagram had gone out and were lost on its way.
+  void skip() noexcept { ++sequence_; }
   /// Datagrams that the system did not take.
   [[nodiscard]] std::uint64_t failed() const noexcept { return failed_; }
   /// With a key: the receiver's questions so far. 0: nobody asks, and nothing will be taken.

@@ -21,6 +21,7 @@
 #include "examples/calibrate_skin/judge.hpp"
 #include "examples/calibrate_skin/report.hpp"
 #include "examples/calibrate_skin/step_functions.hpp"
+#include "examples/calibrate_skin/wire.hpp"
 #include "examples/calibrate_skin/world.hpp"
 #include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "examples/support/run_program.hpp"
@@ -67,7 +68,8 @@ struct Calibrated {
     for (const char* f : {"network.json", "rest.json", "shape.json", "motion.json"})
       fs::copy_file(folder.path / f, copy / f);
     if (masses)
-      for (const char* f : {"lines.json", "camera.json"}) fs::copy_file(folder.path / f, copy / f);
+      for (const char* f : {"lines.json", "camera.json", "result.json"})
+        fs::copy_file(folder.path / f, copy / f);
     write_text(copy / file, plain.empty() ? value.dump() : plain);
     if (file != std::string("motion.json") && !masses) fs::remove(copy / "shape.json");
     Options o = options;
@@ -200,6 +202,46 @@ TEST_CASE("Calibrate skin: the main job on the files presses and gives way as on
     CHECK(t.force[0] == doctest::Approx(t.force[1]).epsilon(0.05));
     CHECK(t.deflection[0] == doctest::Approx(t.deflection[1]).epsilon(0.05));
   }
+}
+
+TEST_CASE(
+    "Calibrate skin: accelerations of another one's skin, over a socket that loses a twentieth, give the "
+    "same places") {
+  const Folder folder("_wire");
+  const SkinError e = over_wire(folder.path, 3, 0.05);
+  MESSAGE(e.cells << " cells of " << e.of << ", " << 1e3 * e.place_rms << " mm, worst " << 1e3 * e.place_worst
+                  << "; " << 57.3 * e.turn_rms << " deg");
+  CHECK(e.cells >= 150);
+  CHECK(e.wrong_link == 0);
+  CHECK(e.place_rms < 2e-3);
+  CHECK(e.turn_rms < 0.0175);
+  CHECK(read_json(folder.path / "rest.json").at("said").get<std::string>().find(" 0 lost") ==
+        std::string::npos);
+
+  // A cell that says nothing is named; of a skin that says nothing at all, how much came.
+  WireSkin silent({});
+  CHECK_THROWS_WITH(static_cast<void>(silent.mean(7, 20)),
+                    doctest::Contains("cell 7 sent 0 accelerations of the 20 that are needed"));
+  CHECK_THROWS_WITH(static_cast<void>(silent.mean(7, 20)), doctest::Contains("0 datagrams of the skin"));
+}
+
+TEST_CASE("Calibrate skin: currents that say nothing cost the masses, not the skin") {
+  Calibrated& c = calibrated();
+  const Folder folder("_last");
+  for (const char* f : {"network.json", "rest.json", "shape.json", "motion.json", "lines.json", "camera.json",
+                        "result.json", "torques.json"})
+    fs::copy_file(c.folder.path / f, folder.path / f);
+  Json still = read_json(c.folder.path / "torques.json");
+  for (auto& row : still["joints"]) row[4] = 1.0;
+  write_json(folder.path / "torques.json", still);
+  Options o = c.options;
+  o.folder = folder.path;
+  CHECK_THROWS_WITH(static_cast<void>(calibrate(o, 3, {}, {}, {})), doctest::Contains("step masses"));
+  REQUIRE(folder.has("skin.json"));
+  CHECK(skinctl::read_skin_file((folder.path / "skin.json").string()).cells() ==
+        skinctl::read_skin_file((c.folder.path / "skin.json").string()).cells());
+  CHECK(folder.has("model.urdf"));
+  CHECK(folder.has("report.html"));
 }
 
 TEST_CASE("Calibrate skin: damaged files are refused in words, and nothing wrong is written") {

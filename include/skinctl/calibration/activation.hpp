@@ -41,7 +41,7 @@ struct ActivationSettings {
 
 /// Which joints move which cells.
 struct Activation {
-  Eigen::VectorXd home;     ///< where the joints were at the start of the recording [rad]
+  Eigen::VectorXd home;     ///< position of the joints at the first stamp of the recording [rad]
   std::vector<bool> alone;  ///< joints that moved alone, from home, for a second or more
   double lateness = 0;      ///< of the cells' labels, to 10 ms [s]
   std::vector<std::vector<JointSignature>> cells;  ///< by cell, then joint
@@ -158,7 +158,7 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
                                                 const ActivationSettings& settings = {}) {
   Activation out;
   const int joints = motion.joints();
-  out.home = motion.at(motion.start()).q;
+  out.home = motion.first();
   // How late the labels are: what explains a few cells best.
   const auto cells = data.cells();
   const Eigen::Index stride = std::max<Eigen::Index>(1, cells / 24);

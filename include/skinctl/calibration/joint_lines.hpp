@@ -13,7 +13,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Fits lines, poses and errors of all cells, and one lateness, to all blocks of a recording, from nothing.
 ///
-/// The recording has to begin at rest at home, and each joint has to move alone from there for a second or more; then
+/// The recording has to begin at home, with the motion or before it, and each joint has to move alone from there for a second or more; then
 /// all may move. What cannot be known is named in `unobservable`; a cell whose pose is worse known than the limits has
 /// `known == false` and a reason. Joints must be revolute and form one chain, in the order of the columns of `joints.q`.
 ///

@@ -70,7 +70,7 @@ class LineMotion {
         joints_(std::move(joints)),
         home_(home),
         gravity_(gravity) {
-    if (torque_ != nullptr) torque_home_ = torque_->at(torque_->start()).q;
+    if (torque_ != nullptr) torque_home_ = torque_->first();
   }
 
   std::vector<AxisLine> lines;
