@@ -495,7 +495,7 @@ class FaultInjection {
   [[nodiscard]] bool near_fallback(const JointCommand<6>& c, const State<6>& state) const {
     const auto g = gravity_torque(ur5::Model{}, state.q);
     const auto mass = mass_matrix(ur5::Model{}, state.q);
-    const double time = (s_.delay + s_.lag + 1.5 * seconds<double>(s_.period)) / 0.3;
+    const double time = seconds<double>(s_.delay + s_.lag + 3 * s_.period / 2) / 0.3;
     auto damped = g;
     for (std::size_t i = 0; i < 6; ++i)
       for (std::size_t j = 0; j < 6; ++j) damped[i] -= mass(i, j) * state.dq[j] / time;
