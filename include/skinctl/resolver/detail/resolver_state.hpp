@@ -84,12 +84,13 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     return out;
   }
 
-  /// The torque that holds the driven joints without a law: gravity, and brakes; zero for the others.
+  /// The torque that holds the driven joints without a law, within their limits: gravity, and what brakes; zero
+  /// for the others.
   [[nodiscard]] JointTorque<joints, T> held(const State<joints, T>& robot) const noexcept {
     JointTorque<joints, T> out;
     if constexpr (has_driven)
       Driven::put(Driven::of(gravity_torque(model_, robot.q)) - this->resistance(robot).brakes, out);
-    return out;
+    return this->limits_.within(out, robot.dq);
   }
 
   /// Tells that the guard let `command` out instead of the last one: the virtual robot goes on from there.
