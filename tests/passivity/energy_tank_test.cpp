@@ -172,24 +172,28 @@ TEST_CASE(
   const auto Q = [](double x) { return JointPosition<1>::constant(x); };
   const auto V = [](double x) { return JointVelocity<1>::constant(x); };
   const auto Tau = [](double x) { return JointTorque<1>::constant(x); };
-  tank.book(m, Q(1.0), Tau(0), Tau(0));  // nothing was sent yet
+  tank.book(m, Q(1.0), Tau(0), Tau(0), 0.1, 0);  // nothing was sent yet
   CHECK(m.energy == 2);
   // Sent: 7 = port 0.5 * 4, gravity 3, friction -1, active 3. Port and gravity change while it is held.
   tank.sent(m, Tau(7.0), Tau(4.0), Tau(4.0), Tau(3.0));
   CHECK(m.active[0] == 3);
-  tank.book(m, Q(0.1), Tau(4.0), Tau(3.0));
+  tank.book(m, Q(0.1), Tau(4.0), Tau(3.0), 0.1, 0);
   CHECK(m.energy == doctest::Approx(2 - 0.3));  // friction is no gain
-  tank.book(m, Q(-0.1), Tau(4.0), Tau(3.0));
+  tank.book(m, Q(-0.1), Tau(4.0), Tau(3.0), 0.1, 0);
   CHECK(m.energy == doctest::Approx(2 - 0.1));  // but what it gives is charged
-  tank.book(m, Q(0.1), Tau(-4.0), Tau(1.0));    // 4 of held torque had no right to be there: 1 braked, 3 gave
+  // 4 of held torque had no right to be there: 1 braked, 3 gave.
+  tank.book(m, Q(0.1), Tau(-4.0), Tau(1.0), 0.1, 0);
   CHECK(m.energy == doctest::Approx(1.9 - 0.3 - 0.2));
   tank.sent(m, Tau(3.5));  // the guard has sent something else
   CHECK(m.active[0] == -0.5);
-  for (int k = 0; k < 50; ++k) tank.book(m, Q(1.0), Tau(4.0), Tau(3.0));
+  for (int k = 0; k < 50; ++k) tank.book(m, Q(1.0), Tau(4.0), Tau(3.0), 0.1, 0);
   CHECK(m.energy == 3);
   // Mass 2, 0.1 s: from 1 rad/s all of 10 N m leads to 1.5 and costs 1.25 J.
   const auto move = [&](const JointTorque<1>& tau) { return V(1 + 0.1 * tau[0] / 2); };
-  const auto share = [&] { return tank.pay(m, Tau(0), Tau(10.0), V(1), 0.1, move); };
+  const auto share = [&] {
+    auto active = Tau(10.0);
+    return tank.pay(m, Tau(0), active, V(1), 0.1, 0, move);
+  };
   const double reserve = 1e-3 * 3;
   m.energy = reserve + 1.25 * (1 + 1e-12);
   CHECK(share() == 1);
@@ -202,6 +206,34 @@ TEST_CASE(
 }
 
 TEST_CASE(
+    "EnergyTank: behind a delay the torque that acts is charged, and what is under way has to be payable") {
+  const EnergyTank<> tank({.start = 5, .max = 5, .port_gain = 0});
+  auto m = tank.hold<1>();
+  const auto Q = [](double x) { return JointPosition<1>::constant(x); };
+  const auto Tau = [](double x) { return JointTorque<1>::constant(x); };
+  constexpr double h = 0.01, delay = 0.04;
+  // A motion at 1 rad/s; cycle k is sent k N m, of which the first acts four cycles later.
+  double drawn = 0;
+  for (int k = 1; k <= 40; ++k) {
+    tank.sent(m, Tau(k), Tau(0), Tau(0), Tau(0));
+    tank.book(m, Q(h), Tau(0), Tau(0), h, delay);
+    if (k > 4) drawn += h * (k - 4);
+    CHECK(m.energy == doctest::Approx(std::min(5.0, 5 - drawn)).epsilon(1e-9));
+  }
+  // Of an infinitely heavy joint that is sent 10 N m from now on 10 (h + delay) J are drawn before an answer is seen.
+  auto paid = tank.hold<1>();
+  const auto share = [&](double energy) {
+    paid.energy = 0.005 + energy;
+    auto active = Tau(10);
+    return tank.pay(paid, Tau(0), active, JointVelocity<1>::constant(1.0), h, delay,
+                    [](const JointTorque<1>&) { return JointVelocity<1>::constant(1.0); });
+  };
+  CHECK(share(0.5001) == 1);
+  CHECK(share(0.25) == doctest::Approx(0.5));
+  CHECK(paid.foresight.ahead[0] == doctest::Approx(h));
+}
+
+TEST_CASE(
     "EnergyTank: a joint that went further than predicted costs that twice from then on, until it fades") {
   const EnergyTank<> tank({.start = 3, .max = 3, .port_gain = 0});
   auto m = tank.hold<1>();
@@ -211,27 +243,55 @@ TEST_CASE(
   // Infinitely heavy: at 1 rad/s 0.1 s lead 0.1 rad further.
   const auto pay = [&](double v, double tau, double energy) {
     m.energy = 0.003 + energy;
+    auto active = Tau(tau);
     const double share =
-        tank.pay(m, Tau(0), Tau(tau), V(v), 0.1, [&](const JointTorque<1>&) { return V(v); });
+        tank.pay(m, Tau(0), active, V(v), 0.1, 0, [&](const JointTorque<1>&) { return V(v); });
     tank.sent(m, Tau(tau), Tau(0), Tau(0), Tau(0));
     return share;
   };
   CHECK(pay(1, 10, 1.0001) == 1);
-  tank.book(m, Q(0.05), Tau(0), Tau(0));  // less is no surprise
+  tank.book(m, Q(0.05), Tau(0), Tau(0), 0.1, 0);  // less is no surprise
   CHECK(pay(1, 10, 1.0001) == 1);
-  tank.book(m, Q(0.12), Tau(0), Tau(0));  // 0.02 rad more: 10 (0.1 + 2 * 0.02) J
+  tank.book(m, Q(0.12), Tau(0), Tau(0), 0.1, 0);  // 0.02 rad more: 10 (0.1 + 2 * 0.02) J
   CHECK(pay(1, 10, 0.7) == doctest::Approx(0.5));
   CHECK(pay(1, 10, 1.4001) == 1);
   // A torque that brakes is free if it fills the tank in spite of such a surprise.
   CHECK(pay(-1, 10, -1) == 1);
   CHECK(pay(-0.39, 10, -1) == 0);
   for (int k = 0; k < 3000; ++k) {
-    tank.book(m, Q(-0.039), Tau(0), Tau(0));
+    tank.book(m, Q(-0.039), Tau(0), Tau(0), 0.1, 0);
     pay(-0.39, 10, -1);
   }
   CHECK(pay(-0.39, 10, -1) == 1);
   // What the guard sends instead was not predicted.
   tank.sent(m, Tau(1.0));
-  tank.book(m, Q(5.0), Tau(0), Tau(0));
+  tank.book(m, Q(5.0), Tau(0), Tau(0), 0.1, 0);
   CHECK(pay(1, 10, 1.01) == 1);
+}
+
+TEST_CASE(
+    "EnergyTank: a joint that drives gets the share that is paid for, one that brakes keeps its torque") {
+  const EnergyTank<> tank({.start = 1, .max = 1, .port_gain = 0});
+  auto m = tank.hold<2>();
+  // Mass 1; joint 0 is driven by 4 N m at 1 rad/s, joint 1 braked by 2 at -1 rad/s.
+  constexpr double h = 0.1;
+  const JointVelocity<2> v{1, -1};
+  const auto move = [&](const JointTorque<2>& tau) {
+    return JointVelocity<2>{v[0] + h * tau[0], v[1] + h * tau[1]};
+  };
+  JointTorque<2> active{4, 2};
+  m.energy = 1e-3 - 0.1;  // a debt that the brake is about to pay
+  const double share = tank.pay(m, JointTorque<2>{}, active, v, h, 0, move);
+  CHECK(share > 0);
+  CHECK(share < 1);
+  CHECK(active[1] == 2);
+  CHECK(active[0] == doctest::Approx(4 * share));
+  const auto v1 = move(active);
+  const double work = 0.5 * h * (active[0] * (v[0] + v1[0]) + active[1] * (v[1] + v1[1]));
+  CHECK(m.energy - work == doctest::Approx(1e-3).epsilon(1e-9));  // nothing is left but the reserve
+  JointTorque<2> more{4, 2};
+  m.energy = 1e-3 - 1;  // more than it pays
+  CHECK(tank.pay(m, JointTorque<2>{}, more, v, h, 0, move) == 0);
+  CHECK(more[0] == 0);
+  CHECK(more[1] == 2);
 }

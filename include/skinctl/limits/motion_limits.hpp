@@ -6,10 +6,10 @@
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/limits/detail/acted_torque.hpp"
 #include "skinctl/limits/detail/nearest_in_box.hpp"
 #include "skinctl/limits/limit.hpp"
 #include "skinctl/model/model.hpp"
+#include "skinctl/robot/detail/acted_torque.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
 

@@ -2,31 +2,13 @@
 // An energy tank: it pays for every torque but that of contacts.
 #pragma once
 
-#include <cmath>
-
 #include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/passivity/affordable_share.hpp"
+#include "skinctl/robot/detail/acted_torque.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/virtual_dynamics.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// The share of an active torque that the energy `E` pays for. All of it costs `w1` + `w2` [J], a share alpha
-/// `alpha w1 + alpha^2 w2`, w2 >= 0: 1 if all costs at most E, otherwise the root
-/// `(-w1 + sqrt(w1^2 + 4 w2 E)) / (2 w2)` in [0, 1]. An E below 0 counts as 0. 0 for NaN.
-template <Real T>
-[[nodiscard]] SKINCTL_INLINE T affordable_share(const T& w1, const T& w2, const T& E) noexcept {
-  using std::sqrt;
-  const T left = E > T(0) ? E : T(0);
-  if (w1 + w2 <= left) return T(1);
-  // By the larger term, so that no square leaves the range.
-  const T a = w1 < T(0) ? T(-w1) : w1, b = T(2) * (sqrt(w2) * sqrt(left)), most = a > b ? a : b;
-  const T less = most > T(0) ? T((a > b ? b : a) / most) : T(0);
-  const T root = most * sqrt(T(1) + less * less);
-  // The same root in two forms: each is exact where the other one cancels.
-  const T over = w1 > T(0) ? T(w1 + root) : T(2 * w2);
-  const T share = over > T(0) ? T((w1 > T(0) ? T(2 * left) : T(root - w1)) / over) : T(0);
-  return share > T(0) ? (share < T(1) ? share : T(1)) : T(0);
-}
 
 /// An energy tank for all active torque, that is, all but that of contacts: weighted laws, changes of skill
 /// and weight, bumpless transfers, the observer, errors of the integration, and what proximity readings push:
@@ -36,18 +18,19 @@ template <Real T>
 ///
 /// The virtual robot is passive at its port: the sum of kinetic energy and tank never grows by more than the
 /// work of the contacts, `port_gain tau_contact . dq^`, tau_contact the part of tau_skin by force readings
-/// (see `TouchWrenches`). The law's torque beyond `port_gain tau_contact + G` is active:
-/// `tau_a . dq^` drains the tank, or fills it up to `max`. Where a sub-step would cost more than the tank
-/// holds, `alpha tau_a` remains (`tank_empty`): the robot yields and brakes as before, but no longer drives.
-/// Kinetic energy that no work explains (`res`: a changed mass matrix, discretisation, the observer's
-/// correction) is charged at the next sub-step.
+/// (see `TouchWrenches`). The law's torque beyond `port_gain tau_contact + G` is active: `tau_a . dq^` drains
+/// the tank, or fills it up to `max`. Where a sub-step would cost more than the tank holds, `alpha tau_a`
+/// remains (`tank_empty`): the robot yields and brakes as before, but no longer drives. Kinetic energy that
+/// no work explains (`res`: a changed mass matrix, discretisation, the observer's correction) is charged at
+/// the next sub-step.
 ///
 /// A torque interface has no virtual robot: the port is the real one, `Held` its memory, and work is computed
-/// from the robot's displacement under the torque that was held. What moves a joint further than predicted
-/// (a push, the recoil of other joints, a limit that cuts the motion) makes a sub-step cost more: so every joint's
-/// largest such surprise is remembered, fades over some 500 sub-steps, and a torque must be payable with twice
-/// that. A thousandth of `max` is for a surprise larger than any so far, and no torque draws on it knowingly. If
-/// even that leaves a debt, only what fills the tank in spite of surprises is active until it is paid back.
+/// from the robot's displacement under the torque that was held. What moves a joint further than predicted (a
+/// push, the recoil of other joints, a limit that cuts the motion) makes a sub-step cost more: so every
+/// joint's largest such surprise is remembered, fades over some 500 sub-steps, and a torque must be payable
+/// with twice that. A thousandth of `max` is for a surprise larger than any so far, and no torque draws on it
+/// knowingly. If even that leaves a debt, only what fills the tank in spite of surprises is active until it
+/// is paid back. What moves then and rubs nowhere is slowed by `drag`.
 template <Real T = double>
 class EnergyTank {
  public:
@@ -56,6 +39,7 @@ class EnergyTank {
     T start = T(1);      ///< initial energy [J], >= 0
     T max = T(5);        ///< capacity [J], >= start
     T port_gain = T(1);  ///< weight with which the law takes the contacts' torque; another one is active
+    T drag = T(2);  ///< friction by torque of what the tank does not pay for, in proportion to the mass [1/s]
   };
   /// How far joints move, and how wrong that was.
   template <std::size_t N>
@@ -77,7 +61,7 @@ class EnergyTank {
     bool paid = false;         ///< a sub-step is to be charged
     Foresight<N> foresight;
   };
-  /// For a torque interface: the torque that the real robot holds, and its parts when it was sent.
+  /// For a torque interface: the torque that was sent, and its parts when it was sent.
   template <std::size_t N>
   struct Held {
     T energy = T(0);
@@ -87,6 +71,7 @@ class EnergyTank {
     JointTorque<N, T> active;  ///< the remainder
     bool counts = false;       ///< the values above are valid
     Foresight<N> foresight;
+    detail::ActedTorque<N, T> passives, actives;  ///< those of the last cycles, of which one acts now
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
@@ -95,6 +80,7 @@ class EnergyTank {
     require(s.start >= T(0) && s.start <= T(1e6), "energy at the start", number(s.start), "0 to 1e6 J");
     require(s.max >= s.start && s.max <= T(1e6), "room of the tank", number(s.max), ">= start, <= 1e6 J");
     require(s.port_gain >= T(0) && s.port_gain <= T(1e6), "port gain", number(s.port_gain), "0 to 1e6");
+    require(s.drag >= T(0) && s.drag <= T(20), "drag of an empty tank", number(s.drag), "0 to 20 1/s");
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
@@ -132,8 +118,20 @@ class EnergyTank {
   [[nodiscard]] SKINCTL_INLINE T pay(Memory<N>& memory, const JointTorque<N, T>& port,
                                      const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
                                      JointVelocity<N, T>& v1, const T& h, Without&& without) const noexcept {
-    const T share =
-        share_of(T(memory.energy - reserve * s_.max), memory.foresight, active, v, v1, h, without);
+    const T energy = memory.energy - reserve * s_.max;
+    T share(1);
+    if (!is_payable(energy, memory.foresight, active, v, v1, h)) [[unlikely]] {
+      const JointVelocity<N, T> v0 = without();
+      T w1 = margin_of(memory.foresight, active), w2(0);
+      for (std::size_t i = 0; i < N; ++i) {
+        w1 = w1 + T(0.5) * h * active[i] * (v[i] + v0[i]);
+        w2 = w2 + T(0.5) * h * active[i] * (v1[i] - v0[i]);
+      }
+      share = affordable_share(w1, w2, energy);
+      for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
+    }
+    for (std::size_t i = 0; i < N; ++i) memory.foresight.ahead[i] = T(0.5) * h * (v[i] + v1[i]);
+    memory.foresight.valid = true;
     memory.port = s_.port_gain * port;
     memory.active = share * active;
     memory.paid = true;
@@ -170,35 +168,64 @@ class EnergyTank {
     return m;
   }
 
-  /// The real robot moved by `dq` under the torque that it held, to a position with the torques `gravity` and
-  /// `port`: charges the work of the active part, and that work of the passive part which is none of port,
-  /// gravity or friction (it was held while they changed).
+  /// The real robot moved by `dq` in `dt` seconds under the torque that acted, to a position with the torques
+  /// `gravity` and `port`: charges the work of its active part, and that work of its passive part which is
+  /// none of port, gravity or friction (they changed since it was sent).
+  ///
+  /// @param delay  from a torque that is sent until it acts [s].
   template <std::size_t N>
   SKINCTL_INLINE void book(Held<N>& memory, const JointPosition<N, T>& dq, const JointTorque<N, T>& port,
-                           const JointTorque<N, T>& gravity) const noexcept {
+                           const JointTorque<N, T>& gravity, const T& dt, const T& delay) const noexcept {
     if (!memory.counts) return;
-    learn(memory.foresight, memory.active, dq);
+    JointTorque<N, T> active, passive;
+    const bool acts = memory.actives.step(memory.active, dt, delay, active);
+    if (!memory.passives.step(memory.passive, dt, delay, passive) || !acts) return;
+    learn(memory.foresight, active, dq);
     T drawn(0), res(0);
     for (std::size_t i = 0; i < N; ++i) {
-      drawn = drawn + memory.active[i] * dq[i];
+      drawn = drawn + active[i] * dq[i];
       const T fair = s_.port_gain * (memory.port[i] + port[i]) + memory.gravity[i] + gravity[i];
-      res = res + (memory.passive[i] - T(0.5) * fair) * dq[i];
+      res = res + (passive[i] - T(0.5) * fair) * dq[i];
     }
     memory.energy = memory.energy - drawn - (res > T(0) ? res : T(0));
     if (memory.energy > s_.max) memory.energy = s_.max;
   }
 
-  /// The share of the active torque that may be held for `h` seconds from the velocity `v` on; `move(torque)`
-  /// gives the velocity to which a torque leads.
+  /// Cuts the active torque to what may be held for `h` seconds from the velocity `v` on, and returns the
+  /// share that is left; `move(torque)` gives the velocity to which a torque leads in `h + delay`: what is
+  /// under way, not booked yet, has to be payable as well. Joints that it brakes keep all of it, the others
+  /// get the share: one that drives would hinder one that brakes, and both swing for ever.
   ///
   /// @param passive  `port_gain port + gravity` less friction.
   template <std::size_t N, class Move>
   [[nodiscard]] SKINCTL_INLINE T pay(Held<N>& memory, const JointTorque<N, T>& passive,
-                                     const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
-                                     const T& h, Move&& move) const noexcept {
+                                     JointTorque<N, T>& active, const JointVelocity<N, T>& v, const T& h,
+                                     const T& delay, Move&& move) const noexcept {
+    const T energy = memory.energy - reserve * s_.max, all = h + delay;
     JointVelocity<N, T> v1 = move(passive + active);
-    return share_of(T(memory.energy - reserve * s_.max), memory.foresight, active, v, v1, h,
-                    [&] { return move(passive); });
+    T share(1);
+    if (!is_payable(energy, memory.foresight, active, v, v1, all)) [[unlikely]] {
+      JointTorque<N, T> brakes, drives = active;
+      for (std::size_t i = 0; i < N; ++i)
+        if (cost_of(memory.foresight, i, active[i], v[i], v1[i], all) < T(0))
+          brakes[i] = active[i], drives[i] = T(0);
+      // What is left pays for the others, moved by what brakes.
+      const JointVelocity<N, T> v0 = move(passive + brakes);
+      T w0 = margin_of(memory.foresight, brakes), w1 = margin_of(memory.foresight, drives), w2(0);
+      for (std::size_t i = 0; i < N; ++i) {
+        const T change = T(0.5) * all * (v1[i] - v0[i]), way = T(0.5) * all * (v[i] + v0[i]);
+        w0 = w0 + brakes[i] * way;
+        w1 = w1 + drives[i] * way + brakes[i] * change;
+        w2 = w2 + drives[i] * change;
+      }
+      share = affordable_share(w1, w2, T(energy - w0));
+      active = brakes + share * drives;
+      for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
+    }
+    for (std::size_t i = 0; i < N; ++i)
+      memory.foresight.ahead[i] = h * (v[i] + T(0.5) * (h / all) * (v1[i] - v[i]));
+    memory.foresight.valid = true;
+    return share;
   }
   /// The torque that is sent, after limits and guard.
   template <std::size_t N>
@@ -221,7 +248,8 @@ class EnergyTank {
  private:
   static constexpr T fading = T(0.998), headroom = T(2), reserve = T(1e-3);
 
-  /// The joints moved by `dq` under the torque `active`: how far beyond what was predicted, along that torque.
+  /// The joints moved by `dq` under the torque `active`: how far beyond what was predicted, along that
+  /// torque.
   template <std::size_t N>
   static SKINCTL_INLINE void learn(Foresight<N>& foresight, const JointTorque<N, T>& active,
                                    const JointPosition<N, T>& dq) noexcept {
@@ -234,27 +262,28 @@ class EnergyTank {
     }
   }
 
-  /// The share for which `energy` pays, surprises included, and the velocity to which it leads in place of `v1`.
-  template <std::size_t N, class Without>
-  static SKINCTL_INLINE T share_of(const T& energy, Foresight<N>& foresight, const JointTorque<N, T>& active,
-                                   const JointVelocity<N, T>& v, JointVelocity<N, T>& v1, const T& h,
-                                   Without&& without) noexcept {
-    T cost(0), margin(0);
-    for (std::size_t i = 0; i < N; ++i) {
-      cost = cost + T(0.5) * h * active[i] * (v[i] + v1[i]);
-      margin = margin + headroom * (active[i] < T(0) ? T(-active[i]) : active[i]) * foresight.surprise[i];
-    }
-    T share(1);
-    if (!(cost + margin <= energy || cost + margin <= T(0))) [[unlikely]] {
-      const JointVelocity<N, T> v0 = without();
-      T w1(0);
-      for (std::size_t i = 0; i < N; ++i) w1 = w1 + T(0.5) * h * active[i] * (v[i] + v0[i]);
-      share = affordable_share(T(w1 + margin), T(cost - w1), energy);
-      for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
-    }
-    for (std::size_t i = 0; i < N; ++i) foresight.ahead[i] = T(0.5) * h * (v[i] + v1[i]);
-    foresight.valid = true;
-    return share;
+  /// What surprises may make `active` cost beyond its prediction [J].
+  template <std::size_t N>
+  static SKINCTL_INLINE T margin_of(const Foresight<N>& foresight, const JointTorque<N, T>& active) noexcept {
+    T margin(0);
+    for (std::size_t i = 0; i < N; ++i) margin = margin + cost_of(foresight, i, active[i], T(0), T(0), T(0));
+    return margin;
+  }
+  /// What `active` costs at joint `i` while it goes from `v` to `v1` in `h` seconds, surprises included [J].
+  template <std::size_t N>
+  static SKINCTL_INLINE T cost_of(const Foresight<N>& foresight, std::size_t i, const T& active, const T& v,
+                                  const T& v1, const T& h) noexcept {
+    return T(0.5) * h * active * (v + v1) +
+           headroom * (active < T(0) ? T(-active) : active) * foresight.surprise[i];
+  }
+  /// Whether `energy` pays for `active` while joints go from `v` to `v1` in `h` seconds, surprises included.
+  template <std::size_t N>
+  static SKINCTL_INLINE bool is_payable(const T& energy, const Foresight<N>& foresight,
+                                        const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
+                                        const JointVelocity<N, T>& v1, const T& h) noexcept {
+    T cost(0);
+    for (std::size_t i = 0; i < N; ++i) cost = cost + cost_of(foresight, i, active[i], v[i], v1[i], h);
+    return cost <= energy || cost <= T(0);
   }
 
   Settings s_;

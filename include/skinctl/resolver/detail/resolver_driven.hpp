@@ -104,10 +104,10 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     }
   }
 
-  /// What acts on the driven joints, and the work of the torque that they have held.
+  /// What acts on the driven joints, and the work of the torque that has acted in the last `dt` seconds.
   template <class Began, class Touch>
-  [[nodiscard]] SKINCTL_INLINE auto load_of(Memory& m, const Began& begun,
-                                            const Touch& touch) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE auto load_of(Memory& m, const Began& begun, const Touch& touch,
+                                            [[maybe_unused]] const T& dt) const noexcept {
     if constexpr (!has_driven) {
       return NoLoad{};
     } else {
@@ -125,8 +125,8 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
         auto& shared = m.passivity.template of<EnergyTank<T>>().energy;
         load.port = skin_torque(model_, JointAngles<M, T>(model_, now.q), contact_part(touch));
         m.driven.tank.energy = shared;
-        tank.book(m.driven.tank, Driven::of(begun.displaced), Driven::of(load.port),
-                  Driven::of(load.gravity));
+        tank.book(m.driven.tank, Driven::of(begun.displaced), Driven::of(load.port), Driven::of(load.gravity),
+                  dt, seconds<T>(this->driven_delay()));
         shared = m.driven.tank.energy;
         load.passive = tank.settings().port_gain * Driven::of(load.port) + Driven::of(load.gravity) -
                        (m.stop ? load.brakes : load.resists);

@@ -76,20 +76,22 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
     Torque whole;
     Driven::put(torque, whole);
     const auto& now = m.measured();
-    const DrivenTorque active = Driven::of(limits_.within(whole, now.dq)) - passive;
+    DrivenTorque active = Driven::of(limits_.within(whole, now.dq)) - passive;
     const JointAngles<M, T> angles(model_, now.q);
     const DrivenTorque bias = gravity + Driven::of(coriolis_torque(model_, angles, now.dq));
-    const math::Ldlt<Driven::count, T> mass(block_of<Driven>(this->real_mass(now.q)).data);
+    const auto mass = this->real_mass(now.q);
+    const math::Ldlt<Driven::count, T> factors(block_of<Driven>(mass).data);
     const auto v = Driven::of(now.dq);
-    const T h = seconds<T>(this->period());
-    const T share = tank.pay(held_tank, passive, active, v, h, [&](const DrivenTorque& tau) {
+    const T h = seconds<T>(this->period()), delay = seconds<T>(this->driven_delay());
+    const T share = tank.pay(held_tank, passive, active, v, h, delay, [&](const DrivenTorque& tau) {
       const DrivenTorque net = tau - bias;
       JointAcceleration<Driven::count, T> given;
-      if (mass.positive_definite()) mass.solve(net.data, given.data);
-      return integrate(v, given, h);
+      if (factors.positive_definite()) factors.solve(net.data, given.data);
+      return integrate(v, given, T(h + delay));
     });
     if (!(share < T(1))) return {};
-    torque = passive + share * active;
+    const T drag = tank.settings().drag * (T(1) - share);
+    torque = passive + active - drag * momentum_of<Driven>(mass, now.dq);
     return Reason::tank_empty;
   }
 
