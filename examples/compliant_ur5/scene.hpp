@@ -50,18 +50,28 @@ skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s, dou
 /// Standard deviation of a force sensor at rest, as it is declared [steps].
 inline constexpr float force_noise = 0.4f;
 
-/// Behind rest levels and fault rules: a stuck cell, or one that drifts, does not push. The virtual arm has no dry
-/// friction that would hold the force of a cell alone, so that a cell without a witness does not count.
-inline auto trusted_skin(const Settings& s, double heavier = 1) {
-  using namespace skinctl;
-  SkinSettings settings;
-  settings.force = EventGate<>::dead_band(s.control.force_threshold);
-  TrustSettings trust;
+/// A touch is what a cell reads beyond this.
+inline skinctl::SkinSettings skin_settings(const Settings& s) {
+  skinctl::SkinSettings settings;
+  settings.force = skinctl::EventGate<>::dead_band(s.control.force_threshold);
+  return settings;
+}
+/// Rest levels and fault rules of cells of TUM's size. The virtual arm has no dry friction that would hold the force of a
+/// cell alone, so that a cell without a witness does not count.
+inline skinctl::TrustSettings trust_settings(const Settings& s) {
+  skinctl::TrustSettings trust;
   trust.lone_force = {s.trust_all_cells ? std::numeric_limits<double>::infinity() : 0.0};
   trust.follow_rest = trust.find_faults = !s.trust_all_cells;
   trust.noise = {{.force = force_noise, .rest = static_cast<float>(s.rest_reading / trust.health.step)}};
   trust.health.delta = s.force_delta / trust.health.step;
   trust.answer = 0.05;  // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
+  return trust;
+}
+
+/// Behind rest levels and fault rules: a stuck cell, or one that drifts, does not push.
+inline auto trusted_skin(const Settings& s, double heavier = 1) {
+  using namespace skinctl;
+  TrustSettings trust = trust_settings(s);
   const auto patches = skin_patches(s, heavier);
   if (!s.trust_all_cells && s.hand) {  // a palm has one cell: nobody else can be its witness
     std::vector<double> lone;
@@ -76,7 +86,7 @@ inline auto trusted_skin(const Settings& s, double heavier = 1) {
     trust.lone_force = lone;
     trust.noise = noise;
   }
-  const UrSkin skin(patches, settings);
+  const UrSkin skin(patches, skin_settings(s));
   return TrustedSkin(skin, trust, FillIn(skin_graph(s, patches), skin.places()));
 }
 
@@ -182,14 +192,18 @@ inline skinctl::StiffestContact heaviest_hand(const Settings& s) {
           .skin_delay = delay_of_sense(s)};
 }
 
-/// By how much the arm is felt heavier than its links and the gains of its skin make it, so that all of that rests,
+/// By how much an arm is felt heavier than its links and the gains of its skin make it, so that all of that rests,
 /// times `Settings::heavier_than_needed`.
+/// @param places  what feels, as far as the stability of contacts asks for it.
+template <class Arm, class Places>
+double heavier_for(const Settings& s, const Arm& arm, const Places& places) {
+  return 1.05 * s.control.heavier_than_needed *
+         std::max({1.0, hardest_finger(s).heavier(arm, places), heaviest_hand(s).heavier(arm, places)});
+}
 template <skinctl::Interface I, Sense S = Sense::skin>
 double heavier(const Settings& s) {
-  const auto arm = skinctl::robot_by<I>(skinctl::ur5::Model{}, configuration<I>(s));
-  const auto skin = places_of_touch<S>(s);
-  return 1.05 * s.control.heavier_than_needed *
-         std::max({1.0, hardest_finger(s).heavier(arm, skin), heaviest_hand(s).heavier(arm, skin)});
+  return heavier_for(s, skinctl::robot_by<I>(skinctl::ur5::Model{}, configuration<I>(s)),
+                     places_of_touch<S>(s));
 }
 
 /// The felt mass of the lightest place by position or velocity [kg], `factor` being `heavier(s)`.
@@ -203,17 +217,21 @@ double felt_mass(const Settings& s) {
   return felt_mass<I, S>(s, heavier<I, S>(s));
 }
 
-/// A virtual arm gives way, and its motion is commanded.
+/// A virtual arm goes to its goals and gives way to `touch`, and its motion is commanded.
+template <class Arm, class Touch>
+auto scene_of(const Settings& s, const Arm& arm, const Touch& touch, double heavier) {
+  using namespace skinctl;
+  return Cycle(
+      arm, touch,
+      blended(weighted(SplineJoint<6>(tracking(arm, s, heavier)) + SkinJointControl{} + GravityControl{})));
+}
 template <skinctl::Interface I, Sense S>
 auto scene_by_motion(const Settings& s) {
-  using namespace skinctl;
   const double factor = heavier<I, S>(s);
-  const auto arm =
-      robot_by<I>(ur5::Model{}, configuration<I>(s, factor), hardest_finger(s), heaviest_hand(s));
+  const auto arm = skinctl::robot_by<I>(skinctl::ur5::Model{}, configuration<I>(s, factor), hardest_finger(s),
+                                        heaviest_hand(s));
   constexpr double heaviest = 1000;  // [kg]; a rigid arm, whose touch is muted, is heavier still
-  return Cycle(
-      arm, touch_of<S>(s, factor, std::min(heaviest, felt_mass<I, S>(s, factor))),
-      blended(weighted(SplineJoint<6>(tracking(arm, s, factor)) + SkinJointControl{} + GravityControl{})));
+  return scene_of(s, arm, touch_of<S>(s, factor, std::min(heaviest, felt_mass<I, S>(s, factor))), factor);
 }
 
 /// From skin and state to commands for `I`: every number of it comes from the settings.
@@ -228,17 +246,21 @@ auto make_scene(const Settings& s) {
   }
 }
 
-/// How fast its places go that feel badly: from the touch to the beginning of braking pass two cycles, delay and lag.
-template <skinctl::Interface I>
-skinctl::FeltPlaces<max_cells> felt_places(const Settings& s) {
-  using namespace skinctl;
-  const auto robot = configuration<I>(s);
-  return {.places = UrSkin(skin_patches(s), {}).places(),
+/// How fast those of its places go that feel badly: from the touch to the beginning of braking pass two cycles, delay
+/// and lag.
+inline skinctl::FeltPlaces<max_cells> felt_places(const Settings& s,
+                                                  const skinctl::RobotConfiguration<6>& robot,
+                                                  std::vector<skinctl::CellPlace> places) {
+  return {.places = std::move(places),
           .force = s.control.force_limit,
           .stiffness = s.control.stiffest_wall,
           .deceleration = s.control.stopping,
           .reaction = 2 * robot.period + robot.delay + robot.lag,
           .newtons = s.newtons_per_reading};
+}
+template <skinctl::Interface I>
+skinctl::FeltPlaces<max_cells> felt_places(const Settings& s) {
+  return felt_places(s, configuration<I>(s), UrSkin(skin_patches(s), {}).places());
 }
 
 /// The same, as the job runs it: it does not move before its skin is heard, stops when a patch falls silent, and leads

@@ -1,6 +1,7 @@
 // Press the arm: what the visitor does, and what the arm answers.
 import {ArmView} from './arm3d.js';
 import {choices, Core} from './core.js';
+import {readRobot} from './urdf.js';
 
 const $ = id => document.getElementById(id);
 const feelings = ['nothing', 'skin', 'wrist sensor', 'motors'], interfaces = ['position', 'velocity', 'torque'];
@@ -63,10 +64,13 @@ function start(before) {
 }
 function controls() {
   const v = app.view, torque = state.interface === 2, rigid = state.feeling === 0;
-  document.querySelectorAll('#feeling input').forEach((e, i) => { e.checked = state.feeling === i; });
+  document.querySelectorAll('#feeling input').forEach((e, i) => {
+    e.checked = state.feeling === i, e.disabled = i > 1 && !!app.own;
+    e.title = e.disabled ? 'your robot feels by its skin' : '';
+  });
   document.querySelectorAll('#interface input').forEach((e, i) => {
-    e.checked = state.interface === i, e.disabled = i === 2 && state.feeling > 1;
-    e.title = e.disabled ? 'by torque it feels by its skin' : '';
+    e.checked = state.interface === i, e.disabled = i === 2 && (state.feeling > 1 || !!app.own);
+    e.title = !e.disabled ? '' : app.own ? 'of your robot: by position and velocity' : 'by torque it feels by its skin';
   });
   for (const [name] of sliders) {
     const input = $('s-' + name);
@@ -108,9 +112,9 @@ function pointers() {
   canvas.addEventListener('keydown', e => {
     if (arrows[e.key] || e.key === ' ') e.preventDefault();
     if (e.repeat && e.key === ' ') return;
-    if (arrows[e.key] && !app.pressing) app.chosen = app.arm.next(app.chosen < 0 ? 169 : app.chosen, ...arrows[e.key]);
+    if (arrows[e.key] && !app.pressing) app.chosen = app.arm.next(app.chosen < 0 ? middle() : app.chosen, ...arrows[e.key]);
     if (e.key === ' ' && !app.pressing) {
-      if (app.chosen < 0) app.chosen = 169;
+      if (app.chosen < 0) app.chosen = middle();
       press(app.core.cells[app.chosen], 'key');
     }
     if (e.key === 'Escape') release();
@@ -118,6 +122,9 @@ function pointers() {
   canvas.addEventListener('keyup', e => { if (e.key === ' ' && app.pressing && app.pressing.pointer === 'key') release(); });
   canvas.addEventListener('blur', release);
 }
+
+/// A cell of a long link: where the keys begin; of a UR5 one of its forearm.
+const middle = () => app.own ? Math.floor(app.core.cells.length / 2) : 169;
 
 /// The state in a few words.
 function inWords(v) {
@@ -168,6 +175,47 @@ function frame(now) {
   requestAnimationFrame(frame);
 }
 
+/// Another robot: what `readRobot` gives, or none, the UR5. One that the library refuses changes nothing.
+function bring(own) {
+  const before = app.own;
+  release();
+  try {
+    app.core.robot(own && own.numbers);
+    if (own) state.feeling = Math.min(state.feeling, 1), state.interface = Math.min(state.interface, 1);
+    app.core.start(state);
+    app.own = own;
+    $('own').textContent = own ? own.words : '';
+    $('own').className = 'note';
+  } catch (e) {
+    refuse(e);
+    app.core.robot(before && before.numbers);
+    app.core.start(state);
+  }
+  app.good = {...state}, app.refused = '', app.hurt = false, app.chosen = -1, app.pressed = false, app.view = app.core.view();
+  app.arm.robot(app.core.tubes(), app.core.cells, !!app.own);
+  app.arm.look(app.view.links);
+  $('robot').textContent = `A simulated ${app.own ? `"${app.own.name}"` : 'UR5'} with ${app.view.cells} cells of skin, run by the library that would run a real one.`;
+  $('ur5').hidden = !app.own;
+  controls();
+}
+function refuse(e) {
+  $('own').textContent = `refused: ${e.message.replace('skinctl: ', '')}`;
+  $('own').className = 'note bad';
+}
+async function read(file) {
+  try {
+    if (!file) return;
+    if (file.size > 4e6) throw new Error(`${file.size} bytes, at most 4 MB`);
+    bring(readRobot(await file.text()));
+  } catch (e) { refuse(e); }
+}
+function files() {
+  addEventListener('dragover', e => e.preventDefault());
+  addEventListener('drop', e => { e.preventDefault(), read(e.dataTransfer.files[0]); });
+  $('file').addEventListener('change', () => { read($('file').files[0]), $('file').value = ''; });
+  $('ur5').addEventListener('click', () => bring(null));
+}
+
 async function begin() {
   radios('feeling', feelings), radios('interface', interfaces);
   app.core = await Core.create();
@@ -175,8 +223,9 @@ async function begin() {
   app.good = {...state}, app.view = app.core.view();
   sliders.forEach(slider);
   controls();
-  app.arm = new ArmView($('arm'), app.core.tubes(), app.core.cells);
-  pointers();
+  app.arm = new ArmView($('arm'));
+  app.arm.robot(app.core.tubes(), app.core.cells, false);
+  pointers(), files();
   $('again').addEventListener('click', () => start({...app.good}));
   $('hurt').addEventListener('click', () => { app.core.hurt(app.hurt = !app.hurt), controls(); });
   requestAnimationFrame(now => {

@@ -9,7 +9,7 @@ const housings = [[0, 0.062, [0, 0, -0.01], [0, 0, 0.03]], [1, 0.056, [0, 0, 0.0
   [4, 0.042, [0, 0, -0.04], [0, 0, 0.135]], [5, 0.036, [0, 0, -0.03], [0, 0, 0.08]]];
 
 export class ArmView {
-  constructor(canvas, tubes, cells) {
+  constructor(canvas) {
     const context = canvas.getContext('webgl2', {antialias: true});
     if (!context) throw new Error('this browser has no WebGL 2');
     this.canvas = canvas;
@@ -29,11 +29,6 @@ export class ArmView {
     this.scene.add(sun);
     this.body = new THREE.MeshLambertMaterial();
     this.shadow = new THREE.MeshLambertMaterial({transparent: true, opacity: 0.16, depthWrite: false});
-    this.links = tubes.map(() => this.group()), this.shadows = tubes.map(() => this.group());
-    tubes.forEach(([r, ...ends], i) => this.part(i, r - 0.003, ends.slice(0, 3), ends.slice(3)));
-    for (const [link, r, from, to] of housings) this.part(link, r, from, to);
-    this.cells = cells;
-    this.skin = this.links.map((group, i) => this.patch(group, i));
     this.tip = new THREE.MeshLambertMaterial();
     this.finger = new THREE.Group();
     const round = new THREE.Mesh(new THREE.SphereBufferGeometry(0.011, 20, 12), this.tip);
@@ -49,6 +44,31 @@ export class ArmView {
     this.colours();
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.colours());
   }
+  /// Draws another robot: the tubes and cells of its links, and of a UR5 its housings.
+  robot(tubes, cells, own) {
+    for (const g of [...this.links || [], ...this.shadows || []]) this.scene.remove(g);
+    this.links = tubes.map(() => this.group()), this.shadows = tubes.map(() => this.group());
+    tubes.forEach(([r, ...ends], i) => { if (r > 0) this.part(i, r - 0.003, ends.slice(0, 3), ends.slice(3)); });
+    if (own) tubes.forEach(([r], i) => this.ball(i, 0.9 * (r || Math.min(...tubes.map(t => t[0] || 1)))));
+    else for (const [link, r, from, to] of housings) this.part(link, r, from, to);
+    this.cells = cells;
+    this.skin = this.links.map((group, i) => this.patch(group, i));
+  }
+  /// Seen from where a UR5 is, as far away as the robot is large.
+  look(links) {
+    const far = Math.max(0.5, ...[0, 1, 2, 3, 4, 5].map(i => Math.hypot(...links.slice(12 * i + 9, 12 * i + 12))));
+    const middle = new THREE.Vector3(links[69], links[70], links[71]).multiplyScalar(0.5);
+    this.controls.target.copy(middle);
+    this.camera.position.copy(middle).add(new THREE.Vector3(-0.55, -1.42, 0.55).multiplyScalar(1.35 * far));
+    this.controls.maxDistance = 6 * far;
+    this.controls.update();
+    // It stands on the floor.
+    this.scene.remove(this.stand);
+    const foot = new THREE.Vector3(links[9], links[10], links[11]), length = foot.length();
+    this.stand = new THREE.Mesh(new THREE.CylinderBufferGeometry(0.06, 0.085, Math.max(0.01, length), 40), this.body);
+    this.stand.position.copy(foot).multiplyScalar(0.5), this.stand.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), foot.normalize());
+    this.scene.add(this.stand);
+  }
   group() {
     const g = new THREE.Group();
     g.matrixAutoUpdate = false;
@@ -57,11 +77,15 @@ export class ArmView {
   }
   part(link, radius, from, to) {
     const a = vector(from), b = vector(to), length = a.distanceTo(b);
-    const tube = new THREE.CylinderBufferGeometry(radius, radius, length, 40);
     const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 1, 0), b.clone().sub(a).normalize());
+    this.add(link, new THREE.CylinderBufferGeometry(radius, radius, length, 40), a.add(b).multiplyScalar(0.5), turn);
+  }
+  /// The housing of a joint.
+  ball(link, radius) { this.add(link, new THREE.SphereBufferGeometry(radius, 28, 18), new THREE.Vector3(), new THREE.Quaternion()); }
+  add(link, shape, at, turn) {
     for (const [groups, material] of [[this.links, this.body], [this.shadows, this.shadow]]) {
-      const mesh = new THREE.Mesh(tube, material);
-      mesh.position.copy(a.clone().add(b).multiplyScalar(0.5)), mesh.quaternion.copy(turn), mesh.userData.link = link;
+      const mesh = new THREE.Mesh(shape, material);
+      mesh.position.copy(at), mesh.quaternion.copy(turn), mesh.userData.link = link;
       groups[link].add(mesh);
     }
   }

@@ -8,6 +8,7 @@
 #include "examples/compliant_ur5/scene.hpp"
 #include "examples/playground/body.hpp"
 #include "examples/playground/playground.hpp"
+#include "skinctl/robots/ur5_skin.hpp"
 
 namespace playground {
 
@@ -20,19 +21,40 @@ struct TaskState {
   skinctl::JointPosition<6> place{};
 };
 
+/// The UR5 of the main job.
 template <skinctl::Interface I, job::Sense S>
+struct UrJob {
+  static constexpr skinctl::Interface interface = I;
+  static constexpr job::Sense sense = S;
+
+  static auto scene(const job::Settings& s) { return job::make_watched_scene<I, S>(s); }
+  static auto configuration(const job::Settings& s) { return job::configuration<I>(s); }
+  static double felt_mass(const job::Settings& s) { return job::felt_mass<I, S>(s); }
+  static auto cells(const job::Settings& s) { return job::simulated_cells(job::skin_patches(s)); }
+  static Kinematics kinematics() { return simulated_ur5::forward_kinematics; }
+  static void limit(simulated_ur5::ArmConfig&) {}
+  static std::array<double, 7> tube(std::size_t i) {
+    const auto& t = skinctl::ur5::tubes[std::min<std::size_t>(i, 5)];
+    return {t.radius, t.from.x, t.from.y, t.from.z, t.to.x, t.to.y, t.to.z};
+  }
+};
+
+/// @tparam Job  the robot, and what drives it: see `UrJob`.
+template <class Job>
 class ArmsBy final : public Arms {
-  using Scene = decltype(job::make_watched_scene<I, S>(std::declval<job::Settings>()));
+  using Scene = decltype(std::declval<const Job&>().scene(std::declval<job::Settings>()));
+  static constexpr skinctl::Interface I = Job::interface;
+  static constexpr job::Sense S = Job::sense;
   static constexpr bool by_torque = I == skinctl::Interface::torque;
   static constexpr double stays = 3, moves = 5;  ///< at a place, to the next one [s]
 
   /// A scene, its memory and the arm that obeys it.
   struct Half {
-    Half(const job::Settings& s, const Choice& c, const job::PerJoint& q)
-        : scene(job::make_watched_scene<I, S>(s)),
+    Half(const Job& robot, const job::Settings& s, const Choice& c, const job::PerJoint& q)
+        : scene(robot.scene(s)),
           memory(std::make_unique<typename Scene::Memory>()),
-          body(arm_config(c, q), simulated_ur5::nanoseconds(1 / s.rate),
-               job::simulated_cells(job::skin_patches(s)), skin_config(s)) {
+          body(arm_config(robot, c, q), simulated_ur5::nanoseconds(1 / s.rate), robot.cells(s),
+               skin_config(s), robot.kinematics()) {
       body.viscous = s.torque.viscous_scale;
       body.coulomb = s.torque.coulomb_scale;
       if constexpr (I == skinctl::Interface::position) {
@@ -52,14 +74,15 @@ class ArmsBy final : public Arms {
   };
 
  public:
-  ArmsBy(const job::Settings& s, const Choice& c, const job::PerJoint& q)
-      : settings_(s),
-        ours_(s, c, q),
-        rigid_(rigid(s), c, q),
-        judge_(judge(s)),
+  ArmsBy(const Job& robot, const job::Settings& s, const Choice& c, const job::PerJoint& q)
+      : robot_(robot),
+        settings_(s),
+        ours_(robot, s, c, q),
+        rigid_(robot, rigid(s), c, q),
+        judge_(judge(robot, s)),
         reading_(ours_.body.cells().size()) {
     if constexpr (!by_torque) {
-      felt_ = job::felt_mass<I, S>(s);
+      felt_ = robot.felt_mass(s);
       lightest_ = felt_ / s.control.heavier_than_needed;
     }
   }
@@ -123,6 +146,7 @@ class ArmsBy final : public Arms {
             c.normal.y,
             c.normal.z};
   }
+  [[nodiscard]] std::array<double, 7> tube(std::size_t i) const override { return robot_.tube(i); }
 
  private:
   static job::Settings rigid(job::Settings s) {
@@ -130,18 +154,19 @@ class ArmsBy final : public Arms {
     s.control.heavier_than_needed = 1;
     return s;
   }
-  static auto judge(const job::Settings& s) {
+  static auto judge(const Job& robot, const job::Settings& s) {
     if constexpr (by_torque) {
       return job::StandingJudge<6>(skinctl::JointTorque<6>(s.torque.most_friction));
     } else {
-      return job::FollowingJudge<6>(job::configuration<I>(s));
+      return job::FollowingJudge<6>(robot.configuration(s));
     }
   }
-  static simulated_ur5::ArmConfig arm_config(const Choice& c, const job::PerJoint& q) {
+  static simulated_ur5::ArmConfig arm_config(const Job& robot, const Choice& c, const job::PerJoint& q) {
     simulated_ur5::ArmConfig arm;
     arm.delay = 1e-3 * c.delay;
     arm.lag = 1e-3 * c.real_lag;
     arm.home = q;
+    robot.limit(arm);
     return arm;
   }
   static simulated_ur5::SkinConfig skin_config(const job::Settings& s) {
@@ -268,9 +293,10 @@ class ArmsBy final : public Arms {
     }
   }
 
+  Job robot_;
   job::Settings settings_;
   Half ours_, rigid_;
-  decltype(judge(std::declval<job::Settings>())) judge_;
+  decltype(judge(std::declval<Job>(), std::declval<job::Settings>())) judge_;
   std::vector<double> reading_;
   std::size_t link_ = 2;
   Vec3 point_{-0.2, 0, 0.05};

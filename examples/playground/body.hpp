@@ -1,6 +1,7 @@
 // The simulated arm of the playground: drives, skin, wrist sensor and finger, without a controller's protocols.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "examples/adapters/ur5/program.hpp"
@@ -18,12 +19,17 @@ namespace playground {
 using simulated_ur5::Joints;
 using simulated_ur5::Vec3;
 
+/// Where the links are at some positions of the joints.
+using Kinematics = std::function<simulated_ur5::Links(const Joints&)>;
+
 /// What `simulated_ur5::Controller` moves between two of its states, moved by commands alone.
 class Body {
  public:
   Body(const simulated_ur5::ArmConfig& arm, simulated_ur5::Nanoseconds cycle,
-       std::vector<simulated_ur5::SkinCell> cells, const simulated_ur5::SkinConfig& skin)
+       std::vector<simulated_ur5::SkinCell> cells, const simulated_ur5::SkinConfig& skin,
+       Kinematics kinematics)
       : cycle_(cycle),
+        kinematics_(std::move(kinematics)),
         arm_(arm, cycle),
         skin_config_(skin),
         skin_(cells, skin, 1),
@@ -49,7 +55,7 @@ class Body {
       finger_.step(world_, 0, wish, h);
       arm_.advance(world_.load());
       now_ += plant_step;
-      links_ = forward_kinematics(arm_.q());
+      links_ = kinematics_(arm_.q());
       world_.advance(seconds(now_), h, links_);
       if (now_ % skin_config_.period == 0) {
         const auto& heard = skin_.sample(now_, links_, world_.stimulus());
@@ -114,13 +120,14 @@ class Body {
     return out;
   }
   simulated_ur5::Nanoseconds cycle_, now_{};
+  Kinematics kinematics_;
   simulated_ur5::Arm arm_;
   simulated_ur5::SkinConfig skin_config_;
   simulated_ur5::Skin skin_;
   simulated_ur5::ForceSensor sensor_;
   simulated_ur5::ContactWorld world_;
   simulated_ur5::LedFinger finger_;
-  simulated_ur5::Links links_ = simulated_ur5::forward_kinematics(arm_.q());
+  simulated_ur5::Links links_ = kinematics_(arm_.q());
   std::vector<skinctl::CellSample> samples_;
 };
 

@@ -24,6 +24,12 @@ export class Core {
     this.exports._initialize();
     this.exports.playground_begin();
     this.array('scenario', numbers.trim().split('\n').length).set(numbers.trim().split('\n').map(Number));
+    if (this.brought) this.array('robot', this.brought.length).set(this.brought);
+  }
+  /// Numbers of `readRobot` from the next start on; none: the UR5.
+  robot(numbers) {
+    this.brought = numbers;
+    this.load();
   }
   array(name, count, ...more) { return new Float64Array(this.exports.memory.buffer, this.exports['playground_' + name](...more), count); }
   text(at) {

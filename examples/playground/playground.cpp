@@ -4,11 +4,13 @@
 #include <algorithm>
 
 #include "skinctl/core/contract.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
 
 namespace playground {
 
-std::unique_ptr<Arms> make_arms(const Scenario& n, const Choice& c, const compliant_ur5::PerJoint& q) {
+namespace {
+
+/// The settings of the main job. Throws `skinctl::ConfigurationError` for a choice out of range.
+compliant_ur5::Settings settings(const Scenario& n, const Choice& c) {
   using skinctl::require;
   const auto one_of = [](double x, int count) { return x >= 0 && x < count && x == static_cast<int>(x); };
   require(one_of(c.feeling, 4), "feeling", c.feeling, "0, 1, 2, 3");
@@ -24,9 +26,22 @@ std::unique_ptr<Arms> make_arms(const Scenario& n, const Choice& c, const compli
   s.newtons_per_reading = n.newtons_per_reading, s.rest_reading = n.rest_reading,
   s.force_delta = n.force_delta;
   for (const auto& place : n.places) s.task.push_back({.at = 0, .q = place, .duration = 0});
+  return s;
+}
+
+}  // namespace
+
+std::unique_ptr<Arms> make_arms(const Scenario& n, const Choice& c, const compliant_ur5::PerJoint& q) {
+  const compliant_ur5::Settings s = settings(n, c);
   if (c.feeling == 2) return arms_by_wrist(s, c, q);
   if (c.feeling == 3) return arms_by_motors(s, c, q);
   return arms_by_skin(s, c, q);
+}
+std::unique_ptr<Arms> make_arms(const Scenario& n, const Choice& c, const Robot& robot,
+                                const compliant_ur5::PerJoint* q) {
+  skinctl::require(c.feeling < 2 && c.interface < 2, "feeling or interface of an own robot",
+                   std::max(c.feeling, c.interface), "0 or 1: its skin, by position and velocity");
+  return arms_of_own_robot(settings(n, c), c, robot, q);
 }
 
 }  // namespace playground
@@ -38,6 +53,8 @@ using namespace playground;
 struct {
   Scenario scenario;
   Choice choice;
+  Robot robot;
+  bool begins = true;  ///< another robot than that of the arms
   View view;
   double press[6] = {}, cell[7] = {};
   std::unique_ptr<Arms> arms;
@@ -55,12 +72,19 @@ Scenario* playground_scenario() {
 Choice* playground_choice() {
   return &all.choice;
 }
+/// The robot of the next start, which begins at its task.
+Robot* playground_robot() {
+  all.begins = true;
+  return &all.robot;
+}
 /// Anew by the present choice, where the arm stands.
 void playground_start() {
   compliant_ur5::PerJoint q = all.scenario.places.back();
-  if (all.arms) std::copy_n(all.view.q, q.size(), q.begin());
+  if (!all.begins) std::copy_n(all.view.q, q.size(), q.begin());
   all.arms.reset();
-  all.arms = make_arms(all.scenario, all.choice, q);
+  all.arms = all.robot.given > 0 ? make_arms(all.scenario, all.choice, all.robot, all.begins ? nullptr : &q)
+                                 : make_arms(all.scenario, all.choice, q);
+  all.begins = false;
   all.view = View{};
   all.arms->cycle(all.view);
 }
@@ -91,9 +115,10 @@ const char* playground_words() {
 }
 /// Of link `i`: radius, and the two ends of its tube in its frame [m].
 const double* playground_tube(std::size_t i) {
-  const auto& t = skinctl::ur5::tubes[std::min<std::size_t>(i, 5)];
-  const double out[7] = {t.radius, t.from.x, t.from.y, t.from.z, t.to.x, t.to.y, t.to.z};
-  std::copy_n(out, 7, all.cell);
+  if (all.arms && i < Robot::joints) {
+    const auto t = all.arms->tube(i);
+    std::copy(t.begin(), t.end(), all.cell);
+  }
   return all.cell;
 }
 /// Of cell `i`: link, place, normal.

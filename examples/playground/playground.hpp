@@ -33,6 +33,33 @@ struct Finger {
   double aside[3] = {};     ///< how far it was dragged from its line, in the base's frame [m]
 };
 
+/// A robot that a visitor brings, as a page read it from a URDF: six joints that turn, the bodies that they move.
+struct Robot {
+  static constexpr std::size_t joints = 6, max_bodies = 64;
+  /// Where a frame is in another one: its axes x, y, z, its origin [m].
+  struct Place {
+    double axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, origin[3] = {};
+  };
+  struct Joint {
+    Place place;  ///< in the frame of the joint before, or of the base, at position 0; z is its axis
+    double lower = 0, upper = 0;  ///< [rad]; equal: it turns without end
+    double velocity = 0;          ///< its limit [rad/s]; 0: not known
+    double torque = 0;            ///< its limit [N m]; 0: not known
+  };
+  struct Body {
+    double joint = 0;        ///< that moves it, from 0
+    Place place;             ///< of its inertia's frame, whose origin is its centre of mass, in the joint's
+    double mass = 0;         ///< [kg]
+    double inertia[6] = {};  ///< xx, yy, zz, xy, xz, yz [kg m^2]
+  };
+  double given = 0;   ///< 1: this robot; 0: the UR5 of the main job
+  double bodies = 0;  ///< how many of `body` count
+  Joint joint[joints];
+  Body body[max_bodies];
+  double tip[3] = {};  ///< the end of the last link in the frame of the last joint [m]
+};
+static_assert(std::is_trivially_copyable_v<Robot> && sizeof(Robot) % sizeof(double) == 0);
+
 /// What is to be seen after a cycle. Poses: columns x, y, z, origin, in the base's frame.
 struct View {
   double time = 0, period = 0;              ///< [s]
@@ -85,6 +112,8 @@ class Arms {
   virtual const char* words() noexcept = 0;
   /// Of each cell: link, place, outward normal in the link's frame [m].
   [[nodiscard]] virtual std::array<double, 7> cell(std::size_t i) const = 0;
+  /// Of the tube of link `i`: radius and ends in the link's frame [m]; radius 0: it has none.
+  [[nodiscard]] virtual std::array<double, 7> tube(std::size_t i) const = 0;
 
   Finger finger;
 };
@@ -93,6 +122,9 @@ class Arms {
 /// exist.
 std::unique_ptr<Arms> make_arms(const Scenario& scenario, const Choice& choice,
                                 const compliant_ur5::PerJoint& q);
+/// The same of a robot that somebody brought, by its skin, by position and velocity; without `q` where its task begins.
+std::unique_ptr<Arms> make_arms(const Scenario& scenario, const Choice& choice, const Robot& robot,
+                                const compliant_ur5::PerJoint* q = nullptr);
 
 // A file for each sense.
 std::unique_ptr<Arms> arms_by_skin(const compliant_ur5::Settings& s, const Choice& c,
@@ -101,5 +133,7 @@ std::unique_ptr<Arms> arms_by_wrist(const compliant_ur5::Settings& s, const Choi
                                     const compliant_ur5::PerJoint& q);
 std::unique_ptr<Arms> arms_by_motors(const compliant_ur5::Settings& s, const Choice& c,
                                      const compliant_ur5::PerJoint& q);
+std::unique_ptr<Arms> arms_of_own_robot(compliant_ur5::Settings s, const Choice& c, const Robot& robot,
+                                        const compliant_ur5::PerJoint* q);
 
 }  // namespace playground

@@ -11,6 +11,9 @@
 #include <tuple>
 
 #include "examples/support/devtools.hpp"
+#include "skinctl/io/urdf.hpp"
+#include "skinctl/kinematics/poses.hpp"
+#include "skinctl/model/topology.hpp"
 
 namespace browser = examples::browser;
 
@@ -241,6 +244,124 @@ TEST_CASE("The playground by keys and by a finger on the screen") {
   CHECK(page.until("playground.view.force > 5"));
   page.touch("touchEnd", at.x, at.y);
   CHECK(page.until("playground.view.touching === 0"));
+  CHECK(page.errors() == "");
+}
+
+namespace {
+
+/// Drops a file on the page.
+void drop(browser::Page& page, const std::string& text) {
+  page.evaluate(
+      "(() => { const data = new DataTransfer(); data.items.add(new File([" + nlohmann::json(text).dump() +
+      "], 'robot.urdf')); document.body.dispatchEvent(new DragEvent('drop', {dataTransfer: data, bubbles: "
+      "true, cancelable: true})); })()");
+}
+std::string contents(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  REQUIRE(!text.str().empty());
+  return text.str();
+}
+std::string words(browser::Page& page) {
+  return page.evaluate("document.getElementById('own').textContent");
+}
+/// The largest distance of a joint on the page from where the library's own reader of the file has it [m], and of its
+/// axis from that one's direction.
+std::array<double, 2> apart(browser::Page& page, const std::string& file,
+                            const skinctl::UrdfOptions& options) {
+  using namespace skinctl;
+  const auto model = calibrated_from<Chain<6>>(read_urdf(file, options));
+  JointPosition<6> q;
+  std::array<double, 72> links{};
+  // Both of one cycle.
+  const auto view = page.evaluate("[...playground.view.q, ...playground.view.links]");
+  for (std::size_t i = 0; i < 6; ++i) q[i] = view[i];
+  for (std::size_t i = 0; i < 72; ++i) links[i] = view[6 + i];
+  std::array<double, 2> out{};
+  const auto poses = link_poses(model, q);
+  const auto look = [&](std::size_t i, const auto& X) {
+    const double* at = &links[12 * i];
+    const Xyz<double> z = X.axis_z() - Xyz<double>{at[6], at[7], at[8]};
+    const Xyz<double> p = X.origin() - Xyz<double>{at[9], at[10], at[11]};
+    out = {std::max(out[0], std::sqrt(dot(p, p))), std::max(out[1], std::sqrt(dot(z, z)))};
+  };
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (look(I, poses.template get<I>()), ...);
+  }(std::make_index_sequence<6>{});
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "The playground: a URDF dropped on it is the next arm, where the library has its joints, and gives way") {
+  const browser::Folder folder;
+  browser::Page page(chromium, folder);
+  open(page);
+  struct Case {
+    const char* file;
+    skinctl::UrdfOptions options;
+    const char* words;
+  };
+  for (const Case& c :
+       {Case{"fr3.urdf", {.locked = {{"joint3", 0}}}, "locked: joint3"},
+        Case{"iiwa14.urdf", {.locked = {{"A3", 0}}}, "locked: A3"}, Case{"arm6.urdf", {}, ""}}) {
+    CAPTURE(c.file);
+    drop(page, contents(DATA + std::string(c.file)));
+    REQUIRE_MESSAGE(page.until("document.getElementById('robot').textContent.includes('\"')"), words(page));
+    CHECK(words(page) == c.words);
+    const auto [place, axis] = apart(page, DATA + std::string(c.file), c.options);
+    CHECK(place < 1e-9);
+    CHECK(axis < 1e-9);
+    CHECK(page.evaluate("document.querySelectorAll('#interface input')[2].disabled && "
+                        "document.querySelectorAll('#feeling input')[2].disabled") == true);
+    REQUIRE(page.until("playground.view.time > 1"));
+    // Of the links beyond the elbow the one with most cells.
+    const int link = page.evaluate(
+        "(() => { const n = [0, 0, 0, 0, 0, 0]; playground.core.cells.forEach(c => n[c.link] += c.link > 1 ? "
+        "1 : 0); return "
+        "n.indexOf(Math.max(...n)); })()");
+    press(page, seen(page, link));
+    const double peak = number(page, "playground.view.peak"),
+                 rigid = number(page, "playground.view.rigid_peak");
+    MESSAGE(c.file << ": " << number(page, "playground.view.cells") << " cells, pressed with " << peak
+                   << " N, rigid " << rigid << " N, gave way by " << number(page, "playground.view.gave_way")
+                   << " mm, " << number(page, "playground.last_cost") << " ms a cycle");
+    CHECK(rigid > 1.3 * peak);
+    CHECK(number(page, "playground.view.gave_way") > 10);
+    if (!keep.empty()) page.picture(keep / ("playground_" + std::string(c.file) + ".png"));
+    let_go(page);
+  }
+  CHECK(page.evaluate(overflow) == "");
+  // What is no such arm is refused in words, and the arm stays.
+  const std::string good = contents(DATA + std::string("arm6.urdf"));
+  const auto without = [&](const std::string& what, const std::string& instead) {
+    std::string text = good;
+    REQUIRE(text.find(what) != std::string::npos);
+    return text.replace(text.find(what), what.size(), instead);
+  };
+  for (const auto& [text, why] :
+       {std::pair{std::string("<robot"), "no XML, or cut off"},
+        {std::string("<sdf/>"), "no URDF: its root is <sdf>"},
+        {std::string("<robot name='x'/>"), "no joint"},
+        {without("type=\"revolute\"", "type=\"fixed\""), "5 joints of its longest arm turn"},
+        {without("xyz=\"0 0 1\"", "xyz=\"0 0 0\""), "an axis without direction"},
+        {without("xyz=\"0 0 1\"", "xyz=\"0 0 west\""), "three numbers"}}) {
+    CAPTURE(text);
+    drop(page, text);
+    CHECK_MESSAGE(
+        page.until("document.getElementById('own').textContent.includes('" + std::string(why) + "')"),
+        words(page));
+    CHECK(page.evaluate("document.getElementById('robot').textContent").get<std::string>().find("arm6") !=
+          std::string::npos);
+  }
+  page.evaluate("document.getElementById('ur5').click()");
+  CHECK(page.until("document.getElementById('robot').textContent.includes('simulated UR5 with 260 cells')"));
+  REQUIRE(page.until("playground.view.time > 1"));
+  press(page, seen(page, 2));
+  CHECK(number(page, "playground.view.gave_way") > 20);
+  let_go(page);
+  CHECK(page.evaluate("playground.errors.join()") == "");
   CHECK(page.errors() == "");
 }
 
