@@ -186,6 +186,7 @@
 #include "skinctl/tracking/adaptation.hpp"
 #include "skinctl/tracking/damping.hpp"
 #include "skinctl/tracking/friction_learning.hpp"
+#include "skinctl/tracking/group_settings.hpp"
 #include "skinctl/tracking/joint_space.hpp"
 #include "skinctl/tracking/operational_space.hpp"
 #include "skinctl/tracking/orientation_error.hpp"
