@@ -8,6 +8,7 @@
 #include "skinctl/core/command.hpp"
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/model/model.hpp"
+#include "skinctl/robot/detail/whose_limits.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -109,6 +110,7 @@ class RobotDescription {
       : model_(model), configuration_(configuration), parts_(parts...) {
     check(configuration, Ix != Interface::torque);
     detail::check_masses<Ix>(model, configuration.virtual_inertia);
+    detail::check_limits(model, configuration.limits);
   }
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
