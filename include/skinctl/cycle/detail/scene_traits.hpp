@@ -204,7 +204,8 @@ using ResolverFor = decltype(as_resolver(std::declval<const R&>()));
 template <class S>
 concept SkinLike = MeantAsTouch<S>;
 
-/// Whether the law, or the robot by its description, compensates gravity; a resolver built by hand is not asked.
+/// Whether the law, or the robot by its description, compensates gravity; a resolver built by hand is not
+/// asked.
 template <class Robot, class L>
 inline constexpr bool gravity_is_held = [] {
   if constexpr (DescribedRobot<Robot>) {
@@ -213,7 +214,8 @@ inline constexpr bool gravity_is_held = [] {
     return !Described<Robot> || LawTable<L>::holds_gravity;
   }
 }();
-/// Compares the robot's description with the law, at compile time: who compensates gravity, twice, and friction.
+/// Compares the robot's description with the law, at compile time: whether both compensate gravity, and who
+/// friction.
 template <class Robot, class L>
 constexpr void check_holders() {
   if constexpr (DescribedRobot<Robot>) {
