@@ -41,7 +41,6 @@ class Fused : public Composable,
   static constexpr std::size_t tracking_laws = detail::count_role<L...>(LawRole::tracking);
   static constexpr std::size_t reactive_laws = detail::count_role<L...>(LawRole::reactive);
   static constexpr bool answers_touch = (false || ... || LawTable<L>::answers_touch);
-  static constexpr bool lives_on_skin = (false || ... || detail::lives_on_skin<L>);
   static constexpr bool watches = tracking_laws > 0 && answers_touch;
   static constexpr bool compensates_friction = (false || ... || LawTable<L>::compensates_friction);
   static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");

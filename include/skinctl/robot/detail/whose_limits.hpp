@@ -9,10 +9,6 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-template <class D>
-concept DescribesLimits =
-    requires { of_joint(D::max_velocity, 0) + of_joint(D::max_torque, 0) + D::lower[0] + D::upper[0]; };
-
 /// Throws `ConfigurationError` for limits that `limits_of` took from another robot than `Description`, and that
 /// are beyond its own.
 template <DescribesLimits Description, std::size_t N, Real T>
