@@ -209,7 +209,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   Status all;
   double printed = 0;
   while (seconds<double>(now) < ends + stops_in + 1) {
-    now += roll(0, 1) < d.late ? d.robot.period * (2 + long(rng() % 4)) : d.robot.period;
+    now += d.robot.period * (roll(0, 1) < d.late ? 2 + long(rng() % 4) : 1);
     const double t = seconds<double>(now);
     robot.advance(t);
     const State<6> stood = measured;

@@ -251,7 +251,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
       left{};  // how far pushes have left each joint beyond its end, and it has not come back
   while (seconds<double>(now) < ends + stops_in + 1) {
     const Nanoseconds before = now;
-    now += roll(0, 1) < d.late ? d.robot.period * (2 + long(rng() % 3)) : d.robot.period;
+    now += d.robot.period * (roll(0, 1) < d.late ? 2 + long(rng() % 3) : 1);
     const double t = seconds<double>(now);
     robot.advance(now);
     typename Scene::Input input;

@@ -5,7 +5,7 @@
 # written by together.sh: if it is as expected and short, that is enough; else the program is compiled alone.
 #
 # The first line of NAME.fail.cpp is `// expect: REGEX` (CMake's regular expressions). The first error, with the source
-# lines and notes below it, must match; all output together has at most 20 lines.
+# lines and notes below it, must match; all output together has at most 20 lines, or as many as a line `// lines: N` says.
 set(most_lines 20)
 set(ENV{LC_ALL} C)
 
@@ -30,6 +30,9 @@ if(NOT source MATCHES "^// expect: ([^\n]+)\n")
   complain("no `// expect: REGEX` in the first line" "${PAIR}.fail.cpp")
 endif()
 set(expected "${CMAKE_MATCH_1}")
+if(source MATCHES "\n// lines: ([0-9]+)\n")
+  set(most_lines "${CMAKE_MATCH_1}")
+endif()
 
 # first_error(<variable> <output>): the first error with what stands below it, as far as the next.
 function(first_error variable output)

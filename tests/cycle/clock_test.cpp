@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <memory>
 
 #include "tests/support/scene.hpp"
@@ -129,4 +130,25 @@ TEST_CASE("cycle: stamps in another unit than nanoseconds are named") {
   check_units<Interface::position>();
   check_units<Interface::velocity>();
   check_units<Interface::torque>();
+}
+
+TEST_CASE("cycle: a next memory that is dropped is told as a cycle that came too late, and the robot stays") {
+  SceneSettings s;
+  const auto scene = kinesthetic_scene<Interface::position>(s);
+  StiffJoints<> robot(home_position(), s.delay, s.lag);
+  const auto memory = scene.start(robot.state());
+  const Nanoseconds longest = 5 * s.period;  // that is integrated at once, by default
+  for (int k = 1; k <= 100; ++k) {
+    decltype(scene)::Input input;
+    input.now = k * s.period;
+    input.measured = robot.run_to(input.now);
+    const CellSample push{.time = input.now, .cell = 150, .force = {1, 1, 1}};
+    input.samples = {&push, 1};
+    const auto [out, next] = scene(memory, input);
+    CAPTURE(k);
+    CHECK(out.status.has(Reason::interval_too_long) == (input.now > longest));
+    if (out.command.valid) robot.command(input.now, out.command.position);
+    for (std::size_t i = 0; i < 6; ++i)
+      CHECK(std::abs(out.command.position[i] - home_position()[i]) < 1e-2);  // what one interval moves
+  }
 }

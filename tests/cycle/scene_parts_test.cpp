@@ -17,7 +17,7 @@ const RobotConfiguration<6> stated{
 
 TEST_CASE("Cycle: what it derives from a description is what the description says") {
   const auto arm = by_position(ur5::Model{}, stated);
-  const Cycle scene(arm, SkinJointControl{} + GravityControl{});
+  const Cycle scene(arm, ur5_skin<260>(), SkinJointControl{} + GravityControl{});
   CHECK(scene.guard().only().period() == 8ms);
   CHECK(scene.guard().only().longest_interval() == 40ms);
   CHECK(scene.guard().only().limits().velocity() == stated.limits.velocity());
@@ -34,7 +34,8 @@ TEST_CASE("Cycle: a law that disagrees with the description is refused with both
   const auto with = [&](auto change) {
     auto s = tracking_settings(arm);
     change(s);
-    return complaint_of([&] { Cycle(arm, SplineJoint<6>(s) + SkinJointControl{} + GravityControl{}); });
+    return complaint_of(
+        [&] { Cycle(arm, ur5_skin<260>(), SplineJoint<6>(s) + SkinJointControl{} + GravityControl{}); });
   };
   CHECK(with([](auto&) {}).empty());
   CHECK(with([](auto& s) { s.dt = 1ms; }) ==
@@ -46,12 +47,14 @@ TEST_CASE("Cycle: a law that disagrees with the description is refused with both
   late.longest_interval = 64ms;
   const auto slow = by_position(ur5::Model{}, late);
   CHECK(complaint_of([&] {
-          Cycle(slow, SplineJoint<6>(tracking_settings(arm)) + SkinJointControl{} + GravityControl{});
+          Cycle(slow, ur5_skin<260>(),
+                SplineJoint<6>(tracking_settings(arm)) + SkinJointControl{} + GravityControl{});
         }) ==
         "skinctl: dt: 2.5 ms in the law, but in late cycles of the robot's description it is evaluated every "
         "4 ms: tracking_settings(robot) takes it from there");
   CHECK(complaint_of([&] {
-          Cycle(slow, SplineJoint<6>(tracking_settings(slow)) + SkinJointControl{} + GravityControl{});
+          Cycle(slow, ur5_skin<260>(),
+                SplineJoint<6>(tracking_settings(slow)) + SkinJointControl{} + GravityControl{});
         }).empty());
   CHECK(with([](auto& s) {
           s.virtual_dynamics.damping = 0;

@@ -134,7 +134,7 @@ Ending end_of(std::uint64_t seed, Ends ends, bool held) {
   Nanoseconds now{}, asked{};
   while (seconds<double>(now) < end + rest_after + 1) {
     const bool is_late = roll(0, 1) < late;
-    now += is_late ? c.period * (2 + long(rng() % 4)) : c.period;
+    now += c.period * (is_late ? 2 + long(rng() % 4) : 1);
     const double t = seconds<double>(now), dt = seconds<double>(c.period);
     robot.advance(t);
     if (held && t > holds) robot.hold_fast(joint, true);

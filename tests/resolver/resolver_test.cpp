@@ -147,8 +147,9 @@ TEST_CASE_TEMPLATE("Resolver: no limit is ever crossed, and the guard has nothin
         return s;
       });
       // The servo gives a period at most, and what cycles that came too soon left of it.
-      const Nanoseconds all = std::min(dt, 5 * c.period) + carried, given = std::min(all, c.period);
-      carried = std::min(all - given, c.period);
+      const Nanoseconds all = std::min(dt, 5 * c.period) + carried,
+                        given = std::min(all, Nanoseconds(c.period));
+      carried = std::min(all - given, Nanoseconds(c.period));
       const double credit = seconds<double>(given);
       CAPTURE(scene);
       CAPTURE(k);

@@ -153,6 +153,34 @@ TEST_CASE(
   CHECK(operational_settings(robot, 2.0).tracking.mass_ratio == 2);
 }
 
+namespace {
+struct Weak : ur5::Description {
+  static constexpr double max_torque = 10;
+};
+}  // namespace
+
+TEST_CASE("RobotDescription: the limits of another robot are refused where they are beyond its own") {
+  const auto with = [](const auto& model, const JointLimits<6>& limits) {
+    return skinctl::testing::complaint_of([&] {
+      static_cast<void>(by_position(model, {.limits = limits, .period = 8ms, .virtual_damping = 4}));
+    });
+  };
+  const auto of_ur10 = limits_of<ur10::Description>(15.0), of_ur5 = limits_of<ur5::Description>(15.0);
+  const std::string strong =
+      "skinctl: torque limit of joint 0 = 330, allowed: <= 150, the model's own: these are the limits of "
+      "another robot; JointLimits(limits.values()) insists";
+  CHECK(with(ur5::Model{}, of_ur10) == strong);
+  CHECK(with(Loaded<ur5::Model, 5>(ur5::Model{}), of_ur10) == strong);
+  CHECK(with(calibrated_universal_robot<ur10::Description>({}), of_ur5)
+            .starts_with("skinctl: velocity limit of joint 0 = "));
+  CHECK(with(ur10::Model{}, of_ur5).starts_with("skinctl: "));
+  // Its own, those that are weaker in all, numbers that are stated, and a model without limits.
+  CHECK(with(ur5::Model{}, of_ur5).empty());
+  CHECK(with(ur10::Model{}, limits_of<ur10::Description>()).empty());
+  CHECK(with(ur5::Model{}, JointLimits<6>(of_ur10.values())).empty());
+  CHECK(with(ur5::Model{}, limits_of<Weak>()).empty());
+}
+
 TEST_CASE("Laws of a described robot have its settings") {
   const auto X_LT = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.1);
   const SplineJoint joint(arm());

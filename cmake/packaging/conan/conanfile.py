@@ -3,7 +3,7 @@ import os
 
 from conan import ConanFile
 from conan.tools.build import check_min_cppstd
-from conan.tools.cmake import CMake, CMakeToolchain, cmake_layout
+from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
 from conan.tools.files import copy
 
 
@@ -36,6 +36,7 @@ class Skinctl(ConanFile):
         for part in ("TESTS", "EXAMPLES", "BENCHMARKS"):
             tools.variables[f"SKINCTL_BUILD_{part}"] = False
         tools.generate()
+        CMakeDeps(self).generate()  # for find_package of Eigen and Boost in package()
 
     def package(self):
         CMake(self).configure()

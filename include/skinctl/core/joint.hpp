@@ -77,10 +77,9 @@ struct JointVector {
   JointVector(const U&...) = delete;  // one number per joint
   template <EigenExpression V>
   JointVector(const V&) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
-  template <EigenExpression V>
-  void operator=(const V&) = delete;  // an Eigen vector has no kind: q = JointPosition<N>(v), or as_eigen(q) = v
-  template <BareNumbers V>
-  void operator=(const V&) = delete;  // bare numbers have no kind: q = JointPosition<N>(array)
+  template <class V>
+    requires(EigenExpression<V> || BareNumbers<V>)
+  void operator=(const V&) = delete;  // bare numbers have no kind: q = JointPosition<N>(numbers), or of Eigen as_eigen(q) = v
   template <EigenExpression V>
   operator V() const = delete;  // an Eigen vector has no kind: v = as_eigen(tau) drops it
   // clang-format on

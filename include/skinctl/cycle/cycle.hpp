@@ -18,8 +18,12 @@ SKINCTL_BEGIN_NAMESPACE
 /// @tparam Parts  the list of its parts, a tuple of settings.
 template <class Resolver, class GivenLaw, class GivenSkin = NoSkin,
           class Parts = detail::DefaultParts<Resolver>>
-class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin>,
-              public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
+class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
+  using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
+  static_assert(sizeof(detail::SaySkin<Scene::skin_fault, GivenSkin>) > 0);
+  static_assert(sizeof(detail::SayTouch<Scene::touch_fault, GivenSkin>) > 0);
+  static_assert(sizeof(detail::Say<Scene::law_fault, typename Scene::Finding::Law>) > 0);
+
   using Loop = detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts>;
   using Loop::guard_;
   using Loop::law_;
@@ -40,15 +44,27 @@ class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin>,
   /// @param robot  a description (`by_position(...)`), or a resolver.
   /// Throws `ConfigurationError` where settings of the law differ from the robot's description.
   template <class Robot>
-  Cycle(const Robot& robot, Skin skin, const L& law) : Loop(Whole{}, robot, std::move(skin), law, Parts{}) {}
+  Cycle(const Robot& robot, Skin skin, const L& law) : Loop(Whole{}, robot, std::move(skin), law, Parts{}) {
+    static_assert(detail::gravity_is_held<Robot, L>,
+                  "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
+    detail::check_holders<Robot, L>();
+  }
   /// With its list of parts.
   template <class Robot>
   Cycle(const Robot& robot, Skin skin, const L& law, const Parts& parts)
-      : Loop(Whole{}, robot, std::move(skin), law, parts) {}
+      : Loop(Whole{}, robot, std::move(skin), law, parts) {
+    static_assert(detail::gravity_is_held<Robot, L>,
+                  "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
+    detail::check_holders<Robot, L>();
+  }
   /// Without skin.
   template <class Robot>
     requires std::is_same_v<Skin, NoSkin>
-  Cycle(const Robot& robot, const L& law) : Loop(Whole{}, robot, NoSkin{}, law, Parts{}) {}
+  Cycle(const Robot& robot, const L& law) : Loop(Whole{}, robot, NoSkin{}, law, Parts{}) {
+    static_assert(detail::gravity_is_held<Robot, L>,
+                  "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
+    detail::check_holders<Robot, L>();
+  }
 
   /// The same scene with more limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`,
   /// `Clearance`, `ClearanceAround`, `SkinWatch`) or with settings of its guard (`GuardSettings`). The order and the
@@ -57,9 +73,22 @@ class Cycle : detail::FittingParts<Resolver, GivenLaw, GivenSkin>,
   template <class... Given>
   [[nodiscard]] auto with(const Given&... given) const {
     constexpr auto fault = detail::fault_of_parts<Resolver, Skin, Parts, Given...>();
-    static_assert(sizeof(detail::SayParts<fault>) > 0);
+    using enum detail::PartsFault;
+    static_assert(fault != no_part,
+                  "with: takes settings of limits (limits/limit.hpp) and of the guard, and this is neither");
+    static_assert(fault != moves_torques,
+                  "a torque interface has no motion whose jerk could be limited: leave MaxJerk out");
+    static_assert(
+        fault != twice,
+        "with: the scene has a part of this kind already: take it out first, scene.without<Kind>()");
+    static_assert(fault != two_movers, "with: two limits decide how joints move: leave one out");
+    static_assert(
+        fault != not_felt,
+        "contact limits need a skin on each link that they name: what is not felt cannot be limited");
+    static_assert(fault != no_cells,
+                  "this limit asks what cells feel (SkinWatch, FeltPlaces), and the scene has none");
     static_assert(((sizeof(detail::SayLimit<detail::fault_of_part<Resolver, Given>(), Given>) > 0) && ...));
-    if constexpr (fault == detail::PartsFault::none && detail::parts_are_whole<Resolver, Given...>) {
+    if constexpr (fault == none && detail::parts_are_whole<Resolver, Given...>) {
       const auto all = detail::in_list_order<Resolver>(std::tuple_cat(parts_, std::tuple(given...)));
       return Cycle<Resolver, L, Skin, std::remove_const_t<decltype(all)>>(resolver_, skin_, law_, all);
     } else {
@@ -136,6 +165,14 @@ class Cycle<detail::SkinBehindLaw, L, Skin, Parts> {
  public:
   constexpr Cycle(const auto&...) noexcept {}
 };
+/// For a law of the skin in a scene without one: it would never yield.
+template <class L, class Skin, class Parts>
+class Cycle<detail::SkinForgotten, L, Skin, Parts> {
+ public:
+  // clang-format off
+  constexpr Cycle(const auto&...) = delete;  // the law answers touch, and the scene has no skin: Cycle(robot, skin, law)
+  // clang-format on
+};
 /// For a model that was given as the robot: the only constructor is deleted.
 template <class L, class Skin, class Parts>
 class Cycle<detail::ModelAsRobot, L, Skin, Parts> {
@@ -155,7 +192,10 @@ template <class R, detail::SkinLike S, class L>
   requires(!RobotModel<R>)
 Cycle(const R&, const S&, const L&) -> Cycle<detail::ResolverFor<R>, L, S>;
 template <class R, class L>
-  requires(!detail::SkinLike<L> && !RobotModel<R>)
+  requires(!detail::SkinLike<L> && !RobotModel<R> && !(detail::Described<R> && detail::lives_on_skin<L>))
 Cycle(const R&, const L&) -> Cycle<detail::ResolverFor<R>, L>;
+template <class R, class L>
+  requires(detail::Described<R> && detail::lives_on_skin<L>)
+Cycle(const R&, const L&) -> Cycle<detail::SkinForgotten, L, NoSkin, std::tuple<>>;
 
 SKINCTL_END_NAMESPACE

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
@@ -20,10 +22,24 @@ enum class CycleRequest : unsigned char {
   resume  ///< go on after a stop, also where the guard waits for consent; after `start_refused`: start here
 };
 
+/// A `std::optional<Goal>` that refuses another type in one line: the standard one lists all its assignments.
+template <class Goal>
+struct OptionalGoal : std::optional<Goal> {
+  using std::optional<Goal>::optional;
+
+  template <class X = Goal>
+    requires(!std::is_same_v<std::remove_cvref_t<X>, OptionalGoal>)
+  constexpr OptionalGoal& operator=(X&& x) noexcept(std::is_nothrow_assignable_v<std::optional<Goal>&, X>) {
+    constexpr bool is_goal = std::is_assignable_v<std::optional<Goal>&, X>;
+    static_assert(is_goal, "no goal of this scene's law: JointGoal<6>{{0.1, 0, ...}, 2s}, PoseGoal, ...");
+    if constexpr (is_goal) static_cast<std::optional<Goal>&>(*this) = std::forward<X>(x);
+    return *this;
+  }
+};
 /// What laws that take goals add to the input.
 template <class Goal>
 struct GoalInput {
-  std::optional<Goal> goal;  ///< for this cycle: a goal, or the next sample of a moving target
+  OptionalGoal<Goal> goal;  ///< for this cycle: a goal, or the next sample of a moving target
 };
 template <>
 struct GoalInput<NoGoal> {};

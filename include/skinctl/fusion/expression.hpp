@@ -11,6 +11,8 @@ template <class L>
 inline constexpr bool is_fused = false;
 template <Sum P, class... L>
 inline constexpr bool is_fused<Fused<P, L...>> = true;
+template <Sum P, class... L>
+inline constexpr bool lives_on_skin<Fused<P, L...>> = (lives_on_skin<L> || ...);
 
 /// A law as a sum of one; a sum as it is.
 template <class L>

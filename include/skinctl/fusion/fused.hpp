@@ -40,8 +40,7 @@ class Fused : public Composable,
   static constexpr std::size_t gravity_laws = detail::count_role<L...>(LawRole::gravity);
   static constexpr std::size_t tracking_laws = detail::count_role<L...>(LawRole::tracking);
   static constexpr std::size_t reactive_laws = detail::count_role<L...>(LawRole::reactive);
-  static constexpr bool answers_touch =
-      (false || ... || LawTable<L>::answers_touch);  ///< a law of the skin is in the sum
+  static constexpr bool answers_touch = (false || ... || LawTable<L>::answers_touch);
   static constexpr bool watches = tracking_laws > 0 && answers_touch;
   static constexpr bool compensates_friction = (false || ... || LawTable<L>::compensates_friction);
   static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");

@@ -166,4 +166,11 @@ struct LawTable {
 template <class L>
 inline constexpr std::size_t terms_of = LawTable<L>::terms;
 
+namespace detail {
+/// A law of the skin without settings, or a sum with one (see fusion/expression.hpp): without a skin it does
+/// nothing.
+template <class L>
+inline constexpr bool lives_on_skin = std::is_empty_v<L> && LawTable<L>::answers_touch;
+}  // namespace detail
+
 SKINCTL_END_NAMESPACE

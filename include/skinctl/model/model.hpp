@@ -50,6 +50,12 @@ namespace detail {
 template <class M>
 concept SaysMassesAssumed = requires(const M& model) { model.masses_assumed(); };
 template <class D>
+concept DescribesLimits = requires {
+  D::lower[0] < D::upper[0];
+  D::max_velocity;
+  D::max_torque;
+};
+template <class D>
 concept DescribesMassesAssumed = requires { D::masses_assumed; };
 }  // namespace detail
 

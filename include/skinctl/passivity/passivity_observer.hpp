@@ -31,6 +31,7 @@ template <Real T = double>
 class PassivityObserver {
  public:
   using RobotPart = detail::PassivityPart;
+  static constexpr bool of_virtual_robot = true;
   struct Settings {
     T start = T(1);        ///< E_0 [J], >= 0
     T max = T(5);          ///< energy beyond this is discarded [J], >= start

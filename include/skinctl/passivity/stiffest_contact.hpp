@@ -33,6 +33,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// flange that turns: it needs virtual inertia of its own.
 struct StiffestContact {
   using RobotPart = detail::StiffestContactPart;
+  static constexpr bool of_virtual_robot = true;
   static constexpr bool repeats = true;  ///< a robot may declare several
   double stiffness = 0;                  ///< of the environment [N/m], > 0
   double cover = 0;                      ///< of the skin's cover, in series [N/m]; 0: rigid

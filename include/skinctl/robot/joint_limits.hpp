@@ -103,6 +103,8 @@ class JointLimits {
   [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque() const noexcept { return values_.torque; }
   [[nodiscard]] SKINCTL_INLINE const JointPower<N, T>& power() const noexcept { return values_.power; }
   [[nodiscard]] const Values& values() const noexcept { return values_; }
+  /// The description that they were taken from, by `limits_of`: the address of its `robot_mark`; else null.
+  [[nodiscard]] const void* robot() const noexcept { return robot_; }
   /// Those of the joints of a subset.
   template <class Set>
   [[nodiscard]] SKINCTL_COLD JointLimits<Set::count, T> part() const {
@@ -247,6 +249,9 @@ class JointLimits {
   JointAcceleration<N, T>
       stop_per_square_;  ///< 1 / (2 a) [s^2/rad]: of a speed, to the distance in which it stops
   bool has_power_ = false;
+  const void* robot_ = nullptr;
+  template <class Description, Real U>
+  friend JointLimits<Description::joints, U> limits_of(const U&);
 };
 
 /// In place of limits of jerk: nothing decides how joints move and brake but their own limits.
@@ -267,12 +272,16 @@ template <class Numbers>
     return numbers[i];
   }
 }
+/// Its address tells whose limits these are.
+template <class Description>
+inline constexpr char robot_mark{};
 }  // namespace detail
 
 /// Limits from a robot's description: its positions, velocity and torques as the maker publishes them.
 ///
 /// @param acceleration  [rad/s^2] of every joint; makers rarely publish one. Universal Robots' program for
 ///                      velocity commands uses 40 for a UR5.
+/// A model with another description refuses them where they are beyond its own.
 template <class Description, Real T = double>
 [[nodiscard]] JointLimits<Description::joints, T> limits_of(const T& acceleration = T(40)) {
   typename JointLimits<Description::joints, T>::Values v;
@@ -283,7 +292,9 @@ template <class Description, Real T = double>
     v.acceleration[i] = acceleration;
     v.torque[i] = T(detail::of_joint(Description::max_torque, i));
   }
-  return JointLimits<Description::joints, T>(v);
+  JointLimits<Description::joints, T> limits(v);
+  limits.robot_ = &detail::robot_mark<Description>;
+  return limits;
 }
 
 SKINCTL_END_NAMESPACE

@@ -8,6 +8,7 @@
 #include "skinctl/core/command.hpp"
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/model/model.hpp"
+#include "skinctl/robot/detail/whose_limits.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -79,6 +80,16 @@ template <class Part, class... Parts>
 inline constexpr bool is_one_of = (std::is_same_v<Part, Parts> || ...);
 template <class Part, class... Parts>
 inline constexpr bool is_once = (std::size_t(std::is_same_v<Part, Parts>) + ...) == 1 || RepeatedPart<Part>;
+/// A part that is about a virtual robot, which runs ahead of the real one.
+template <class P>
+concept PartOfVirtualRobot = requires { requires P::of_virtual_robot; };
+// As variables, so that an error is one line.
+template <class... Parts>
+inline constexpr bool are_parts = (RobotPart<Parts> && ...);
+template <class... Parts>
+inline constexpr bool are_once = (is_once<Parts, Parts...> && ...);
+template <Interface Ix, class... Parts>
+inline constexpr bool fit_interface = Ix != Interface::torque || !(PartOfVirtualRobot<Parts> || ...);
 }  // namespace detail
 
 /// A model, the interface of its joints, a configuration, and optional parts: an energy tank, a passivity
@@ -109,6 +120,7 @@ class RobotDescription {
       : model_(model), configuration_(configuration), parts_(parts...) {
     check(configuration, Ix != Interface::torque);
     detail::check_masses<Ix>(model, configuration.virtual_inertia);
+    detail::check_limits(model, configuration.limits);
   }
 
   [[nodiscard]] const M& model() const noexcept { return model_; }
@@ -153,17 +165,25 @@ concept DescribedRobot = requires(const R& robot) {
 };
 
 namespace detail {
+/// A part in a tuple; nothing in place of one that does not fit, after the error about it.
+template <Interface Ix, class P>
+auto if_it_fits(const P& given_part) {
+  if constexpr (RobotPart<P> && fit_interface<Ix, P>) {
+    return std::tuple<P>(given_part);
+  } else {
+    return std::tuple<>();
+  }
+}
+/// The description. Its callers assert that the parts fit: said there, an error names the user's line at once.
 template <Interface Ix, class T, class M, class... Parts>
 auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, const Parts&... parts) {
-  constexpr bool once = (is_once<Parts, Parts...> && ...);
-  static_assert(once, "a part of a robot's description is given twice: one EnergyTank, one ToolShape, ...");
-  static_assert((RobotPart<Parts> && ...),
-                "behind the configuration stand parts of a description: EnergyTank, PassivityObserver, "
-                "StiffestContact, ToolShape, an integrator, RobotHoldsGravity, ...");
-  if constexpr (once) {
+  if constexpr (!are_once<Parts...>) {
+    return RobotDescription<Ix, M, T>(model, c);
+  } else if constexpr (are_parts<Parts...> && fit_interface<Ix, Parts...>) {
     return RobotDescription<Ix, M, T, Parts...>(model, c, parts...);
   } else {
-    return RobotDescription<Ix, M, T>(model, c);
+    return std::apply([&](const auto&... fit) { return describe_robot<Ix, T>(model, c, fit...); },
+                      std::tuple_cat(if_it_fits<Ix>(parts)...));
   }
 }
 }  // namespace detail
@@ -172,12 +192,22 @@ auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, c
 template <Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto by_position(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                                const Parts&... parts) {
+  static_assert(detail::are_parts<Parts...>,
+                "behind the configuration stand parts of a description: EnergyTank, PassivityObserver, "
+                "StiffestContact, ToolShape, an integrator, RobotHoldsGravity, ...");
+  static_assert(detail::are_once<Parts...>,
+                "a part of a robot's description is given twice: one EnergyTank, one ToolShape, ...");
   return detail::describe_robot<Interface::position, T>(model, configuration, parts...);
 }
 /// A robot that takes velocities.
 template <Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto by_velocity(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                                const Parts&... parts) {
+  static_assert(detail::are_parts<Parts...>,
+                "behind the configuration stand parts of a description: EnergyTank, PassivityObserver, "
+                "StiffestContact, ToolShape, an integrator, RobotHoldsGravity, ...");
+  static_assert(detail::are_once<Parts...>,
+                "a part of a robot's description is given twice: one EnergyTank, one ToolShape, ...");
   return detail::describe_robot<Interface::velocity, T>(model, configuration, parts...);
 }
 /// A robot that takes torques. It has no virtual robot: of the virtual dynamics the viscous friction is used,
@@ -185,12 +215,26 @@ template <Real T = double, RobotModel M, class... Parts>
 template <Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto by_torque(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                              const Parts&... parts) {
+  static_assert(detail::are_parts<Parts...>,
+                "behind the configuration stand parts of a description: EnergyTank, PassivityObserver, "
+                "StiffestContact, ToolShape, an integrator, RobotHoldsGravity, ...");
+  static_assert(detail::are_once<Parts...>,
+                "a part of a robot's description is given twice: one EnergyTank, one ToolShape, ...");
+  static_assert(detail::fit_interface<Interface::torque, Parts...>,
+                "by torque no virtual robot runs ahead: leave PassivityObserver, StiffestContact out");
   return detail::describe_robot<Interface::torque, T>(model, configuration, parts...);
 }
 /// The same with the interface as a parameter.
 template <Interface Ix, Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto robot_by(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                             const Parts&... parts) {
+  static_assert(detail::are_parts<Parts...>,
+                "behind the configuration stand parts of a description: EnergyTank, PassivityObserver, "
+                "StiffestContact, ToolShape, an integrator, RobotHoldsGravity, ...");
+  static_assert(detail::are_once<Parts...>,
+                "a part of a robot's description is given twice: one EnergyTank, one ToolShape, ...");
+  static_assert(detail::fit_interface<Ix, Parts...>,
+                "by torque no virtual robot runs ahead: leave PassivityObserver, StiffestContact out");
   return detail::describe_robot<Ix, T>(model, configuration, parts...);
 }
 

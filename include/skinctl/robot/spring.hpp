@@ -116,6 +116,9 @@ struct ServoBy<Interface::impedance, N, T, Capacity> {
 template <Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto by_impedance(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                                 const Parts&... parts) {
+  static_assert(detail::are_parts<Parts...>, "behind the configuration stand parts of a description");
+  static_assert(detail::are_once<Parts...>,
+                "a part of a robot's description is given twice: one EnergyTank, one ToolShape, ...");
   return detail::describe_robot<Interface::impedance, T>(model, configuration, parts...);
 }
 /// The joints `Set` take positions with springs about them, as `by_impedance`.

@@ -1,4 +1,5 @@
 // expect: a step changes its memory: no const one
+// lines: 10
 #include "tests/compile_fail/sound.hpp"
 
 auto build() {

@@ -10,5 +10,5 @@ auto build() {
 #else
   const auto arm = by_torque(ur5::Model{}, {.limits = limits_of<ur5::Description>(15.0), .period = 2ms});
 #endif
-  return Cycle(arm, SkinJointControl{} + GravityControl{});
+  return Cycle(arm, ur5_skin<260>(), SkinJointControl{} + GravityControl{});
 }

@@ -1,4 +1,5 @@
 // expect: a model is no robot yet: by_position
+// lines: 10
 #include "tests/compile_fail/sound.hpp"
 
 auto build() {

@@ -1,4 +1,5 @@
-// expect: period|Nanoseconds|conver
+// expect: a time has a unit: 4ms|RobotConfiguration<
+// lines: 10
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

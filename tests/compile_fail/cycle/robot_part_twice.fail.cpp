@@ -1,4 +1,5 @@
 // expect: a part of a robot.s description is given twice
+// lines: 10
 #include "tests/compile_fail/sound.hpp"
 
 auto build() {

@@ -16,15 +16,6 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Whether skin and law fit the robot: the first base of a `Cycle`, so that an error names few layers.
-template <class Resolver, class GivenLaw, class GivenSkin>
-struct FittingParts {
-  using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
-  static_assert(sizeof(SaySkin<Scene::skin_fault, GivenSkin>) > 0);
-  static_assert(sizeof(SayTouch<Scene::touch_fault, GivenSkin>) > 0);
-  static_assert(sizeof(Say<Scene::law_fault, typename Scene::Finding::Law>) > 0);
-};
-
 /// The configuration of a `Cycle`: which parts it has.
 template <class Resolver, class GivenLaw, class GivenSkin, class Parts>
 class CycleParts {
@@ -87,7 +78,6 @@ class CycleParts {
         governor_(governor_of(resolver_, parts)),
         guard_(guard_of(resolver_, parts, governor_)) {
     if constexpr (Described<Robot>) {
-      check_holders<Robot, L>();
       check_settings(robot, law);
       check_contacts(robot, skin_);
     }

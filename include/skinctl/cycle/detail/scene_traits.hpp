@@ -26,21 +26,6 @@ inline constexpr bool feels = [] {
 }();
 /// Faults of the parts that are given to a scene.
 enum class PartsFault { none, no_part, moves_torques, twice, two_movers, not_felt, no_cells };
-template <PartsFault F>
-struct SayParts {
-  using enum PartsFault;
-  static_assert(F != no_part,
-                "with: takes settings of limits (limits/limit.hpp) and of the guard, and this is neither");
-  static_assert(F != moves_torques,
-                "a torque interface has no motion whose jerk could be limited: leave MaxJerk out");
-  static_assert(F != twice,
-                "with: the scene has a part of this kind already: take it out first, scene.without<Kind>()");
-  static_assert(F != two_movers, "with: two limits decide how joints move: leave one out");
-  static_assert(F != not_felt,
-                "contact limits need a skin on each link that they name: what is not felt cannot be limited");
-  static_assert(F != no_cells,
-                "this limit asks what cells feel (SkinWatch, FeltPlaces), and the scene has none");
-};
 /// Whether it is settings of the guard, or a limit or its settings.
 template <class Robot, class Part>
 inline constexpr bool is_part = GivenGuardSettings<Part> || MakesLimit<Part, Robot> || LimitWithKind<Part>;
@@ -192,6 +177,7 @@ SKINCTL_INLINE Status receive_touch(const Skin& skin, typename Skin::Memory& mem
       touches);
 }
 struct SkinBehindLaw {};
+struct SkinForgotten {};
 struct ModelAsRobot {};
 /// The configuration is that of the last cycle.
 struct NoChange {
@@ -218,7 +204,18 @@ using ResolverFor = decltype(as_resolver(std::declval<const R&>()));
 template <class S>
 concept SkinLike = MeantAsTouch<S>;
 
-/// Compares the robot's description with the law, at compile time: who compensates gravity and friction.
+/// Whether the law, or the robot by its description, compensates gravity; a resolver built by hand is not
+/// asked.
+template <class Robot, class L>
+inline constexpr bool gravity_is_held = [] {
+  if constexpr (DescribedRobot<Robot>) {
+    return Robot::robot_holds_gravity || LawTable<L>::holds_gravity;
+  } else {
+    return !Described<Robot> || LawTable<L>::holds_gravity;
+  }
+}();
+/// Compares the robot's description with the law, at compile time: whether both compensate gravity, and who
+/// friction.
 template <class Robot, class L>
 constexpr void check_holders() {
   if constexpr (DescribedRobot<Robot>) {
@@ -226,8 +223,6 @@ constexpr void check_holders() {
     constexpr bool has_gravity_law = LawTable<L>::gravity_laws > 0 && !LawTable<L>::is_complete_sum;
     static_assert(!Robot::robot_holds_gravity || !has_gravity_law,
                   "gravity twice: the robot holds it, and so does the law: leave GravityControl out");
-    static_assert(Robot::robot_holds_gravity || LawTable<L>::holds_gravity,
-                  "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
     if constexpr (Robot::interface == Interface::torque) {
       static_assert(
           !(Robot::robot_compensates_friction && LawTable<L>::compensates_friction),
@@ -239,8 +234,6 @@ constexpr void check_holders() {
                     "friction nowhere: describe RobotCompensatesFriction or FrictionUncompensated, or add "
                     "FrictionControl");
     }
-  } else {
-    static_assert(LawTable<L>::holds_gravity, "gravity nowhere: add GravityControl to the law");
   }
 }
 /// Compares the law's settings with the robot's description; throws `ConfigurationError` with both numbers.

@@ -1,0 +1,11 @@
+// expect: the law answers touch, and the scene has no skin
+// lines: 10
+#include "tests/compile_fail/sound.hpp"
+
+auto build() {
+#ifdef SKINCTL_RIGHT
+  return Cycle(sound_arm(), ur5_skin<260>(), SkinJointControl{} + GravityControl{});
+#else
+  return Cycle(sound_arm(), SkinJointControl{} + GravityControl{});
+#endif
+}
