@@ -1,0 +1,101 @@
+#include "examples/compliant_ur5/clear.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include "skinctl/robots/ur5_skin.hpp"
+
+namespace compliant_ur5 {
+
+using namespace skinctl;
+
+namespace {
+
+constexpr std::size_t most_samples = 16384;  ///< of one cycle: as many as the receiver hands out
+
+/// The links' numbers among the capsules are theirs on the robot; then come the base, the table, and a tool.
+constexpr std::size_t base = 6, table = 7, tool = 8;
+
+}  // namespace
+
+double distance_of(const ClearSettings& s, double reading) noexcept {
+  return reading < 1 ? s.proximity_distance * std::sqrt(1 / std::max(reading, 1e-6) - 1) : 0;
+}
+double reading_of(const ClearSettings& s, double distance) noexcept {
+  const double x = std::max(distance, 0.0) / s.proximity_distance;
+  return 1 / (1 + x * x);
+}
+
+UrClearance clearance(const Settings& s) {
+  require(s.clear.table >= -10 && s.clear.table <= 1, "clear.table", s.clear.table, "-10 to 1 m");
+  require(s.clear.tool_length >= 0 && s.clear.tool_length <= 1, "clear.tool_length", s.clear.tool_length,
+          "0 to 1 m");
+  require(s.clear.approach >= 0 && s.clear.approach <= 2, "clear.approach", s.clear.approach, "0 to 2 m/s");
+  UrClearance c;
+  auto& all = c.own.capsules;
+  for (std::size_t i = 0; i < 6; ++i) {
+    const ur5::Tube& t = ur5::tubes[i];
+    Capsule<> shape{t.from, t.to, t.radius};
+    if (i == 3 || i == 4)
+      shape.to.z -= 0.03;  // the half sphere of its end takes that of the next link's housing
+    all.push_back({i, shape});
+    c.exposed.push_back(i);
+  }
+  constexpr double large = 100;  // a ball in place of a plane: 5 mm lower 1 m from its top [m]
+  all.push_back({LinkCapsule::fixed, {{0, 0, 0}, {0, 0, 0.03}, 0.075}});
+  all.push_back({LinkCapsule::fixed, {{0, 0, s.clear.table - large}, {0, 0, s.clear.table - large}, large}});
+  const auto meet = [&](std::initializer_list<std::size_t> parts, std::size_t with) {
+    for (const std::size_t part : parts) c.own.pairs.push_back({part, with});
+  };
+  // Neighbours, and pairs that no position of the joints brings together, are left out.
+  meet({2, 3, 5}, 0), meet({3, 4, 5}, 1), meet({5}, 2);
+  meet({2, 3, 4, 5}, base), meet({1, 2, 3, 4, 5}, table);
+  c.own.margin = s.clear.margin;
+  c.own.reach = 1.0;  // of the flange, from the axis of the shoulder, with its housing [m]
+  if (s.clear.tool_length > 0) {
+    constexpr double flange = ur5::Description::d6;
+    const double r = s.clear.tool_radius;
+    all.push_back(
+        {5, {{0, 0, flange + r}, {0, 0, std::max(flange + s.clear.tool_length - r, flange + r)}, r}});
+    meet({0, 1, 2, base, table}, tool);
+    c.exposed.push_back(tool);
+    c.own.reach += s.clear.tool_length;
+  }
+  return c;
+}
+
+double OwnDistance::operator()(const JointPosition<6>& q) const noexcept {
+  double d[Clearances<ur5::Model>::max_pairs];
+  clearances_.distances(q, d);
+  return *std::min_element(d, d + clearances_.size());
+}
+
+Sight::Sight(const Settings& s)
+    : s_(s.clear),
+      range_(distance_of(s.clear, sees_from)),
+      skin_(skin_patches(s), {}),
+      view_({}, skin_.places(), clearance(s).own.capsules, {.range = range_, .error = sight_error}),
+      sightings_({}, skin_.places(),
+                 {.range = range_, .error = sight_error, .approach = s.clear.approach, .min_reading = 1e-3}),
+      own_(skin_.places().size()),
+      samples_(most_samples) {}
+
+std::span<const CellSample> Sight::foreign(const JointPosition<6>& q,
+                                           std::span<const CellSample> samples) noexcept {
+  const auto sees = [](const CellSample& s) { return s.proximity >= static_cast<float>(sees_from); };
+  if (samples.size() > samples_.size() || std::none_of(samples.begin(), samples.end(), sees)) return samples;
+  view_.look(q, own_);
+  std::copy(samples.begin(), samples.end(), samples_.begin());
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    CellSample& sample = samples_[k];
+    const std::size_t i = skin_.index(sample.cell);
+    if (i >= own_.size() || own_[i] == 0) continue;
+    const double own = reading_of(s_, range_ * (1 - own_[i] / 65535.0));
+    const double above = (static_cast<double>(sample.proximity) - own) / view_.view().band;
+    if (above < 1) sample.proximity *= static_cast<float>(std::max(above, 0.0));
+  }
+  return {samples_.data(), samples.size()};
+}
+
+}  // namespace compliant_ur5
