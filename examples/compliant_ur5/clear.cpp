@@ -17,6 +17,18 @@ constexpr std::size_t most_samples = 16384;  ///< of one cycle: as many as the r
 /// The links' numbers among the capsules are theirs on the robot; then come the base, the table, and a tool.
 constexpr std::size_t base = 6, table = 7, tool = 8;
 
+/// The same for cells that look at them: a tube's round ends are within it, or they hide the cells of its neighbours.
+std::vector<LinkCapsule> in_view(const Settings& s) {
+  auto all = clearance(s).own.capsules;
+  for (std::size_t i = 0; i < 6; ++i) {
+    const ur5::Tube& t = ur5::tubes[i];
+    const Xyz<double> way = t.to - t.from;
+    const double ends = std::min(t.radius / norm(way), 0.5);
+    all[i].shape = {t.from + ends * way, t.to - ends * way, t.radius};
+  }
+  return all;
+}
+
 }  // namespace
 
 double distance_of(const ClearSettings& s, double reading) noexcept {
@@ -42,9 +54,11 @@ UrClearance clearance(const Settings& s) {
     all.push_back({i, shape});
     c.exposed.push_back(i);
   }
-  constexpr double large = 100;  // a ball in place of a plane: 5 mm lower 1 m from its top [m]
+  // The table is a ball, which touches its plane where the arm ends, and is 5 mm higher at the base.
+  constexpr double large = 100, reach = 1;  // [m]
+  const double top = s.clear.table + reach * reach / (2 * large);
   all.push_back({LinkCapsule::fixed, {{0, 0, 0}, {0, 0, 0.03}, 0.075}});
-  all.push_back({LinkCapsule::fixed, {{0, 0, s.clear.table - large}, {0, 0, s.clear.table - large}, large}});
+  all.push_back({LinkCapsule::fixed, {{0, 0, top - large}, {0, 0, top - large}, large}});
   const auto meet = [&](std::initializer_list<std::size_t> parts, std::size_t with) {
     for (const std::size_t part : parts) c.own.pairs.push_back({part, with});
   };
@@ -52,7 +66,7 @@ UrClearance clearance(const Settings& s) {
   meet({2, 3, 5}, 0), meet({3, 4, 5}, 1), meet({5}, 2);
   meet({2, 3, 4, 5}, base), meet({1, 2, 3, 4, 5}, table);
   c.own.margin = s.clear.margin;
-  c.own.reach = 1.0;  // of the flange, from the axis of the shoulder, with its housing [m]
+  c.own.reach = reach;
   if (s.clear.tool_length > 0) {
     constexpr double flange = ur5::Description::d6;
     const double r = s.clear.tool_radius;
@@ -75,7 +89,7 @@ Sight::Sight(const Settings& s)
     : s_(s.clear),
       range_(distance_of(s.clear, sees_from)),
       skin_(skin_patches(s), {}),
-      view_({}, skin_.places(), clearance(s).own.capsules, {.range = range_, .error = sight_error}),
+      view_({}, skin_.places(), in_view(s), {.range = range_, .error = sight_error}),
       sightings_({}, skin_.places(),
                  {.range = range_, .error = sight_error, .approach = s.clear.approach, .min_reading = 1e-3}),
       own_(skin_.places().size()),

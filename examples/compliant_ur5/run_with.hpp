@@ -498,7 +498,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     const auto world = simulation->snapshot();
     behind = world.behind;
     auto results = world.touches;
-    std::erase_if(results, [](const auto& r) { return !r.began; });
+    std::erase_if(results, [](const auto& r) { return r.first_contact < 0; });  // it gave way before
     std::sort(results.begin(), results.end(),
               [](const auto& a, const auto& b) { return a.first_contact < b.first_contact; });
     if (results.size() == log.touches.size())
