@@ -1,6 +1,5 @@
 #include "examples/compliant_ur5/skin.hpp"
 
-#include "examples/support/text.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 
@@ -15,7 +14,7 @@ double proximity_gain(const Settings& s, std::size_t link) {
   const double most = s.control.stiffest_wall * s.clear.proximity_distance /
                       (s.newtons_per_reading * steepest * cells_that_see);
   require(s.clear.proximity_share >= 0 && s.clear.proximity_share <= most, "clear.proximity_share",
-          s.clear.proximity_share, ("0 to " + examples::text("%.2g", most)).c_str());
+          s.clear.proximity_share, ("0 to " + std::to_string(most)).c_str());
   return s.clear.proximity_share * s.control.force_gain[link];
 }
 

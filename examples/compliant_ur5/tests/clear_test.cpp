@@ -2,7 +2,7 @@
 //
 // Promise: the main job with --clear stops before its own links and the table, and gives way to a hand before it touches
 // Tried: goals that fold it, goals into the table, a push towards the table, by position, velocity and torque: 20 mm are
-// left, distances found by search; a hand at 6 to 25 cm/s; all cells silent, and an interrupt, while it stands at a margin
+// left, distances found by search; a hand at 6 to 25 cm/s, and one that stays; all cells silent while it stands at the margin
 #include "examples/compliant_ur5/clear.hpp"
 
 #include <doctest/doctest.h>
@@ -334,7 +334,7 @@ TEST_CASE("clear: a reading becomes a distance and a distance a reading; setting
                          skinctl::ConfigurationError);
   };
   refused([](Settings& w) { w.clear.proximity_share = 0.7; },
-          "clear.proximity_share = 0.7, allowed: 0 to 0.58");
+          "clear.proximity_share = 0.7, allowed: 0 to 0.577");
   refused([](Settings& w) { w.clear.table = 2; }, "clear.table = 2");
   refused([](Settings& w) { w.clear.margin = -1; }, "margin = -1");
   refused([](Settings& w) { w.clear.tool_length = 3; }, "clear.tool_length = 3");
