@@ -1,9 +1,11 @@
 #include "examples/compliant_ur5/clear.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 
+#include "skinctl/kinematics/poses.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 
 namespace compliant_ur5 {
@@ -12,6 +14,9 @@ using namespace skinctl;
 
 namespace {
 
+constexpr float same_reading = 0.01f;      ///< twice the step in which cells send it; a hand trembles by more
+constexpr double way_of_same = 0.03;       ///< of a cell, from which on the same reading is none [m]
+constexpr Nanoseconds time_of_same = 10s;  ///< likewise
 constexpr std::size_t most_samples = 16384;  ///< of one cycle: as many as the receiver hands out
 
 /// The links' numbers among the capsules are theirs on the robot; then come the base, the table, and a tool.
@@ -92,22 +97,46 @@ Sight::Sight(const Settings& s)
       view_({}, skin_.places(), in_view(s), {.range = range_, .error = sight_error}),
       sightings_({}, skin_.places(),
                  {.range = range_, .error = sight_error, .approach = s.clear.approach, .min_reading = 1e-3}),
-      own_(skin_.places().size()),
+      places_(skin_.places()),
+      still_(places_.size()),
+      own_(places_.size()),
       samples_(most_samples) {}
+
+bool Sight::is_dull(Still& still, const CellSample& sample, const Xyz<double>& place) noexcept {
+  if (std::abs(sample.proximity - still.reading) > same_reading)
+    still = {sample.proximity, sample.time, place, false};
+  else if (sample.time - still.since > time_of_same || norm(Xyz<double>(place - still.place)) > way_of_same)
+    still.is_dull = true;
+  return still.is_dull;
+}
 
 std::span<const CellSample> Sight::foreign(const JointPosition<6>& q,
                                            std::span<const CellSample> samples) noexcept {
-  const auto sees = [](const CellSample& s) { return s.proximity >= static_cast<float>(sees_from); };
-  if (samples.size() > samples_.size() || std::none_of(samples.begin(), samples.end(), sees)) return samples;
+  if (samples.size() > samples_.size()) return samples;
+  bool sees = false;
+  for (const CellSample& s : samples) {
+    const bool this_one = s.proximity >= static_cast<float>(sees_from);
+    const std::size_t i = this_one ? still_.size() : skin_.index(s.cell);
+    if (i < still_.size()) still_[i] = {};
+    sees = sees || this_one;
+  }
+  if (!sees) return samples;
   view_.look(q, own_);
+  std::array<Transform<Base, SomeLink>, 6> pose;
+  const auto poses = link_poses(ur5::Model{}, q);
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    ((pose[I] = poses.template get<I>().template renamed<Base, SomeLink>()), ...);
+  }(std::make_index_sequence<6>());
   std::copy(samples.begin(), samples.end(), samples_.begin());
   for (std::size_t k = 0; k < samples.size(); ++k) {
     CellSample& sample = samples_[k];
     const std::size_t i = skin_.index(sample.cell);
-    if (i >= own_.size() || own_[i] == 0) continue;
+    if (i >= own_.size() || !(sample.proximity >= static_cast<float>(sees_from))) continue;
+    const auto& X = pose[places_[i].link];
+    const bool dull = is_dull(still_[i], sample, X.origin() + X.axes() * places_[i].place);
     const double own = reading_of(s_, range_ * (1 - own_[i] / 65535.0));
-    const double above = (static_cast<double>(sample.proximity) - own) / view_.view().band;
-    if (above < 1) sample.proximity *= static_cast<float>(std::max(above, 0.0));
+    const double above = own_[i] == 0 ? 1 : (static_cast<double>(sample.proximity) - own) / view_.view().band;
+    if (dull || above < 1) sample.proximity *= dull ? 0.0f : static_cast<float>(std::max(above, 0.0));
   }
   return {samples_.data(), samples.size()};
 }

@@ -37,7 +37,9 @@ class OwnDistance {
 };
 
 /// Looks with the cells: what they read of the arm itself, its base and the table is taken out of their samples, and the
-/// rest are things around the arm. Allocates where it is made only.
+/// rest are things around the arm. A reading that stays the same for 10 s, or while its cell goes 30 mm, is none: dirt, or a
+/// sensor that is stuck. It counts again once it changes, as that of a thing that the arm nears. Allocates where it is made
+/// only.
 class Sight {
  public:
   using Around = skinctl::Surroundings<max_seen>;
@@ -68,6 +70,18 @@ class Sight {
   UrSkin skin_;
   skinctl::OwnView<skinctl::ur5::Model> view_;
   skinctl::Sightings<skinctl::ur5::Model> sightings_;
+  /// What a cell reads, and when and where it was when it last read anything else.
+  struct Still {
+    float reading = 0;
+    skinctl::Nanoseconds since{};
+    skinctl::Xyz<double> place{0, 0, 0};
+    bool is_dull = false;  ///< it has gone too far since, or for too long
+  };
+  [[nodiscard]] static bool is_dull(Still& still, const skinctl::CellSample& sample,
+                                    const skinctl::Xyz<double>& place) noexcept;
+
+  std::vector<skinctl::CellPlace> places_;
+  std::vector<Still> still_;
   std::vector<std::uint16_t> own_;
   std::vector<skinctl::CellSample> samples_;
 };
