@@ -17,7 +17,7 @@ namespace {
 constexpr float same_reading = 0.01f;      ///< twice the step in which cells send it; a hand trembles by more
 constexpr double way_of_same = 0.03;       ///< of a cell, from which on the same reading is none [m]
 constexpr Nanoseconds time_of_same = 10s;  ///< likewise
-constexpr std::size_t most_samples = 16384;  ///< of one cycle: as many as the receiver hands out
+constexpr std::size_t most_samples = 16385;  ///< of one cycle: as many as the receiver hands out, and a palm
 
 /// The links' numbers among the capsules are theirs on the robot; then come the base, the table, and a tool.
 constexpr std::size_t base = 6, table = 7, tool = 8;

@@ -1,11 +1,11 @@
 // The scene of `--clear` is stopped, resumed and loses its robot while something is close.
 //
 // Promise: a proximity sensor that is stuck moves an arm with --clear by 40 mm at most, and does not hold it
-// Tried: one on the forearm from 0.2 to 1, by position: its place comes back, and the arm arrives at its goal
+// Tried: one on the forearm, at 0.2 to 1, by position: the arm arrives at its goal
 //
 // Promise: a stop, a resume and a fault of an arm with --clear beside the table or a hand are calm
-// Tried: 60 orders of stop, resume, states that are no numbers, a silent skin and a hand that comes and goes, at the table:
-// no command beyond its limits, 20 mm are left, and the arm goes on at the end
+// Tried: 60 orders of stop, resume, states that are no numbers, a silent skin and a hand that comes and goes, at
+// the table: no command beyond its limits, 20 mm are left, and the arm goes on at the end
 #include <doctest/doctest.h>
 
 #include <cmath>
