@@ -91,8 +91,8 @@ class FollowingJudge {
   std::size_t blocked_ = 0;
 };
 
-/// The same of an arm by torque, which is told no position: a joint that stands away from its target, and nothing
-/// touches the skin. What it is told too late shakes the arm; the robot stops it then.
+/// The same of an arm by torque, which is told no position: a joint that stands away from its target, nothing touches the
+/// skin, and the arm keeps clear of nothing. What it is told too late shakes the arm; the robot stops it then.
 template <std::size_t N>
 class StandingJudge {
  public:
@@ -111,9 +111,9 @@ class StandingJudge {
   /// @param force   that the skin feels [N].
   /// @param target  of the task [rad].
   template <class RobotMemory>
-  void cycle(double t, double dt, const RobotMemory& robot, skinctl::Status, double force,
+  void cycle(double t, double dt, const RobotMemory& robot, skinctl::Status status, double force,
              const skinctl::JointPosition<N>& target) noexcept {
-    if (force > 1) touched_at_ = t;
+    if (force > 1 || status.has(skinctl::Reason::clearance_kept)) touched_at_ = t;
     const bool free = t - touched_at_ > untouched;
     for (std::size_t i = 0; i < N; ++i) {
       const bool stands = free && std::abs(robot.measured().dq[i]) < still &&

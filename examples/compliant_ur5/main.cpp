@@ -96,6 +96,10 @@ int run(int argc, char** argv) {
       ->check(CLI::IsMember({"skin", "wrist", "motors"}));
   app.add_option("--speed", s.speed, "of the simulation: 0 as fast as possible, in step; 1 real time")
       ->check(CLI::Range(0.0, 100.0));
+  app.add_flag("--clear", s.keep_clear,
+               "keep clear of its own links, of the table, and of what its cells see, and give way to what "
+               "comes near: "
+               "see [clear] of the scenario");
   app.add_flag("--rigid", s.rigid, "the skin does not act: what a stiff arm does to the finger");
   app.add_flag("!--no-compare", s.compare, "do not run the scenario rigid as well");
   app.add_flag("--quiet", s.quiet, "print errors only");
@@ -160,7 +164,7 @@ int run(int argc, char** argv) {
     compliant_ur5::Settings rigid = s;
     rigid.rigid = rigid.quiet = true;
     rigid.record.clear();
-    rigid.live = rigid.until_stopped = false;
+    rigid.live = rigid.until_stopped = rigid.keep_clear = false;
     compliant_ur5::RunLog stiff;
     const auto other = compliant_ur5::run(rigid, signals.asked(), stiff);
     if (other == compliant_ur5::Outcome::fine) {

@@ -57,7 +57,7 @@ RunDescription run_description(const Settings& s) {
                    [](const auto& a, const auto& b) { return a.link < b.link; });
   std::array<CellGains, 6> gains;
   for (std::size_t i = 0; i < 6; ++i)
-    gains[i] = {.force = s.control.force_gain[i], .proximity = s.control.proximity_gain};
+    gains[i] = {.force = s.control.force_gain[i], .proximity = proximity_gain(s, i)};
   run.layout =
       s.skin.empty() ? skin_file_text(ur5_skin_file<cells>(gains)) : skinctl::detail::read_text(s.skin);
   return run;
@@ -85,7 +85,6 @@ RunIdentity run_identity(const Settings& s) {
                                 {"stiffest wall", c.stiffest_wall},
                                 {"stiffest hand", c.stiffest_hand},
                                 {"heaviest hand", c.heaviest_hand},
-                                {"proximity gain", c.proximity_gain},
                                 {"force threshold", c.force_threshold},
                                 {"force limit", c.force_limit},
                                 {"stopping", c.stopping},
@@ -107,6 +106,15 @@ RunIdentity run_identity(const Settings& s) {
                      {"most friction", t.most_friction},
                      {"dead zone", t.dead_zone},
                      {"patience", t.patience}};
+  }
+  if (s.keep_clear) {
+    const auto& k = s.clear;
+    all["clear"] = {{"margin", k.margin},
+                    {"table", k.table},
+                    {"tool", {k.tool_length, k.tool_radius}},
+                    {"approach", k.approach},
+                    {"proximity share", k.proximity_share},
+                    {"proximity distance", k.proximity_distance}};
   }
   if (s.sense != Sense::skin) all["virtual inertia"] = c.virtual_inertia;
   if (s.sense == Sense::wrist) {

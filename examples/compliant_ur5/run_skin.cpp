@@ -3,43 +3,30 @@
 namespace compliant_ur5 {
 namespace {
 
-using skinctl::Interface;
-
-void refuse_torque(const Settings& s) {
-  if (s.interface == Interface::torque)
+void refuse_without_skin(const Settings& s) {
+  if (s.sense == Sense::skin) return;
+  if (s.interface == skinctl::Interface::torque)
     skinctl::refuse("--interface torque feels by the skin: without one use position or velocity");
+  if (s.keep_clear) skinctl::refuse("--clear sees by the skin: leave --sense out");
 }
 
 }  // namespace
 
 Outcome run(const Settings& settings, const std::atomic<bool>& stop, RunLog& log) {
   using namespace running;
-  if (settings.sense != Sense::skin) refuse_torque(settings);
+  refuse_without_skin(settings);
   if (settings.sense == Sense::wrist) return run_by<Sense::wrist>(settings, stop, log);
   if (settings.sense == Sense::motors) return run_by<Sense::motors>(settings, stop, log);
-  switch (settings.interface) {
-    case Interface::position:
-      return run_with<Interface::position, Sense::skin>(settings, stop, log);
-    case Interface::velocity:
-      return run_with<Interface::velocity, Sense::skin>(settings, stop, log);
-    default:
-      return run_with<Interface::torque, Sense::skin>(settings, stop, log);
-  }
+  return settings.keep_clear ? run_by_skin<true>(settings, stop, log)
+                             : run_by_skin<false>(settings, stop, log);
 }
 
 Outcome replay(const Settings& settings) {
   using namespace running;
-  if (settings.sense != Sense::skin) refuse_torque(settings);
+  refuse_without_skin(settings);
   if (settings.sense == Sense::wrist) return replay_by<Sense::wrist>(settings);
   if (settings.sense == Sense::motors) return replay_by<Sense::motors>(settings);
-  switch (settings.interface) {
-    case Interface::position:
-      return replay_with<Interface::position, Sense::skin>(settings);
-    case Interface::velocity:
-      return replay_with<Interface::velocity, Sense::skin>(settings);
-    default:
-      return replay_with<Interface::torque, Sense::skin>(settings);
-  }
+  return settings.keep_clear ? replay_by_skin<true>(settings) : replay_by_skin<false>(settings);
 }
 
 }  // namespace compliant_ur5

@@ -149,6 +149,50 @@ void tare(JobDriver<Sense::wrist>& robot, double rate) {
   robot.reader.tare(samples, state.q);
 }
 
+/// What an arm that keeps clear looks at before each cycle, and how clear it kept; else nothing.
+template <bool Clear>
+class KeptClear {
+ public:
+  explicit KeptClear(const Settings&) {}
+  template <class... Any>
+  void look(const Any&...) noexcept {}
+  template <class... Any>
+  void note(const Any&...) noexcept {}
+  void report(const RunLog&) const noexcept {}
+};
+template <>
+class KeptClear<true> {
+ public:
+  explicit KeptClear(const Settings& s) : sight_(s), distance_(s), margin_(s.clear.margin) {}
+
+  template <class Scene>
+  void look(const Scene& scene, const typename Scene::Memory& m, typename Scene::Input& input) noexcept {
+    input.samples = sight_.foreign(input.measured.q, input.samples);
+    input.around = sight_.around(input.measured.q, [&](std::size_t i) {
+      return scene.skin().held(m.skin, i).proximity * CellCounts::proximity_unit;
+    });
+    input.around.time = input.now;
+    most_seen_ = std::max(most_seen_, input.around.count);
+  }
+  void note(const JointPosition<6>& q, Status status) noexcept {
+    nearest_ = std::min(nearest_, distance_(q));
+    cycles_ += status.has(Reason::clearance_kept);
+  }
+  void report(RunLog& log) const {
+    log.result.push_back({"least distance of links, base and table",
+                          examples::text("%.0f mm, declared %.0f mm", 1000 * nearest_, 1000 * margin_)});
+    log.result.push_back({"cycles in which it kept clear", std::to_string(cycles_)});
+    log.result.push_back({"things seen at once", std::to_string(most_seen_)});
+  }
+
+ private:
+  Sight sight_;
+  OwnDistance distance_;
+  double margin_, nearest_ = std::numeric_limits<double>::infinity();
+  std::uint32_t most_seen_ = 0;
+  std::uint64_t cycles_ = 0;
+};
+
 struct Largest {
   double step_velocity = 0, step_acceleration = 0, torque = 0;  ///< in units of their limits
 };
@@ -204,15 +248,16 @@ inline std::string too_slow(double behind, double load, double period) {
                         : text("a cycle took %.0f ms", 1000 * load));
 }
 
-template <Interface I, Sense S>
+template <Interface I, Sense S, bool Clear = false>
 Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& log) {
   Settings s = given;
   constexpr bool by_torque = I == Interface::torque;
   s.network_delay = network_delay(s, log);
   s.control.delay += s.network_delay;
   constexpr bool by_skin = S == Sense::skin;
-  const auto scene = make_watched_scene<I, S>(s);
+  const auto scene = make_watched_scene<I, S, Clear>(s);
   using Scene = std::remove_cvref_t<decltype(scene)>;
+  KeptClear<Clear> clear(s);
   const Nanoseconds period = nanoseconds(1 / s.rate);
 
   std::optional<adapters::skin::Key> key;
@@ -308,6 +353,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   const auto before = [&](typename Scene::Input& input, typename Scene::Memory& m) {
     if (first == 0ns) first = input.now;
     const double t = seconds<double>(input.now - first);
+    clear.look(scene, m, input);
     input.request = live.take();
     // The scene stops by itself where too little of the skin reports; the job ends then, and says why.
     // What others send to the skin's port is dropped, and so is what the skin itself garbles: then it is silent.
@@ -377,6 +423,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     const double passed = last_time == 0ns ? 0 : seconds<double>(input.now - last_time);
     judge.cycle(t, passed, memory->robot, out.status, observer.force(), target);
     last_status = out.status;
+    clear.note(input.measured.q, out.status);
     if constexpr (by_skin) {
       if (!heard && scene.governor().template memory<SkinWatch>(memory->governor).heard)
         heard = true, log.began = t;
@@ -451,7 +498,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     const auto world = simulation->snapshot();
     behind = world.behind;
     auto results = world.touches;
-    std::erase_if(results, [](const auto& r) { return !r.began; });
+    std::erase_if(results, [](const auto& r) { return r.first_contact < 0; });  // it gave way before
     std::sort(results.begin(), results.end(),
               [](const auto& a, const auto& b) { return a.first_contact < b.first_contact; });
     if (results.size() == log.touches.size())
@@ -506,6 +553,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     log.result.push_back({"pushes without life, taken for rest",
                           std::to_string(tares) + (tares > 0 ? text(", the last at %.1f s", tared_at) : "")});
   }
+  clear.report(log);
   recording.finish(log);
   print(s, log);
 
@@ -541,11 +589,11 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   return outcome;
 }
 
-template <Interface I, Sense S>
+template <Interface I, Sense S, bool Clear = false>
 Outcome replay_with(const Settings& given) {
   Settings s = given;
   s.control.delay += std::max(s.network_delay, 0.0);
-  const auto scene = make_watched_scene<I, S>(s);
+  const auto scene = make_watched_scene<I, S, Clear>(s);
   const auto result = skinctl::replay(s.replay, scene, run_identity(s));
   if (!result.whole) std::printf("%s was cut: its last second may be missing\n", s.replay.c_str());
   if (result.missing > 0)
@@ -555,6 +603,33 @@ Outcome replay_with(const Settings& given) {
   std::printf("%s\n", in_words(result).c_str());
   return result.different == 0 ? Outcome::fine : Outcome::broken;
 }
+
+/// By its skin.
+template <bool Clear>
+Outcome run_by_skin(const Settings& settings, const std::atomic<bool>& stop, RunLog& log) {
+  switch (settings.interface) {
+    case Interface::position:
+      return run_with<Interface::position, Sense::skin, Clear>(settings, stop, log);
+    case Interface::velocity:
+      return run_with<Interface::velocity, Sense::skin, Clear>(settings, stop, log);
+    default:
+      return run_with<Interface::torque, Sense::skin, Clear>(settings, stop, log);
+  }
+}
+template <bool Clear>
+Outcome replay_by_skin(const Settings& settings) {
+  switch (settings.interface) {
+    case Interface::position:
+      return replay_with<Interface::position, Sense::skin, Clear>(settings);
+    case Interface::velocity:
+      return replay_with<Interface::velocity, Sense::skin, Clear>(settings);
+    default:
+      return replay_with<Interface::torque, Sense::skin, Clear>(settings);
+  }
+}
+// In a file of its own.
+extern template Outcome run_by_skin<true>(const Settings&, const std::atomic<bool>&, RunLog&);
+extern template Outcome replay_by_skin<true>(const Settings&);
 
 }  // namespace running
 

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "examples/adapters/ur5/program.hpp"
+#include "examples/compliant_ur5/clear.hpp"
 #include "examples/compliant_ur5/senses.hpp"
 #include "examples/compliant_ur5/settings.hpp"
 #include "examples/compliant_ur5/skin.hpp"
@@ -13,6 +14,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/blended.hpp"
 #include "skinctl/fusion/expression.hpp"
+#include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/felt_places.hpp"
 #include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/passivity/stiffest_contact.hpp"
@@ -264,10 +266,13 @@ skinctl::FeltPlaces<max_cells> felt_places(const Settings& s) {
 }
 
 /// The same, as the job runs it: it does not move before its skin is heard, stops when a patch falls silent, and leads
-/// with no place that feels nothing.
-template <skinctl::Interface I, Sense S = Sense::skin>
+/// with no place that feels nothing. It keeps clear where its type says so.
+template <skinctl::Interface I, Sense S = Sense::skin, bool Clear = false>
 auto make_watched_scene(const Settings& s) {
-  if constexpr (S == Sense::skin) {
+  static_assert(S == Sense::skin || !Clear, "what keeps clear sees by its skin");
+  if constexpr (Clear) {
+    return make_watched_scene<I>(s).with(clearance(s));
+  } else if constexpr (S == Sense::skin) {
     return make_scene<I>(s).with(skinctl::SkinWatch{}, felt_places<I>(s));
   } else {
     return make_scene<I, S>(s);  // its watch is its own: see `PushWatch`

@@ -26,7 +26,6 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("decay", c.decay);
     t.numbers("viscous", c.viscous, true);
     t.numbers("force_gain", c.force_gain, true);
-    t.number("proximity_gain", c.proximity_gain);
     t.number("force_threshold", c.force_threshold);
     t.numbers("virtual_inertia", c.virtual_inertia, true);
     t.number("max_velocity", c.max_velocity);
@@ -80,11 +79,24 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.numbers("torque_constant", c.torque_constant, true);
     t.finish();
   }
+  if (const auto* clear = root["clear"].as_table()) {
+    Table t(file, "clear", *clear);
+    auto& c = settings.clear;
+    t.number("margin", c.margin);
+    t.number("table", c.table);
+    t.number("tool_length", c.tool_length);
+    t.number("tool_radius", c.tool_radius);
+    t.number("approach", c.approach);
+    t.number("proximity_share", c.proximity_share);
+    t.finish();
+  }
   if (const auto* skin =
           root["skin"].as_table()) {  // the simulation reads the same table and checks its keys
     settings.newtons_per_reading = (*skin)["newtons_per_reading"].value_or(settings.newtons_per_reading);
     settings.rest_reading = (*skin)["rest_reading"].value_or(settings.rest_reading);
     settings.force_delta = (*skin)["force_delta"].value_or(settings.force_delta);
+    settings.clear.proximity_distance =
+        (*skin)["proximity_distance"].value_or(settings.clear.proximity_distance);
   }
   if (const auto* goals = root["goal"].as_array()) {
     for (const auto& node : *goals) {
@@ -107,6 +119,8 @@ void read_scenario(const std::string& file, Settings& settings) {
                    settings.torque.patience, "0.004 to 2 s");
   skinctl::require(settings.newtons_per_reading > 0, "skin.newtons_per_reading", settings.newtons_per_reading,
                    "> 0 N");
+  skinctl::require(settings.clear.proximity_distance > 0 && settings.clear.proximity_distance <= 1,
+                   "skin.proximity_distance", settings.clear.proximity_distance, "> 0, <= 1 m");
 }
 
 }  // namespace compliant_ur5

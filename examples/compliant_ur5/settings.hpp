@@ -50,7 +50,6 @@ struct ControlSettings {
   double stiffest_hand = 1e4;      ///< likewise of a hand [N/m]
   double heaviest_hand = 10;       ///< [kg]
   double heavier_than_needed = 1;  ///< felt mass in units of the smallest one for which such contacts rest
-  double proximity_gain = 0;       ///< w_p [N per unit of proximity]
   double force_threshold = 0.068;  ///< on the sum of the three force readings, above their rest level
   double force_limit = 65;         ///< on a body of `stiffest_wall` that a place meets, or it goes slower [N]
   double stopping = 3;             ///< deceleration of a place that is touched, along its normal [m/s^2]
@@ -104,6 +103,19 @@ struct MotorControl {
   PerJoint torque_constant{12.5, 12.5, 12.5, 9, 9, 9};
 };
 
+/// What the arm keeps clear of, with `--clear`.
+struct ClearSettings {
+  double margin = 0.02;       ///< of surfaces: its links, base, table, and what cells see [m]
+  double table = 0;           ///< height of the table, or the ground, above the base's origin [m]
+  double tool_length = 0;     ///< of a tool at the flange [m]; 0: none
+  double tool_radius = 0.05;  ///< likewise [m]
+  double approach =
+      0;  ///< speed with which what is seen may come nearer, for which the arm leaves room [m/s]
+  /// w_p of a link as a share of its w_f: how hard it gives way to what it sees.
+  double proximity_share = 0.5;
+  double proximity_distance = 0.01;  ///< of a finger that a cell reads as 0.5, from the scenario's [skin] [m]
+};
+
 /// A hand at the flange.
 struct CarriedHand {
   double mass = 0;                    ///< of all that hangs there [kg]
@@ -134,6 +146,7 @@ struct Settings {
   std::string skin_faults;       ///< of the simulated skin: see `simulated_ur5::read_skin_faults`
   bool trust_all_cells = false;  ///< readings count as they come
   bool rigid = false;            ///< the skin does not act
+  bool keep_clear = false;       ///< of its own links, the table, and what its cells see
   bool compare = true;           ///< simulated: run the scenario rigid as well
   bool quiet = false;
   bool live = false;                         ///< a page shows the run while it runs
@@ -155,12 +168,13 @@ struct Settings {
   TorqueControl torque;
   WristControl wrist;
   MotorControl motors;
+  ClearSettings clear;
   std::optional<CarriedHand> hand;
   std::vector<Goal> task;
 };
 
-/// Reads the tables `[run]`, `[control]`, `[torque]`, `[wrist_control]`, `[motor_control]`, `[skin]` and
-/// `[[goal]]` of a scenario; others are the simulation's. Throws `skinctl::ConfigurationError` with file and
+/// Reads the tables `[run]`, `[control]`, `[torque]`, `[wrist_control]`, `[motor_control]`, `[clear]`, `[skin]`
+/// and `[[goal]]` of a scenario; others are the simulation's. Throws `skinctl::ConfigurationError` with file and
 /// line for unknown keys of its own tables and wrong types.
 void read_scenario(const std::string& file, Settings& settings);
 

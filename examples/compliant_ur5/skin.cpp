@@ -1,10 +1,22 @@
 #include "examples/compliant_ur5/skin.hpp"
 
+#include "skinctl/core/contract.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 
 namespace compliant_ur5 {
 
 using namespace skinctl;
+
+double proximity_gain(const Settings& s, std::size_t link) {
+  if (!s.keep_clear) return 0;
+  constexpr double steepest = 0.6495;   // 3 sqrt(3) / 8: slope of 1 / (1 + x^2) where it falls fastest
+  constexpr double cells_that_see = 4;  // the same thing at once, close to it
+  const double most = s.control.stiffest_wall * s.clear.proximity_distance /
+                      (s.newtons_per_reading * steepest * cells_that_see);
+  require(s.clear.proximity_share >= 0 && s.clear.proximity_share <= most, "clear.proximity_share",
+          s.clear.proximity_share, ("0 to " + std::to_string(most)).c_str());
+  return s.clear.proximity_share * s.control.force_gain[link];
+}
 
 std::vector<SkinPatch> skin_patches(const Settings& s, double heavier) {
   std::vector<SkinPatch> out;
@@ -13,7 +25,7 @@ std::vector<SkinPatch> skin_patches(const Settings& s, double heavier) {
   } else {
     const auto add = [&]<std::size_t I, std::size_t N>(const Patch<I, N>& patch) {
       SkinPatch& to = out.emplace_back(
-          SkinPatch{I, {.force = s.control.force_gain[I], .proximity = s.control.proximity_gain}, {}});
+          SkinPatch{I, {.force = s.control.force_gain[I], .proximity = proximity_gain(s, I)}, {}});
       for (const auto& cell : patch.any()) to.cells.push_back({.id = cell.id, .X_LC = cell.X_LC});
     };
     std::apply([&](const auto&... patch) { (add(patch), ...); }, ur5::skin_patches<cells>());

@@ -290,19 +290,19 @@ class Worker {
     if (take && began && failed && !empty_) empty_ = true, believed_.failed(feed_tray(arm_));
     if (take && began && plan_.step != was.step) believed_.took();
     if (std::exchange(stood_, false)) believed_.failed(feed_tray(arm_)), empty_ = true;
-    if (plan_.phase == Phase::reverse && empty_) empty_ = false, plan_.reverses = 0;
+    if (plan_.phase == Phase::reverse && empty_) empty_ = false, plan_ = Executor::forgiven(plan_);
     using skinctl::StepFailure;
     const bool lift = executor_.task().steps[was.step].does == &Lift::rule;
     const bool slips =
         began && plan_.phase == Phase::begin_reverse && !take &&
         (plan_.why == StepFailure::fact_lost || (lift && plan_.why == StepFailure::fact_missing));
     if (slips && grip_.slipped())
-      plan_.reverses = 0;
+      plan_ = Executor::forgiven(plan_);
     else if (slips)
       believed_.leave(taken_);
     if (was.phase == Phase::ask && resume) believed_.answered();
     if (believed_.asks() && plan_.phase == Phase::begin && does(skinctl::activity::Look::rule))
-      plan_.phase = Phase::ask;
+      plan_ = Executor::asking(plan_, now_);
     believed_.write(known_);
   }
 

@@ -123,6 +123,43 @@ TEST_CASE("Executor: what is lost from the hand for 50 ms is a failure, whatever
 }
 
 TEST_CASE(
+    "Executor: a memory that is forgiven goes back as often as a new one; one that asks waits for the "
+    "answer") {
+  // Each time it goes back it is forgiven: it never asks. Without that it asks after three times.
+  for (const bool forgiven : {true, false}) {
+    Packing::Memory m = executor.start(0ns);
+    Nanoseconds now{};
+    int reversed = 0;
+    bool asked = false;
+    std::uint16_t ticket = 0;
+    for (int k = 0; k < 4000 && !asked && reversed < 10; ++k) {
+      now += cycle;
+      const auto out =
+          executor.step(m, {.now = now, .skill = {ticket, SkillPhase::failed, SkillFailure::none}});
+      const bool back = out.memory.phase == Packing::Phase::reverse && m.phase != Packing::Phase::reverse;
+      reversed += back;
+      m = back && forgiven ? Packing::forgiven(out.memory) : out.memory;
+      if (m.phase == Packing::Phase::reverse) {  // which succeeds
+        m = executor.step(m, {.now = now, .skill = {m.ticket, SkillPhase::finished, SkillFailure::none}})
+                .memory;
+      }
+      ticket = m.ticket;
+      asked = out.request.kind == Kind::ask;
+    }
+    CAPTURE(forgiven);
+    CHECK(asked == !forgiven);
+    CHECK(reversed == (forgiven ? 10 : 3));
+  }
+  const auto m = Packing::asking(executor.start(0ns), 1s);
+  CHECK(executor.step(m, {.now = 2s}).request.kind == Kind::ask);
+  CHECK(executor.step(m, {.now = 3600s}).request.kind == Kind::ask);
+  const auto on = executor.step(m, {.now = 2s, .resume = true});
+  CHECK(on.request.kind != Kind::ask);
+  CHECK(on.memory.step ==
+        (executor.task().steps[0].failed == ask_person ? 0 : executor.task().steps[0].failed));
+}
+
+TEST_CASE(
     "Executor: a step that fails is retried, then reversed, and the task looks again; in the end it asks") {
   Robot robot(executor);
   robot.failing = "reach";

@@ -33,6 +33,8 @@ TEST_CASE("settings: the shipped scenario is read, its task included") {
   CHECK(s.task.size() == 2);
   CHECK(s.control.force_gain[1] == 70);
   CHECK(s.control.viscous == same(10));  // one number stands for six
+  CHECK(s.clear.margin == 0.02);
+  CHECK_FALSE(s.keep_clear);
 }
 
 TEST_CASE("settings: what is wrong is said with its line") {
@@ -42,6 +44,7 @@ TEST_CASE("settings: what is wrong is said with its line") {
   CHECK(answer("[control]\nlambda = \"much\"\n").find(":2: control.lambda must be a number") !=
         std::string::npos);
   CHECK(answer("[[goal]]\nat = 1\nq = [1, 2, 3]\n").find("6 numbers") != std::string::npos);
+  CHECK(answer("[clear]\nmargni = 0.1\n").find(":2: clear has no key 'margni'") != std::string::npos);
   CHECK(answer("[run]\nduration = -5\n").find("-5, allowed: > 0") != std::string::npos);
   CHECK(answer("[control\n").find(":1: ") != std::string::npos);
 }

@@ -118,6 +118,17 @@ class Executor {
     return m;
   }
 
+  /// The same memory, its ways back counted from none: for a failure that the world has explained.
+  [[nodiscard]] static Memory forgiven(Memory m) noexcept {
+    m.reverses = 0;
+    return m;
+  }
+  /// The same memory, calling a person from `now` on; the answer leads on as from a failure of its step.
+  [[nodiscard]] static Memory asking(Memory m, Nanoseconds now) noexcept {
+    to(m, now, Phase::ask);
+    return m;
+  }
+
   [[nodiscard]] Result step(Memory m, const StepInput& in) const noexcept {
     static_assert(sizeof(Memory) == 24 && std::is_trivially_copyable_v<Memory>);
     if (m.step >= task_.size) enter(m, in.now, 0);  // any bits are allowed in a memory
