@@ -62,7 +62,9 @@ std::vector<Network> networks() {
 class Streams {
  public:
   void see(const SeenPacket& p) {
-    if (p.lost || !p.tcp || p.length == 0) return;
+    if (p.lost || !p.tcp) return;
+    last_ = p.time;
+    if (p.length == 0) return;
     Stream& s = streams_[{p.source, p.destination, p.to_robot}];
     if (s.count == 0) s.next = p.sequence;
     s.early.emplace(p.sequence, p.length);
@@ -81,15 +83,16 @@ class Streams {
     if (++s.count > start) s.longest = std::max(s.longest, p.time - s.last);
     s.last = p.time;
   }
-  /// Of the stream that brought most [s].
+  /// Of the stream that brought most, until the last packet of all [s].
   [[nodiscard]] double longest(bool to_robot) const {
     const Stream* most = nullptr;
     for (const auto& [key, s] : streams_)
       if (std::get<2>(key) == to_robot && (most == nullptr || s.count > most->count)) most = &s;
-    return most == nullptr ? 0 : most->longest;
+    return most == nullptr ? 0 : std::max(most->longest, last_ - most->last);
   }
 
  private:
+  double last_ = 0;                  // of all packets [s]
   static constexpr int start = 100;  // pieces that belong to connecting
   struct Stream {
     std::uint32_t next = 0;
@@ -171,6 +174,11 @@ Result suffer(const Network& network, Interface by, std::uint64_t seed) {
   result.states = streams.longest(false);
   result.commands = streams.longest(true);
   return result;
+}
+
+/// Words without their details.
+std::string cause(const std::string& words) {
+  return words.substr(0, std::min({words.find(": "), words.find("; "), words.size()}));
 }
 
 constexpr const char* in_words(Interface by) {
@@ -263,7 +271,7 @@ int main(int argc, char** argv) {
       if (r.exit == 0)
         ++finished;
       else
-        ++others[r.words].first, others[r.words].second = r.exit;
+        ++others[cause(r.words)].first, others[cause(r.words)].second = r.exit;
       force = std::max(force, r.peak);
       states = std::max(states, r.states);
       commands = std::max(commands, r.commands);
