@@ -148,8 +148,11 @@ Result suffer(const Network& network, Interface by, std::uint64_t seed) {
     try {
       result.exit = static_cast<int>(run(s, stop, log));
       result.words = log.words;
+    } catch (const skinctl::ConfigurationError& e) {
+      result.exit = job::code(job::Exit::refused);
+      result.words = std::string("refused before it moves; ") + e.what();
     } catch (const std::exception& e) {
-      result.exit = 1;
+      result.exit = job::code(job::Exit::lost);
       result.words = e.what();
     }
     over = true;

@@ -174,12 +174,12 @@ bool Driver::deliver(const std::array<double, 6>& numbers, std::int32_t how) noe
   // A program that has ended closes the socket, and the states may not have told yet why.
   skinctl::State<6> last;
   const auto deadline = Clock::now() + 4 * config_.silence;
-  bool heard = true;
-  while (fault_ == Fault::none && heard && Clock::now() < deadline) heard = wait(last) == Heard::state;
+  Heard heard = Heard::silent;
+  while (fault_ == Fault::none && heard != Heard::lost && Clock::now() < deadline) heard = wait(last);
   std::array<std::uint8_t, 16> said{};
   std::size_t count = 0;
   const bool closed = reverse_.read_some(said, count, Timeout(0)) == Read::closed;
-  if (closed && heard && report_.runtime_state == 2)
+  if (closed && heard == Heard::state && report_.runtime_state == 2)
     static_cast<void>(fail(Fault::program_ended, "another program plays in its place"));
   static_cast<void>(fail(Fault::commands_refused));
   return false;
