@@ -5,6 +5,8 @@
 // take the same way. Needs the right to make network namespaces (root, or a user namespace) and /dev/net/tun; ends with 2
 // and words without them.
 
+#include <pthread.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
@@ -27,8 +29,9 @@ using skinctl::Interface;
 namespace job = examples::job;
 using Clock = std::chrono::steady_clock;
 
-constexpr double run_time = 22;   // [s]
-constexpr double pressed = 18.6;  // the arm moves, and a finger presses on it [s of the scenario]
+constexpr double most_behind = 0.02;  // of the simulated robot; half of what its program waits by torque [s]
+constexpr double run_time = 22;       // [s]
+constexpr double pressed = 18.6;      // the arm moves, and a finger presses on it [s of the scenario]
 
 struct Network {
   const char* name;
@@ -109,7 +112,8 @@ struct Result {
   double peak = 0;                  ///< of the touches [N]
   double states = 0, commands = 0;  ///< longest time without [s]
   std::array<double, 3> peaks{};
-  double behind = 0;  ///< the simulated robot, of the clock [s]
+  bool moved = false;  ///< whether the arm was told to, before the job ended
+  double behind = 0;   ///< the simulated robot, of the clock [s]
 };
 
 Result suffer(const Network& network, Interface by, std::uint64_t seed) {
@@ -157,11 +161,17 @@ Result suffer(const Network& network, Interface by, std::uint64_t seed) {
     }
     over = true;
   });
-  bool begun = network.from < 0, ended = false;
+  bool begun = network.from < 0, ended = false, moves = false;
   while (!over) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
     if (begun && ended) continue;
     const double t = beside->robot->snapshot().scenario_time;
+    if (!moves &&
+        t >= 0) {  // from here on as it asks for itself where it is not quiet; setting up takes long
+      moves = true;
+      const sched_param priority{.sched_priority = 80};
+      static_cast<void>(::pthread_setschedparam(program.native_handle(), SCHED_FIFO, &priority));
+    }
     if (!begun && t >= network.from && t >= 0) begun = true, link.set(network.fault);
     if (begun && t >= network.until) ended = true, link.set({});
   }
@@ -172,6 +182,7 @@ Result suffer(const Network& network, Interface by, std::uint64_t seed) {
     result.peaks[i] = world.touches[i].peak_force;
   }
   result.behind = world.behind;
+  result.moved = moves || network.from < 0;
   beside->robot->stop();
   const std::lock_guard lock(mutex);
   result.states = streams.longest(false);
@@ -238,13 +249,19 @@ int main(int argc, char** argv) {
       for (const Interface by : {Interface::position, Interface::velocity, Interface::torque})
         if (name == in_words(by)) cases.push_back({all[k], by, std::vector<Result>(runs)});
   }
-  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<std::size_t> next{0}, done{0}, repeated{0};
   std::vector<std::thread> lanes;
   for (std::size_t lane = 0; lane < together; ++lane)
     lanes.emplace_back([&] {
       for (std::size_t k; !signals.asked() && (k = next++) < cases.size() * runs; ++done) {
         Case& c = cases[k / runs];
-        const Result r = c.results[k % runs] = suffer(c.network, c.by, 1 + k % runs);
+        Result& r = c.results[k % runs];
+        // What this computer did not run when it was due is no fault of the network.
+        for (int again = 0; again < 4; ++again) {
+          r = suffer(c.network, c.by, 1 + k % runs);
+          if (r.behind < most_behind && r.moved) break;
+          ++repeated;
+        }
         if (each)
           std::fprintf(
               stderr,
@@ -287,5 +304,6 @@ int main(int argc, char** argv) {
                 c.network.name, finished, runs, words.empty() ? "-" : words.c_str(), force, 1e3 * states,
                 1e3 * commands);
   }
+  std::printf("\n%zu times a run was repeated, as this computer did not run what was due\n", repeated.load());
   return job::code(job::Exit::fine);
 }
