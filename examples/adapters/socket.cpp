@@ -1,5 +1,6 @@
 #include "examples/adapters/socket.hpp"
 
+#include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -119,6 +120,17 @@ bool Stream::write(std::span<const std::uint8_t> bytes, Timeout timeout) noexcep
     }
   }
   return true;
+}
+
+bool Stream::set_retransmission_wait(Timeout wait) noexcept {
+#ifdef __linux__
+  constexpr int min_retransmission_us = 45;  // TCP_RTO_MIN_US, which older headers lack
+  const int us = static_cast<int>(wait.count()) * 1000;
+  return ::setsockopt(socket_.native_handle(), IPPROTO_TCP, min_retransmission_us, &us, sizeof us) == 0;
+#else
+  static_cast<void>(wait);
+  return false;
+#endif
 }
 
 void Stream::close() noexcept {

@@ -22,6 +22,7 @@ enum class Ending : unsigned char {
   sense_silent,  ///< wrist sensor or motors give no numbers
   stuck,         ///< a joint that is told to move stands, and nothing touches the skin
   late,          ///< the arm follows later than declared
+  distant,       ///< the network has become slower than it was at the start
   broken,
   count
 };
@@ -69,8 +70,15 @@ inline constexpr std::array<EndingRow, static_cast<std::size_t>(Ending::count)> 
      "brakes and holds 0.5 s; then the robot is told to stop", 2500, examples::job::Exit::not_following,
      "a joint does not follow its commands", "free the joint; start again"},
     {Ending::late, "late", "the measured lag exceeds the declared one by 40 ms",
-     "brakes and holds 0.5 s; then the robot is told to stop", 3500, examples::job::Exit::not_following,
-     "the arm follows later than declared", "measure with identify_robot; declare [control] delay and lag"},
+     "under a touch gives way for at most 2 s more; brakes and holds 0.5 s; then the robot is told to stop",
+     3500, examples::job::Exit::not_following, "the arm follows later than declared",
+     "measure with identify_robot; declare [control] delay and lag"},
+    {Ending::distant, "distant",
+     "for 0.25 s (by torque 0.1 s) the round trip to the robot's program exceeds that of the start by "
+     "delay_margin (15 ms; by torque 6 ms)",
+     "under a touch gives way for at most 2 s more; brakes and holds 0.5 s; then the robot is told to stop",
+     1500, examples::job::Exit::not_following, "the way to the robot and back has become longer",
+     "mend the network; start again, which measures it"},
     {Ending::broken, "broken", "the limits of every command, and allocations", "the run is not believed", 0,
      examples::job::Exit::broken, "a promise was broken: see the figures above", "report it"},
 }};

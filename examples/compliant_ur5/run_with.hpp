@@ -11,6 +11,7 @@
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/adapters/ur5/round_trip.hpp"
+#include "examples/compliant_ur5/delay_judge.hpp"
 #include "examples/compliant_ur5/endings.hpp"
 #include "examples/compliant_ur5/following_judge.hpp"
 #include "examples/compliant_ur5/live.hpp"
@@ -99,8 +100,8 @@ struct SkinOnRobotClock {
   }
 };
 
-/// The driver, which sends no torque for a state that nobody knows: it would accelerate, and the robot's program brakes
-/// by itself.
+/// The driver, which sends no torque for a state that nobody knows: it would accelerate. The robot's program brakes and
+/// holds.
 template <Sense S>
 struct JobDriver {
   adapters::ur5::Driver& driver;
@@ -111,7 +112,7 @@ struct JobDriver {
   Heard wait(State<6>& state) noexcept { return heard = driver.wait(state); }
   JointPosition<6> told() noexcept { return driver.told(); }
   bool send(const auto& command) noexcept {
-    if (by_torque && heard == Heard::silent) return true;
+    if (by_torque && heard == Heard::silent) return driver.hold();
     return driver.send(command);
   }
   auto wrenches() noexcept
@@ -278,7 +279,10 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   config.reverse_port = s.reverse_port;
   config.told_port = s.told_port;
   config.unlock = s.unlock;
+  config.echo = true;
+  config.give_up = adapters::Timeout(static_cast<int>(std::lround(1000 * s.control.state_patience)));
   if constexpr (by_torque) {
+    config.silence = adapters::Timeout(20);  // before the robot's patience
     config.torque.viscous = s.torque.viscous_scale;
     config.torque.coulomb = s.torque.coulomb_scale;
     config.robot_patience = adapters::Timeout(static_cast<int>(std::lround(1000 * s.torque.patience)));
@@ -332,7 +336,12 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
       return FollowingJudge<6>(configuration<I>(s));
     }
   }();
-  Nanoseconds first{}, braking_since{};
+  DelayJudge delay(1 / s.rate, std::max(s.network_delay, 0.0),
+                   by_torque ? s.torque.delay_margin : s.control.delay_margin,
+                   by_torque ? DelayJudge::by_torque : DelayJudge::beyond_time_out);
+  constexpr double touching = 1;            // [N]
+  constexpr Nanoseconds most_touched = 2s;  // since the arm was found late
+  Nanoseconds first{}, braking_since{}, late_since{};
   std::size_t next_goal = 0;
   double round_began = 0;  // [s]
   Largest largest;
@@ -386,6 +395,19 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
       } else if (ending == Ending::finished && judge.late()) {
         ending = Ending::late;
         detail = text("by %.0f ms", 1e3 * judge.following().lag) + slowed();
+      }
+      if (robot.heard == Heard::state) delay.cycle(t, 1 / s.rate, driver.round_trip());
+      if (ending == Ending::finished && delay.late()) {
+        ending = Ending::distant;
+        detail = text("%.0f ms", 1e3 * delay.trip()) + text(", at the start %.0f ms", 1e3 * delay.usual());
+      }
+      // A stop is stiff: while something touches the arm, it gives way a little longer, though it does so late.
+      if (ending == Ending::late || ending == Ending::distant) {
+        if (late_since == 0ns) late_since = input.now;
+        if (observer.force() > touching && input.now - late_since < most_touched) {
+          ending = Ending::finished;
+          detail.clear();
+        }
       }
       if (ending != Ending::finished) {
         input.request = CycleRequest::stop;
@@ -539,6 +561,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
                                           ? text("%.1f ms", 1e3 * judge.following().lag)
                                           : "not known"},
       {"states repeated or out of order", std::to_string(driver.stood())},
+      {"cycles without a new state", std::to_string(report.silent)},
       {"peak contact force", text("%.1f N", log.peak_force)},
   };
   if constexpr (by_skin) {

@@ -36,6 +36,8 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.number("acceleration_limit", c.acceleration_limit);
     t.number("delay", c.delay);
     t.number("lag", c.lag);
+    t.number("delay_margin", c.delay_margin);
+    t.number("state_patience", c.state_patience);
     t.finish();
   }
   if (const auto* torque = root["torque"].as_table()) {
@@ -51,6 +53,7 @@ void read_scenario(const std::string& file, Settings& settings) {
     t.numbers("most_friction", c.most_friction, true);
     t.number("dead_zone", c.dead_zone);
     t.number("patience", c.patience);
+    t.number("delay_margin", c.delay_margin);
     t.finish();
   }
   if (const auto* wrist = root["wrist_control"].as_table()) {
@@ -115,6 +118,10 @@ void read_scenario(const std::string& file, Settings& settings) {
                    "> 0, <= 86400 s");
   skinctl::require(settings.control.skin_patience >= 0.5 && settings.control.skin_patience <= 3600,
                    "control.skin_patience", settings.control.skin_patience, "0.5 to 3600 s");
+  for (const double margin : {settings.control.delay_margin, settings.torque.delay_margin})
+    skinctl::require(margin >= 0.001 && margin <= 1, "delay_margin", margin, "0.001 to 1 s");
+  skinctl::require(settings.control.state_patience >= 0.1 && settings.control.state_patience <= 2,
+                   "control.state_patience", settings.control.state_patience, "0.1 to 2 s");
   skinctl::require(settings.torque.patience >= 0.004 && settings.torque.patience <= 2, "torque.patience",
                    settings.torque.patience, "0.004 to 2 s");
   skinctl::require(settings.newtons_per_reading > 0, "skin.newtons_per_reading", settings.newtons_per_reading,

@@ -61,6 +61,12 @@ struct ControlSettings {
   double acceleration_limit = 30;  ///< of commands [rad/s^2]
   double delay = 0.008;            ///< declared: of the robot [s]
   double lag = 0.008;              ///< declared: of the robot's drives [s]; servoj's lookahead comes on top
+  /// By which the round trip to the robot's program may exceed that of the start [s]. It grows by whole cycles: by one of
+  /// 8 ms a touch of 35 N becomes one of 37, by five one of 42, while nothing stops the arm.
+  double delay_margin = 0.015;
+  /// Without a state for so long the job ends [s]; until then the arm brakes and holds. TCP finds a packet that it has
+  /// lost twice after 200 ms, thrice after 600.
+  double state_patience = 0.5;
 };
 
 /// The same by torque, where the arm itself is the one that gives way.
@@ -75,6 +81,8 @@ struct TorqueControl {
   PerJoint most_friction{};                   ///< of what is learnt [N m]
   double dead_zone = 0.0009;                  ///< [rad]
   double patience = 0.04;  ///< after so long without a command the robot stops by itself [s]
+  /// As `ControlSettings::delay_margin` [s]: its gains are allowed 13 ms of delay, of which a cycle and a half are used.
+  double delay_margin = 0.006;
 };
 
 /// How the arm gives way to its wrist sensor.

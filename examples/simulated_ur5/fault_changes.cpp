@@ -1,4 +1,5 @@
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <list>
 #include <sstream>
@@ -134,6 +135,17 @@ Change lost(double share) {
     x = x * 1664525u + 1013904223u;
     const bool gone = is_data(p, layout) && static_cast<double>(x >> 8) < share * 16777216.0;
     return gone ? std::vector<Bytes>{} : std::vector<Bytes>{std::move(p)};
+  };
+}
+
+Change stalled(double duration) {
+  using Clock = std::chrono::steady_clock;
+  return [held = std::vector<Bytes>(), until = Clock::time_point(),
+          wait = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(duration))](
+             Bytes p, const RtdeLayout&) mutable {
+    if (until == Clock::time_point()) until = Clock::now() + wait;
+    held.push_back(std::move(p));
+    return Clock::now() < until ? std::vector<Bytes>{} : std::exchange(held, {});
   };
 }
 

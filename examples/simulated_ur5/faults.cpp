@@ -21,6 +21,12 @@ constexpr std::size_t most_waiting = 1 << 20;  // bytes that are no whole packag
 struct FaultyWire::Session {
   int program = -1, robot = -1;
   Bytes up, down;  ///< bytes of packages that are not whole yet
+  struct Late {
+    std::chrono::steady_clock::time_point due;
+    bool from_robot;
+    Bytes bytes;
+  };
+  std::list<Late> late;  ///< on their way, in order
   RtdeLayout layout;
   bool open = true;
   ~Session() { close(); }
@@ -41,7 +47,7 @@ struct FaultyWire::State {
   Change change;
   std::function<void(bool, bool)> observer;
   std::size_t piece = 0;
-  int pause_ms = 0;
+  int pause_ms = 0, delay_ms = 0;
   std::atomic<bool> end{false};
   std::thread thread;
 };
@@ -113,19 +119,26 @@ void FaultyWire::set_pieces(std::size_t bytes, int pause_ms) {
   state_->pause_ms = pause_ms;
 }
 
+void FaultyWire::set_delay(int milliseconds) {
+  const std::lock_guard lock(state_->mutex);
+  state_->delay_ms = milliseconds;
+}
+
 void FaultyWire::set_observer(std::function<void(bool, bool)> observer) {
   const std::lock_guard lock(state_->mutex);
   state_->observer = std::move(observer);
 }
 
 void FaultyWire::run() {
+  bool on_its_way = false;  // bytes that leave later
   while (!state_->end) {
     std::vector<pollfd> entries{{state_->listener, POLLIN, 0}};
     for (const Session& s : state_->sessions) {
       entries.push_back({s.program, POLLIN, 0});
       entries.push_back({s.robot, POLLIN, 0});
     }
-    ::poll(entries.data(), entries.size(), 5);
+    ::poll(entries.data(), entries.size(), on_its_way ? 1 : 5);
+    on_its_way = false;
     const std::lock_guard lock(state_->mutex);
     std::size_t k = 1;
     for (Session& s : state_->sessions) {
@@ -137,6 +150,12 @@ void FaultyWire::run() {
       }
       if (s.open && entries[k].revents != 0) pass(s, false);
       if (s.open && entries[k + 1].revents != 0) pass(s, true);
+      while (s.open && !s.late.empty() && s.late.front().due <= std::chrono::steady_clock::now()) {
+        const Session::Late late = std::move(s.late.front());
+        s.late.pop_front();
+        send(s, late.from_robot, late.bytes);
+      }
+      on_its_way = on_its_way || !s.late.empty();
       k += 2;
     }
     state_->sessions.remove_if([](const Session& s) { return !s.open; });
@@ -199,6 +218,12 @@ void FaultyWire::pass(Session& s, bool from_robot) {
     rest.erase(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(at));
     if (rest.size() > most_waiting) s.close();
   }
+  if (state_->delay_ms == 0 && s.late.empty()) return send(s, from_robot, out);
+  const auto wait = std::chrono::milliseconds(state_->delay_ms);
+  s.late.push_back({std::chrono::steady_clock::now() + wait, from_robot, std::move(out)});
+}
+
+void FaultyWire::send(Session& s, bool from_robot, const Bytes& out) {
   if (s.open && !send_all(from_robot ? s.program : s.robot, out, from_robot ? state_->piece : 0,
                           from_robot ? state_->pause_ms : 0))
     s.close();

@@ -52,6 +52,8 @@ Change truncated(std::size_t missing);
 Change garbled();
 /// A share of the packages is lost.
 Change lost(double share);
+/// Nothing for so long [s], then all of it at once, as when TCP waits for what it has lost; later packages pass.
+Change stalled(double duration);
 }  // namespace change
 
 /// A TCP connection on loopback through which everything passes until it is told otherwise. Thread-safe.
@@ -79,6 +81,8 @@ class FaultyWire {
   void set(Change change);
   /// Bytes of the robot pass one by one, or in bursts, each after `pause_ms`.
   void set_pieces(std::size_t bytes, int pause_ms);
+  /// What comes in from now on leaves so much later, in both directions.
+  void set_delay(int milliseconds);
   /// Called on the wire's thread: when bytes have come in, and when they have been sent on.
   void set_observer(std::function<void(bool from_target, bool sent_on)> observer);
 
@@ -86,6 +90,7 @@ class FaultyWire {
   struct Session;
   void run();
   void pass(Session& s, bool from_robot);
+  void send(Session& s, bool from_robot, const Bytes& out);
   std::atomic<std::uint16_t> target_;
   std::uint16_t port_ = 0;
   bool rtde_;

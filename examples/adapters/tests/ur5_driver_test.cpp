@@ -18,6 +18,7 @@
 
 using namespace adapters;
 using namespace adapters::ur5;
+using namespace std::chrono_literals;
 using simulated_ur5::SimulatedUr5;
 using skinctl::Heard;
 
@@ -151,6 +152,62 @@ TEST_CASE("UR driver: takes commands of the interface that it was opened for, an
   CHECK_FALSE(driver.send(skinctl::TorqueCommand<6>()));
   CHECK(hold(driver, 5) == Heard::state);  // nothing was sent: the arm goes on
   driver.stop();
+}
+
+TEST_CASE("UR driver: the program's echo tells the round trip; an older controller has no register for it") {
+  SimulatedUr5 robot(robot_config(true));
+  robot.start();
+  simulated_ur5::FaultyWire wire(robot.ports().rtde, true);
+  auto config = driver_config(robot);
+  config.rtde_port = wire.port();
+  for (const bool asked : {true, false}) {
+    for (const Version& version : {Version{3, 15, 8, 0}, Version{3, 9}, Version{3, 8, 99, 0}}) {
+      CAPTURE(version.text());
+      wire.set(reports(version));
+      wire.set_delay(0);
+      config.echo = asked;
+      Driver driver(config);
+      driver.connect();
+      REQUIRE(hold(driver, 20) == Heard::state);
+      CHECK((driver.round_trip() >= 0) == (asked && version.has_upper_registers()));
+      wire.set_delay(30);
+      REQUIRE(hold(driver, 30) != Heard::lost);
+      CHECK((driver.round_trip() >= 0.03) == (asked && version.has_upper_registers()));
+    }
+  }
+}
+
+TEST_CASE("UR driver: states that wait are waited for, and the clock goes on meanwhile") {
+  SimulatedUr5 robot(robot_config(true));
+  robot.start();
+  simulated_ur5::FaultyWire wire(robot.ports().rtde, true);
+  auto config = driver_config(robot);
+  config.rtde_port = wire.port();
+  config.robot_patience = Timeout(2000);
+  config.give_up = Timeout(1000);
+  Driver driver(config);
+  driver.connect();
+  REQUIRE(hold(driver, 20) == Heard::state);
+  const auto begun = driver.clock();
+  auto before = begun;
+  wire.set(simulated_ur5::change::stalled(0.3));
+  skinctl::State<6> state;
+  Heard heard = Heard::state;
+  int silent = 0;
+  for (int k = 0; k < 500 && (silent == 0 || heard == Heard::silent); ++k) {
+    heard = driver.wait(state);
+    REQUIRE(heard != Heard::lost);
+    silent += heard == Heard::silent;
+    if (heard == Heard::silent) CHECK(driver.clock() - before == 8ms);
+    before = driver.clock();
+    REQUIRE(driver.hold());
+  }
+  CHECK(silent >= 5);                     // of 40 ms, at once
+  CHECK(driver.clock() - begun > 250ms);  // all of them have come
+  CHECK(state.time == driver.clock());
+  wire.set(simulated_ur5::change::lost(1));
+  while (heard != Heard::lost) heard = driver.wait(state);
+  CHECK(driver.fault() == Fault::silent);
 }
 
 TEST_CASE("UR driver: a protective stop is explained, and released on request only") {

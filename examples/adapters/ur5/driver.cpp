@@ -34,8 +34,11 @@ void Driver::connect() {
   stop();
   error_.clear();
   fault_ = Fault::none;
-  playing_ = silent_ = false;
+  playing_ = false;
+  silent_waits_ = 0;
   wrong_windows_ = 0;
+  posted_ = 0;
+  round_trip_ = -1;
   report_ = {};
   try {
     rtde_.connect(config_.host, config_.rtde_port, config_.connect_timeout);
@@ -79,6 +82,7 @@ void Driver::subscribe() {
     names += motors_in_newton_metres() ? ",actual_current_as_torque" : ",actual_current";
     types += ",VECTOR6D";
   }
+  if (echoes()) names += ",output_int_register_" + std::to_string(echo_register), types += ",INT32";
   recipe_ = rtde_.outputs(config_.rate, names, types);
 }
 
@@ -89,7 +93,7 @@ bool Driver::by_rest() const noexcept {
 
 bool Driver::is_state(const Package& p, Report& report) const noexcept {
   return p.type == package::data && !p.payload.empty() && p.payload[0] == recipe_ &&
-         report.decode(p.payload.subspan(1), {config_.tool, config_.motors != MotorOutput::none});
+         report.decode(p.payload.subspan(1), {config_.tool, config_.motors != MotorOutput::none, echoes()});
 }
 
 void Driver::refresh() {
@@ -159,7 +163,8 @@ void Driver::upload() {
                            .rate = config_.rate,
                            .interface = config_.interface,
                            .version = rtde_.version(),
-                           .torque = config_.torque};
+                           .torque = config_.torque,
+                           .echo = echoes()};
   if (settings.address.empty()) settings.address = script_.local_address();
   auto acceptor =
       listen(io_, config_.told_port == 0 ? settings.address : script_.local_address(), config_.reverse_port);
@@ -177,9 +182,12 @@ void Driver::upload() {
         "port, or has the controller refused the program (see the log at its panel; it may not be in remote "
         "control)?");
   }
+  static_cast<void>(reverse_.set_retransmission_wait(config_.robot_patience / 4));
   // Hold still until the first command, which may take as long as the loop takes to start.
   if (!reverse_.write(message(2000, {}, mode::idle), config_.connect_timeout))
     throw ConnectionError("the program on the robot hung up");
+  posted_ = 1;
+  posted_at_[1] = Clock::now();
   refresh();
 }
 

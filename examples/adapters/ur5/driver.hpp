@@ -43,11 +43,14 @@ struct DriverConfig {
   PanelKind panel = PanelKind::automatic;
   bool tool = false;  ///< the pose of the tool's point is asked for, too
   MotorOutput motors = MotorOutput::none;
+  bool echo = false;     ///< the program on the robot echoes its messages: see `Driver::round_trip`
   bool power_up = true;  ///< switch the arm on and release its brakes
   bool unlock = false;   ///< the user's consent to release a protective stop while connecting
   TorqueSettings torque{};
   Timeout connect_timeout{5000};
-  Timeout silence{40};          ///< without a state for so long: a cycle on the last one
+  /// Without a state for so long: as many cycles on the last one, then another one each period, so that the robot's
+  /// program does not end while the loop brakes and holds.
+  Timeout silence{40};
   Timeout give_up{500};         ///< without a state for so long: lost
   Timeout robot_patience{100};  ///< without a command for so long the robot stops by itself
   bool real_time = true;        ///< false: a simulation whose clock need not agree with this computer's
@@ -57,7 +60,9 @@ struct DriverConfig {
 /// loop the reason is kept in `fault()` and `error()`: see fault.hpp.
 ///
 /// The robot runs our own program (see program.hpp): it connects back and obeys each message for at most
-/// `robot_patience`; then it stops with `stopj`, whatever has become of this computer.
+/// `robot_patience`; then it stops with `stopj`, whatever has become of this computer. A command of which nothing was
+/// heard TCP sends again after a quarter of that, where the kernel lets a socket choose: else it takes 200 ms to find that
+/// one was lost twice.
 class Driver {
  public:
   /// Throws `ConfigurationError`.
@@ -81,7 +86,13 @@ class Driver {
   bool send(const skinctl::TorqueCommand<6>& c) noexcept {
     return send(skinctl::Interface::torque, c.torque.data);
   }
+  /// A message without a command: the program on the robot stops the arm (`stopj`) and holds it until the next one.
+  bool hold() noexcept;
   void stop() noexcept;
+  /// Time from sending a message until a state came that shows it as read, of the newest such message, by this
+  /// computer's clock [s]; negative: not known, as `DriverConfig::echo` is off, the controller is older than 3.9 or
+  /// 5.3, or time is not real.
+  [[nodiscard]] double round_trip() const noexcept { return round_trip_; }
   /// Where the arm was told to be at the newest report: a droop or an offset of the encoders lies between this
   /// and the measured position.
   [[nodiscard]] skinctl::JointPosition<6> told() const noexcept {
@@ -98,7 +109,8 @@ class Driver {
   [[nodiscard]] bool motors_in_newton_metres() const noexcept {
     return config_.motors == MotorOutput::torque && rtde_.version().takes_torques();
   }
-  /// The robot's clock at the newest report, in whole microseconds.
+  /// The robot's clock at the newest report, in whole microseconds, and a period later for each wait since that ended
+  /// without one.
   [[nodiscard]] skinctl::Nanoseconds clock() const noexcept;
   /// Version of the controller, as it says.
   [[nodiscard]] const Version& controller() const noexcept { return rtde_.version(); }
@@ -119,6 +131,12 @@ class Driver {
 
  private:
   bool send(skinctl::Interface interface, const double (&numbers)[6]) noexcept;
+  bool deliver(const std::array<double, 6>& numbers, std::int32_t mode) noexcept;
+  bool post(const std::array<double, 6>& numbers, std::int32_t mode, Timeout timeout) noexcept;
+  [[nodiscard]] bool echoes() const noexcept {
+    return config_.echo && config_.real_time && rtde_.version().has_upper_registers();
+  }
+  void take_echo() noexcept;
   void power_up();
   void subscribe();
   void refresh();
@@ -142,12 +160,20 @@ class Driver {
   std::uint64_t nonsense_ = 0, stood_ = 0;
   std::array<double, 6> sent_{}, sent_before_{};  ///< the last two commands
   bool running_ = false;
-  bool silent_ = false;                                 ///< the last wait ended without a state
-  bool playing_ = false;                                ///< our program has been seen to run
-  double started_ = 0, slider_up_ = 0, finite_at_ = 0;  ///< by the controller's clock [s]
+  int silent_waits_ = 0;                                  ///< ended without a state, since the last one
+  std::chrono::steady_clock::time_point waits_since_{};   ///< for the state that is missing
+  std::uint64_t nonsense_before_ = 0, stood_before_ = 0;  ///< when that wait began
+  bool playing_ = false;                                  ///< our program has been seen to run
+  double started_ = 0, slider_up_ = 0, finite_at_ = 0;    ///< by the controller's clock [s]
   std::chrono::steady_clock::time_point window_{};
   double window_stamp_ = 0;
   int wrong_windows_ = 0;
+  static constexpr std::int32_t kept = 512;
+  static_assert(echo_numbers % kept == 0, "a number has the same place in every round");
+  std::array<std::chrono::steady_clock::time_point, kept>
+      posted_at_{};          ///< the newest messages, by their number
+  std::int32_t posted_ = 0;  ///< messages to the program
+  double round_trip_ = -1;
 };
 
 }  // namespace adapters::ur5

@@ -83,24 +83,26 @@ bool Driver::clocks_agree() noexcept {
 
 Heard Driver::wait(skinctl::State<6>& state) noexcept {
   if (!running_) return fail(Fault::unreachable, "it is not connected");
-  const auto begin = Clock::now();
-  const auto silent_at = begin + config_.silence, lost_at = begin + config_.give_up;
-  const std::uint64_t nonsense_before = nonsense_, stood_before = stood_;
+  if (silent_waits_ == 0) waits_since_ = Clock::now(), nonsense_before_ = nonsense_, stood_before_ = stood_;
+  const auto lost_at = waits_since_ + config_.give_up;
+  const Clock::duration period = std::chrono::nanoseconds(skinctl::nanoseconds(1 / config_.rate));
+  // After the patience as many cycles as it lasted, at once: the loop's clock stays with the robot's.
+  const auto silent_at =
+      waits_since_ + std::max<Clock::duration>(config_.silence, (silent_waits_ + 1) * period);
   for (bool fresh = false; !fresh;) {
-    // One cycle on the last state, then the rest of the patience.
     const auto now = Clock::now();
     if (now >= lost_at) {
-      const Fault why = stood_ != stood_before         ? Fault::clock_stands
-                        : nonsense_ != nonsense_before ? Fault::nonsense
-                                                       : Fault::silent;
+      const Fault why = stood_ != stood_before_         ? Fault::clock_stands
+                        : nonsense_ != nonsense_before_ ? Fault::nonsense
+                                                        : Fault::silent;
       return fail(why, "for " + std::to_string(config_.give_up.count()) + " ms");
     }
-    if (now >= silent_at && !silent_) {
-      silent_ = true;
+    if (now >= silent_at) {
+      ++silent_waits_;
       return Heard::silent;
     }
     Package p{};
-    const RtdeEnd end = rtde_.read(p, left_until(silent_ ? lost_at : silent_at));
+    const RtdeEnd end = rtde_.read(p, left_until(std::min(silent_at, lost_at)));
     if (end == RtdeEnd::closed) return fail(Fault::stream_closed);
     if (end == RtdeEnd::nonsense) return fail(Fault::nonsense, "a package of impossible size");
     if (end == RtdeEnd::time_over) continue;
@@ -119,7 +121,10 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
       }
     }
   }
-  silent_ = false;
+  if (silent_waits_ > 0)
+    window_ = Clock::now(), window_stamp_ = report_.timestamp;  // states came late, all at once
+  silent_waits_ = 0;
+  take_echo();
   if (const Fault why = halted(); why != Fault::none) {
     if (why == Fault::protective_stop) return fail(why, explanation());
     if (why == Fault::safety_stop) return fail(why, describe_safety_mode(report_.safety_mode));
@@ -135,10 +140,19 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
   return Heard::state;
 }
 
+void Driver::take_echo() noexcept {
+  const std::int32_t behind = (posted_ - report_.echo + echo_numbers) % echo_numbers;
+  const bool known = report_.echo > 0 && report_.echo <= echo_numbers && behind < kept;
+  if (!echoes() || !known) return;  // the register may hold what an earlier program wrote
+  const auto at = posted_at_[static_cast<std::size_t>(report_.echo % kept)];
+  round_trip_ = std::chrono::duration<double>(Clock::now() - at).count();
+}
+
 skinctl::Nanoseconds Driver::clock() const noexcept {
   // Whole microseconds: a double of seconds after a boot long ago is not much finer, and equal intervals stay
   // equal.
-  return skinctl::nanoseconds(report_.timestamp * 1e-3) * 1000;
+  return skinctl::nanoseconds(report_.timestamp * 1e-3) * 1000 +
+         silent_waits_ * skinctl::nanoseconds(1 / config_.rate);
 }
 
 bool Driver::send(skinctl::Interface interface, const double (&numbers)[6]) noexcept {
@@ -148,27 +162,40 @@ bool Driver::send(skinctl::Interface interface, const double (&numbers)[6]) noex
   if (interface == Interface::torque) how = mode::torque;
   sent_before_ = sent_;
   std::copy(std::begin(numbers), std::end(numbers), sent_.begin());
-  const auto patience = static_cast<std::int32_t>(config_.robot_patience.count());
-  if (reverse_.write(message(patience, sent_, how), Timeout(20))) return true;
+  return deliver(sent_, how);
+}
+
+bool Driver::hold() noexcept {
+  return deliver({}, mode::idle);
+}
+
+bool Driver::deliver(const std::array<double, 6>& numbers, std::int32_t how) noexcept {
+  if (post(numbers, how, Timeout(20))) return true;
   // A program that has ended closes the socket, and the states may not have told yet why.
   skinctl::State<6> last;
   const auto deadline = Clock::now() + 4 * config_.silence;
-  bool heard = true;
-  while (fault_ == Fault::none && heard && Clock::now() < deadline) heard = wait(last) == Heard::state;
+  Heard heard = Heard::silent;
+  while (fault_ == Fault::none && heard != Heard::lost && Clock::now() < deadline) heard = wait(last);
   std::array<std::uint8_t, 16> said{};
   std::size_t count = 0;
   const bool closed = reverse_.read_some(said, count, Timeout(0)) == Read::closed;
-  if (closed && heard && report_.runtime_state == 2)
+  if (closed && heard == Heard::state && report_.runtime_state == 2)
     static_cast<void>(fail(Fault::program_ended, "another program plays in its place"));
   static_cast<void>(fail(Fault::commands_refused));
   return false;
 }
 
+bool Driver::post(const std::array<double, 6>& numbers, std::int32_t how, Timeout timeout) noexcept {
+  posted_ = posted_ % echo_numbers + 1;
+  posted_at_[static_cast<std::size_t>(posted_ % kept)] = Clock::now();
+  const auto patience = static_cast<std::int32_t>(config_.robot_patience.count());
+  return reverse_.write(message(patience, numbers, how), timeout);
+}
+
 void Driver::stop() noexcept {
   if (!running_) return;
   running_ = false;
-  const auto patience = static_cast<std::int32_t>(config_.robot_patience.count());
-  static_cast<void>(reverse_.write(message(patience, {}, mode::stopped), Timeout(20)));
+  static_cast<void>(post({}, mode::stopped, Timeout(20)));
   reverse_.close();
   script_.close();
   rtde_.close();

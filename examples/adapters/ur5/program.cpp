@@ -25,6 +25,12 @@ std::string torque_call(const ProgramSettings& s) {
 std::string program(const ProgramSettings& s) {
   const bool by_torque = s.interface == skinctl::Interface::torque;
   const std::string torque = by_torque ? "      elif m == 8:\n        " + torque_call(s) + "\n" : "";
+  const std::string register_ = std::to_string(echo_register);
+  const std::string begin =
+      s.echo ? "  read = 0\n  write_output_integer_register(" + register_ + ", read)\n" : "";
+  const std::string echo = s.echo ? "      read = read % " + std::to_string(echo_numbers) +
+                                        " + 1\n      write_output_integer_register(" + register_ + ", read)\n"
+                                  : "";
   // One thread moves, the other reads; what is read counts until the next message or the time-out in it.
   return skinctl::formatted(R"(def skinctl():
   steptime = %.6f
@@ -51,7 +57,7 @@ std::string program(const ProgramSettings& s) {
     halt
   end
   moving = run mover()
-  timeout = 2.0
+%s  timeout = 2.0
   alive = True
   while alive:
     got = socket_read_binary_integer(8, "reverse_socket", timeout)
@@ -61,7 +67,7 @@ std::string program(const ProgramSettings& s) {
       target = [got[2] / 1000000.0, got[3] / 1000000.0, got[4] / 1000000.0, got[5] / 1000000.0, got[6] / 1000000.0, got[7] / 1000000.0]
       mode = got[8]
       exit_critical
-      alive = got[8] != -2
+%s      alive = got[8] != -2
     else:
       alive = False
     end
@@ -72,7 +78,7 @@ std::string program(const ProgramSettings& s) {
 end
 )",
                             1 / s.rate, servoj_lookahead, torque.c_str(), s.address.c_str(),
-                            static_cast<unsigned>(s.port));
+                            static_cast<unsigned>(s.port), begin.c_str(), echo.c_str());
 }
 
 std::array<std::uint8_t, 32> message(std::int32_t timeout_ms, const std::array<double, 6>& values,

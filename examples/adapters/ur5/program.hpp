@@ -35,7 +35,11 @@ struct ProgramSettings {
   skinctl::Interface interface = skinctl::Interface::position;
   Version version{};  ///< of the controller: decides on the form of direct_torque
   TorqueSettings torque{};
+  bool echo = false;  ///< the program counts its messages in output register `echo_register`
 };
+inline constexpr int echo_register = 24;  ///< an integer, of those that no field bus uses
+inline constexpr std::int32_t echo_numbers =
+    512 * 2000;  ///< after the last of them the count begins anew with 1
 
 /// The text. It connects to `address:port`, obeys each message for at most the time in it, and then stops the arm with
 /// `stopj`, whatever has become of this computer.

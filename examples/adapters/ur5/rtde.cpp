@@ -61,7 +61,8 @@ std::optional<Package> Framer::next() noexcept {
 }
 
 bool Report::decode(std::span<const std::uint8_t> payload, const ReportExtras& extras) noexcept {
-  if (payload.size() != bytes + (extras.tool ? 48 : 0) + (extras.motors ? 48 : 0)) return false;
+  if (payload.size() != bytes + (extras.tool ? 48 : 0) + (extras.motors ? 48 : 0) + (extras.echo ? 4 : 0))
+    return false;
   PayloadReader in(payload);
   timestamp = in.f64();
   for (double& x : q) x = in.f64();
@@ -77,6 +78,7 @@ bool Report::decode(std::span<const std::uint8_t> payload, const ReportExtras& e
     for (double& x : tool) x = in.f64();
   if (extras.motors)
     for (double& x : motors) x = in.f64();
+  if (extras.echo) echo = in.i32();
   return in.ok();
 }
 bool Report::finite() const noexcept {

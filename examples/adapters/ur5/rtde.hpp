@@ -78,6 +78,7 @@ class Framer {
 struct ReportExtras {
   bool tool = false;    ///< pose of the tool's point
   bool motors = false;  ///< currents or torques
+  bool echo = false;    ///< number of the newest message that the program on the robot has read
 };
 
 /// What the driver reads in every cycle.
@@ -93,6 +94,8 @@ struct Report {
   std::array<double, 6> wrench{};  ///< at the tool, as the controller estimates or measures it [N], [N m]
   std::array<double, 6> tool{};    ///< pose of the tool's point [m], rotation vector; 0 if not asked for
   std::array<double, 6> motors{};  ///< currents [A] or torques [N m], as asked for; else 0
+  std::int32_t echo =
+      0;  ///< number of the newest message that the program on the robot has read, if asked for
 
   static constexpr const char* recipe =
       "timestamp,actual_q,actual_qd,robot_mode,safety_mode,runtime_state,actual_digital_output_bits,target_q,"

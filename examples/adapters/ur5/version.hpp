@@ -25,6 +25,10 @@ struct Version {
   [[nodiscard]] constexpr bool takes_friction_scales() const noexcept {
     return is_polyscope_x() ? *this >= Version{10, 12, 1} : *this >= Version{5, 25, 1};
   }
+  /// Registers 24 to 47, which no field bus uses, exist.
+  [[nodiscard]] constexpr bool has_upper_registers() const noexcept {
+    return major <= 3 ? *this >= Version{3, 9} : *this >= Version{5, 3};
+  }
   /// Cycles a second.
   [[nodiscard]] constexpr double rate() const noexcept { return major >= 5 ? 500 : 125; }
 };

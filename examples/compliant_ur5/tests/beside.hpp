@@ -9,6 +9,7 @@
 #include <boost/asio/ip/udp.hpp>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <thread>
@@ -56,7 +57,8 @@ inline std::uint16_t free_udp_port() {
 /// A simulated robot beside the program, as a real one would stand there.
 class Beside {
  public:
-  explicit Beside(Settings& s) {
+  /// @param change  of the robot before it starts, as its addresses and what touches it: nothing does without it.
+  explicit Beside(Settings& s, const std::function<void(simulated_ur5::Config&)>& change = {}) {
     const auto add = [&]<std::size_t I, std::size_t N>(simulated_ur5::Config& to,
                                                        const skinctl::Patch<I, N>& patch) {
       for (const auto& c : patch.placed()) {
@@ -82,7 +84,8 @@ class Beside {
     config.speed = 1;
     s.skin_port = free_udp_port();
     config.skin_port = s.skin_port;
-    s.robot = "127.0.0.1";
+    if (change) change(config);
+    s.robot = config.address;
     s.speed = 1;
     s.compare = false;
     robot = std::make_unique<simulated_ur5::SimulatedUr5>(config);

@@ -2,9 +2,9 @@
 //
 // Promise: whatever happens between the main job and its robot, the arm rests in the time that its table
 // states, and the exit code and words tell why
-// Tried: 23 disturbances by position and velocity: paused, slider at 0, stops, NaN, clocks that stand, go
+// Tried: 26 disturbances by position and velocity: paused, slider at 0, stops, NaN, clocks that stand, go
 // back or run wrong, a stuck joint, 92 ms of lag, cables out, half open, reset, garbled, truncated, lost,
-// repeated, reordered; 0.1 to 1.7 s to rest
+// repeated, reordered, 250 ms without a state (by torque as well), 20 and 3 ms more each way; 0.1 to 1.7 s to rest
 
 #include "examples/simulated_ur5/faults.hpp"
 
@@ -33,11 +33,12 @@ struct Case {
   const char* words;
 };
 
-void check(const std::vector<Case>& cases, std::size_t together = skinctl::testing::sanitized ? 2 : 8) {
+void check(const std::vector<Case>& cases, std::size_t together = skinctl::testing::sanitized ? 2 : 8,
+           const std::vector<Interface>& interfaces = {Interface::position, Interface::velocity}) {
   std::vector<std::pair<Interface, const Case*>> all;
   // Under the sanitizers the interfaces take turns: a fault meets the same code on its way to either.
   for (const Case& c : cases)
-    for (const Interface i : {Interface::position, Interface::velocity})
+    for (const Interface i : interfaces)
       if (!skinctl::testing::sanitized ||
           (&c - cases.data()) % 2 == static_cast<int>(i == Interface::velocity))
         all.emplace_back(i, &c);
@@ -58,7 +59,9 @@ void check(const std::vector<Case>& cases, std::size_t together = skinctl::testi
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Run& r = *runs[i];
     const Case& c = *all[i].second;
-    const char* by = all[i].first == Interface::position ? "position" : "velocity";
+    const char* by = all[i].first == Interface::position   ? "position"
+                     : all[i].first == Interface::velocity ? "velocity"
+                                                           : "torque";
     std::printf("| %s | %s | %d | %.0f ms, %.3f rad | %.0f ms | %s |\n", c.name, by, r.exit, r.rest, r.went,
                 r.took, r.words.c_str());
     std::fflush(stdout);
@@ -164,6 +167,26 @@ TEST_CASE(
           {"every state twice", [](Run& r) { r.rtde.set(change::repeated()); }, 0, 0, ""},
           {"states out of order", [](Run& r) { r.rtde.set(change::reordered()); }, 0, 0, ""},
           {"a tenth of the states is lost", [](Run& r) { r.rtde.set(change::lost(0.1)); }, 0, 0, ""},
+      },
+      skinctl::testing::sanitized ? 2 : 4);
+}
+
+TEST_CASE("main job: states that wait 250 ms for a lost packet do not end it, by torque neither") {
+  check({{"states stall for 250 ms", [](Run& r) { r.rtde.set(change::stalled(0.25)); }, 0, 0, ""}},
+        skinctl::testing::sanitized ? 2 : 3, {Interface::position, Interface::velocity, Interface::torque});
+}
+
+TEST_CASE("main job: a way to the robot that becomes longer than it was ends it with code 6") {
+  const auto longer = [](int ms) {
+    return [ms](Run& r) {
+      r.rtde.set_delay(ms);
+      r.reverse.set_delay(ms);
+    };
+  };
+  check(
+      {
+          {"20 ms more each way", longer(20), 6, 2000, "the way to the robot and back has become longer"},
+          {"3 ms more each way", longer(3), 0, 0, ""},
       },
       skinctl::testing::sanitized ? 2 : 4);
 }
