@@ -242,6 +242,7 @@
 #include "skinctl/limits/skin_watch.hpp"
 #include "skinctl/limits/tool_speed.hpp"
 
+#include "skinctl/passivity/affordable_share.hpp"
 #include "skinctl/passivity/contact_stability.hpp"
 #include "skinctl/passivity/energy_tank.hpp"
 #include "skinctl/passivity/passivity.hpp"

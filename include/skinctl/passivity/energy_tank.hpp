@@ -71,7 +71,7 @@ class EnergyTank {
     JointTorque<N, T> active;  ///< the remainder
     bool counts = false;       ///< the values above are valid
     Foresight<N> foresight;
-    detail::ActedTorque<N, T> passives, actives;  ///< those of the last cycles, of which one acts now
+    detail::ActedTorque<N, T> passives, actives;  ///< torques of the last cycles, of which one acts now
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
