@@ -1,4 +1,5 @@
-// What `--clear` costs: cycles of the main job by position, for `instructions VALGRIND ur5_clear_cost` (see bench/report).
+// What `--clear` costs: cycles of the main job by position, for `instructions_meter VALGRIND ur5_clear_cost`
+// (see bench/report).
 //
 //     ur5_clear_cost               names of the scenes
 //     ur5_clear_cost SCENE CYCLES  runs one of them
