@@ -75,7 +75,7 @@ inline constexpr std::array<EndingRow, static_cast<std::size_t>(Ending::count)> 
      "measure with identify_robot; declare [control] delay and lag"},
     {Ending::distant, "distant",
      "for 0.25 s (by torque 0.1 s) the round trip to the robot's program exceeds that of the start by "
-     "delay_margin (15 ms; by torque 6 ms)",
+     "delay_margin (15 ms; by torque 8 ms)",
      "under a touch gives way for at most 2 s more; brakes and holds 0.5 s; then the robot is told to stop",
      1500, examples::job::Exit::not_following, "the way to the robot and back has become longer",
      "mend the network; start again, which measures it"},

@@ -81,8 +81,9 @@ struct TorqueControl {
   PerJoint most_friction{};                   ///< of what is learnt [N m]
   double dead_zone = 0.0009;                  ///< [rad]
   double patience = 0.04;  ///< after so long without a command the robot stops by itself [s]
-  /// As `ControlSettings::delay_margin` [s]: its gains are allowed 13 ms of delay, of which a cycle and a half are used.
-  double delay_margin = 0.006;
+  /// As `ControlSettings::delay_margin` [s]: states that come four at a time are no longer way, and the gains are allowed
+  /// 13 ms of delay, of which a cycle and a half are declared.
+  double delay_margin = 0.008;
 };
 
 /// How the arm gives way to its wrist sensor.
