@@ -46,7 +46,7 @@ TEST_CASE("Playground: an own robot gives way by its skin, the same robot rigid 
         robot_of(file, *locked ? skinctl::UrdfOptions{.locked = {{locked, 0}}} : skinctl::UrdfOptions{});
     for (const double interface : {0., 1.}) {
       if (sanitized && (interface > 0 || *locked)) continue;
-      Run r(make_arms(scenario(), {.interface = interface}, robot));
+      Run r({.interface = interface}, robot);
       const auto link = [&](int k) { return static_cast<int>(r.arms->cell(std::size_t(k))[0]); };
       // The middle of the link with most cells: a long one.
       int best = 0, most = 0, first = 0;
@@ -111,6 +111,6 @@ TEST_CASE("Playground: numbers of no robot are refused with their name") {
   Robot bare = good;
   bare.bodies = 0;
   for (auto& j : bare.joint) j.lower = j.upper = j.velocity = 0;
-  Run r(make_arms(scenario(), {}, bare));
+  Run r({}, bare);
   CHECK(r.view.felt_mass > 1);
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "examples/playground/playground.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
@@ -17,8 +16,10 @@ inline const Scenario& scenario() {
 
 /// Arms that run, and what they did.
 struct Run {
-  explicit Run(const Choice& choice) : Run(make_arms(scenario(), choice, scenario().places.back())) {}
-  explicit Run(std::unique_ptr<Arms> made) : arms(std::move(made)) { run(1); }
+  explicit Run(const Choice& choice) : arms(make_arms(scenario(), choice, scenario().places.back())) {
+    run(1);
+  }
+  Run(const Choice& choice, const Robot& robot) : arms(make_arms(scenario(), choice, robot)) { run(1); }
   /// Cycles for so many seconds; their largest force of this arm, and of the rigid one, is kept.
   void run(double seconds) {
     const double end = view.time + seconds;
