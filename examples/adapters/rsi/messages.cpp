@@ -212,7 +212,7 @@ bool parse(std::string_view xml, Sen& out) noexcept {
 std::size_t print(const Rob& rob, std::span<char> to) noexcept {
   Printer p(to);
   p << "<Rob Type=\"KUKA\">";
-  p.six("RIst", frame, {}).six("AIPos", axes, rob.actual);
+  p.six("RIst", frame, {}).six("RSol", frame, {}).six("AIPos", axes, rob.actual);
   if (rob.has_setpoint) p.six("ASPos", axes, rob.setpoint);
   if (rob.has_wrench) p.six("FT", frame, rob.wrench);
   p << "<Delay D=\"" << std::uint64_t{rob.late} << "\"/><IPOC>" << rob.ipoc << "</IPOC></Rob>";
