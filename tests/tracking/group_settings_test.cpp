@@ -101,10 +101,10 @@ End reach(const Robot& description, const JointControlSettings<6>& gains, Nanose
 }
 template <LinkMask ByVelocity, LinkMask ByTorque>
 void try_mixture(int& broken) {
-  for (const auto& [period, late] : {std::pair{1ms, 0ms}, {2ms, 8ms}, {8ms, 16ms}, {4ms, 20ms}}) {
+  for (const auto& times : {std::pair{1ms, 0ms}, {2ms, 8ms}, {8ms, 16ms}, {4ms, 20ms}}) {
+    const Nanoseconds period = times.first, late = times.second;
     if (sanitized && period != 8ms) continue;
-    CAPTURE(period.count());
-    CAPTURE(late.count());
+    INFO("period " << seconds<double>(period) << " s, late " << seconds<double>(late) << " s");
     const auto description = robot<ByVelocity, ByTorque>(period, late);
     const End end = reach<ByVelocity, ByTorque>(description, tracking_settings(description), period, late);
     CHECK(end.off < 0.01);
