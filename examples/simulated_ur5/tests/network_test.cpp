@@ -249,12 +249,13 @@ LockStepRun lock_step_run(Series series, int cycles, int divider, std::uint64_t 
     // The datagrams of the interval are there before the package is.
     while (const auto d = skin.receive(0)) {
       ++run.datagrams;
-      REQUIRE(d->size() >= 20);
+      constexpr std::size_t header = 28, sample = 16 + 4 * 8;  // version 3, eight readings a hexagon
+      REQUIRE(d->size() >= header);
       const std::size_t count = d->at(6) + 256u * d->at(7);
-      REQUIRE(d->size() == 20 + 44 * count);
+      REQUIRE(d->size() == header + sample * count);
       for (std::size_t k = 0; k < count; ++k) {
         std::int64_t time = 0;
-        std::memcpy(&time, d->data() + 20 + 44 * k + 4, 8);
+        std::memcpy(&time, d->data() + header + sample * k + 4, 8);
         run.cell_times.push_back(time - static_cast<std::int64_t>(std::llround(*first_time * 1e9)));
         CHECK(time <= static_cast<std::int64_t>(std::llround(t * 1e9)));
       }
