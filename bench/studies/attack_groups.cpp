@@ -336,7 +336,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   std::array<double, 6>
       left{};  // how far pushes have left each joint beyond its end, and it has not come back
   while (seconds<double>(now) < ends + stops_in + 1) {
-    now += roll(0, 1) < d.late ? d.stiff.period * (2 + long(rng() % 3)) : d.stiff.period;
+    now += (roll(0, 1) < d.late ? 2 + long(rng() % 3) : 1) * d.stiff.period;
     const double t = seconds<double>(now);
     const JointPosition<6> before = robot.x.q;
     const Nanoseconds then = robot.x.time;
