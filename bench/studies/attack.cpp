@@ -19,11 +19,11 @@
 #include <type_traits>
 #include <vector>
 
-#include "skinctl/skinctl.hpp"
-#include "tests/support/touched_arm.hpp"
+#include "bench/studies/attack/common.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
+using namespace attacks;
 
 namespace {
 
@@ -37,25 +37,15 @@ constexpr double longest_way = 2;  ///< of a tool back to its goal [m], at its g
 constexpr double let_go = 1;       ///< after which a joint that was held moves as planned [s]
 constexpr double watched = 6;      ///< last part of it, in which nothing may swing [s]
 
-struct Found {
-  const char* what;
-  double worst = 0;
-  std::uint64_t seed = 0, scenes = 0;
-  double bound;
-  void take(double value, std::uint64_t of) {
-    if (!(value <= bound)) ++scenes;
-    if (!(value <= worst)) worst = value, seed = of;
-  }
-};
 struct Findings {
-  Found velocity{"velocity over its limit", 0, 0, 0, 1 + rounding};
-  Found acceleration{"acceleration over its limit", 0, 0, 0, 1 + rounding};
-  Found jerk{"jerk over its limit, unsaid", 0, 0, 0, 1 + rounding};
-  Found tool{"way of the tool in a period over its limit", 0, 0, 0, 1 + jerk_gives_way};
-  Found ends{"beyond the ends of a joint [rad]", 0, 0, 0, 1e-3};
-  Found swing{"swing at rest: speed between two turns of a joint [rad/s]", 0, 0, 0, rests};
-  Found stop{"speed after a stop [rad/s]", 0, 0, 0, stands};
-  Found invalid{"commands that are none", 0, 0, 0, 0};
+  Found velocity{"velocity over its limit", 1 + rounding};
+  Found acceleration{"acceleration over its limit", 1 + rounding};
+  Found jerk{"jerk over its limit, unsaid", 1 + rounding};
+  Found tool{"way of the tool in a period over its limit", 1 + jerk_gives_way};
+  Found ends{"beyond the ends of a joint [rad]", 1e-3};
+  Found swing{"swing at rest: speed between two turns of a joint [rad/s]", rests};
+  Found stop{"speed after a stop [rad/s]", stands};
+  Found invalid{"commands that are none", 0};
   std::uint64_t cycles = 0, scenes = 0, refused = 0;
 };
 
@@ -64,20 +54,6 @@ template <bool Jerk, bool Tool, bool Tank, bool Observer>
 struct Parts {
   static constexpr bool jerk = Jerk, tool = Tool, tank = Tank, observer = Observer;
 };
-
-Xyz<double> tool_at(const JointPosition<6>& q) {
-  return Poses<ur5::Model, closure<ur5::Model>(link_bit<5>)>(ur5::Model{}, q).get<5>().origin();
-}
-auto skin() {
-  const std::vector<PlacedCell<2>> forearm{cell_at<2>(1, {-0.2, 0.04, 0.02}, {0, 1, 0}),
-                                           cell_at<2>(2, {-0.2, -0.04, 0.02}, {0, -1, 0}),
-                                           cell_at<2>(3, {-0.25, 0, 0.06}, {0, 0, 1})};
-  const std::vector<PlacedCell<5>> hand{cell_at<5>(4, {0, 0.04, 0.02}, {0, 1, 0}),
-                                        cell_at<5>(5, {0.04, 0, 0.02}, {1, 0, 0}),
-                                        cell_at<5>(6, {0, 0, 0.05}, {0, 0, 1})};
-  return open_skin(Patch<2, 3>(forearm, open_gains), Patch<5, 3>(hand, open_gains));
-}
-constexpr std::size_t cells = 6;
 
 /// Numbers of a scene: anything that is legal.
 struct Drawn {
@@ -109,7 +85,6 @@ struct Drawn {
     late = rng() % 2 == 0 ? 0.0 : roll(0, 0.2);
     softer = roll(0.2, 1);
   }
-  static constexpr std::array<double, 6> home{0, -1.2, 1.4, -1.8, -1.57, 0.3};
 };
 
 template <Interface I, class... Parts>
@@ -155,6 +130,10 @@ auto scene_of(const Drawn& d) {
   }
 }
 
+std::array<double, 6> row(const JointPosition<6>& q) {
+  return {q[0], q[1], q[2], q[3], q[4], q[5]};
+}
+
 template <Interface I, class P>
 void run(std::uint64_t seed, Findings& found, bool trace) {
   std::mt19937_64 rng(seed);
@@ -177,7 +156,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   const double dt = seconds<double>(d.robot.period);
   using Joints = SimulatedJoints<6>;
   Joints robot(I == Interface::position ? Joints::Kind::position : Joints::Kind::velocity,
-               seconds<double>(d.robot.delay), seconds<double>(d.robot.lag), Drawn::home);
+               seconds<double>(d.robot.delay), seconds<double>(d.robot.lag), row(home));
   State<6> measured;
   const auto measure = [&](Nanoseconds now) {
     measured.time = now;
@@ -195,17 +174,16 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
         std::max(most_jerk_time, d.robot.limits.velocity()[i] / d.robot.limits.acceleration()[i] +
                                      2 * d.robot.limits.acceleration()[i] / d.jerk.jerk[i]);
   const double stops_in = 6 * most_jerk_time + 8 * dt;
-  std::array<double, cells> force{};
+  Forces force{};
   JointVelocity<6> last;
   JointAcceleration<6> before;
   JointPosition<6> at = measured.q;
-  double velocity = 0, acceleration = 0, jerk = 0, tool = 0, beyond = 0, swing = 0, stop = 0, invalid = 0;
+  double velocity = 0, acceleration = 0, jerk = 0, tool = 0, beyond = 0, stop = 0, invalid = 0;
   Nanoseconds now{}, asked{};
   double held = -let_go;
   std::array<bool, 6> fast{};
   bool stopping = false;
-  JointVelocity<6> peak;  // since each joint turned last
-  std::array<int, 6> turns{};
+  Swings swings(rests);
   Status all;
   double printed = 0;
   while (seconds<double>(now) < ends + stops_in + 1) {
@@ -243,7 +221,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
           break;
         default: {
           JointPosition<6> goal;
-          for (std::size_t i = 0; i < 6; ++i) goal[i] = Drawn::home[i] + roll(-0.6, 0.6);
+          for (std::size_t i = 0; i < 6; ++i) goal[i] = home[i] + roll(-0.6, 0.6);
           input.goal = {goal, nanoseconds(roll(0.2, 4))};
         }
       }
@@ -254,12 +232,8 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
     }
     if (t >= busy && t < busy + 2 * dt) input.request = CycleRequest::resume;
     if (t >= ends && !stopping) input.request = CycleRequest::stop, stopping = true, asked = now;
-    std::array<CellSample, cells> samples{};
-    for (std::size_t c = 0; c < cells; ++c) {
-      samples[c].time = now, samples[c].cell = static_cast<std::uint32_t>(c + 1);
-      samples[c].force.fill(static_cast<float>(std::min(1.0, force[c] / (3 * newtons_per_unit))));
-    }
-    input.samples = samples;
+    const auto heard = samples(force, now);
+    input.samples = heard;
     const auto out = scene.step(*memory, input);
     ++found.cycles;
     all |= out.status;
@@ -279,15 +253,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
           {beyond, robot.q()[i] - d.robot.limits.upper()[i], d.robot.limits.lower()[i] - robot.q()[i]});
       fastest = std::max(fastest, std::abs(v[i]));
     }
-    if (t > ends - watched && !stopping)
-      for (std::size_t i = 0; i < 6; ++i) {
-        // A joint that turns twice swings with the least of the peaks between its turns.
-        if (v[i] * peak[i] < 0 && std::abs(v[i]) > rests) {
-          if (++turns[i] > 1) swing = std::max(swing, std::abs(peak[i]));
-          peak[i] = 0;
-        }
-        if (std::abs(v[i]) > std::abs(peak[i]) && v[i] * peak[i] >= 0) peak[i] = v[i];
-      }
+    if (t > ends - watched && !stopping) swings.take(v);
     if (stopping && seconds<double>(now - asked) > stops_in) stop = std::max(stop, fastest);
     if constexpr (I == Interface::position && P::tool) {
       const auto from = tool_at(at), to = tool_at(out.planned.position);
@@ -295,9 +261,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
       tool = std::max(tool, way);
       if (trace && way > 1 + rounding) {
         std::printf("%7.3f s  tool %.4f ", t, way);
-        for (const Fault& f : faults)
-          if (out.status.has(f.reason))
-            std::printf(" %.*s", int(std::string_view(f.name).size()), std::string_view(f.name).data());
+        print_reasons(out.status);
         for (std::size_t i = 0; i < 6; ++i)
           std::printf(" %.3f~%.3f(%.2f)", v[i], (out.planned.position[i] - at[i]) / dt,
                       out.planned.acceleration[i]);
@@ -310,9 +274,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
     robot.command(t, sent);
     if (trace && t >= printed) {
       std::printf("%5.1f s  fastest %.2g rad/s  ", t, fastest);
-      for (const Fault& f : faults)
-        if (out.status.has(f.reason))
-          std::printf(" %.*s", int(std::string_view(f.name).size()), std::string_view(f.name).data());
+      print_reasons(out.status);
       std::printf("\n");
       printed += 0.25;
     }
@@ -320,7 +282,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   ++found.scenes;
   found.velocity.take(velocity, seed), found.acceleration.take(acceleration, seed),
       found.jerk.take(jerk, seed);
-  found.tool.take(tool, seed), found.ends.take(beyond, seed), found.swing.take(swing, seed);
+  found.tool.take(tool, seed), found.ends.take(beyond, seed), found.swing.take(swings.worst(), seed);
   found.stop.take(stop, seed), found.invalid.take(invalid, seed);
   if (trace)
     std::printf(
@@ -328,7 +290,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
         "tool "
         "%.4f, beyond %.2g rad, swing %.2g, stop %.2g rad/s\n",
         1e3 * dt, 1e3 * seconds<double>(d.robot.delay), 1e3 * seconds<double>(d.robot.lag), d.late, velocity,
-        acceleration, jerk, tool, beyond, swing, stop);
+        acceleration, jerk, tool, beyond, swings.worst(), stop);
 }
 
 /// The scene of a seed: its number says which parts it has.
@@ -356,19 +318,10 @@ template <Interface I>
 bool attack(const char* name, std::uint64_t cycles, std::uint64_t seed) {
   Findings found;
   while (found.cycles < cycles) run<I>(seed++, found, false);
-  std::printf(
-      "\n%s: %llu scenes, %llu cycles; %llu drawings refused\n\n| | worst | scenes beyond | seed of the "
-      "worst |\n|---|---|---|---|\n",
-      name, static_cast<unsigned long long>(found.scenes), static_cast<unsigned long long>(found.cycles),
-      static_cast<unsigned long long>(found.refused));
-  bool good = true;
-  for (const Found* f : {&found.velocity, &found.acceleration, &found.jerk, &found.tool, &found.ends,
-                         &found.swing, &found.stop, &found.invalid}) {
-    std::printf("| %s | %.6g | %llu | %llu |\n", f->what, f->worst,
-                static_cast<unsigned long long>(f->scenes), static_cast<unsigned long long>(f->seed));
-    good = good && f->scenes == 0;
-  }
-  return good;
+  std::printf("\n%s: ", name);
+  return print_table(std::array{&found.velocity, &found.acceleration, &found.jerk, &found.tool, &found.ends,
+                                &found.swing, &found.stop, &found.invalid},
+                     found.scenes, found.cycles, found.refused);
 }
 
 }  // namespace

@@ -1,14 +1,15 @@
-// Random legal scenes of an arm whose joints have two interfaces, in a world that keeps what was declared and does all
-// else: pushes, goals, late cycles, stops and resumes in any order. The sister of `attack` and `attack_torque`.
+// Random legal scenes of an arm whose joints have two interfaces, in a world that keeps what was declared and
+// does all else: pushes, goals, late cycles, stops and resumes in any order. The sister of `attack` and
+// `attack_torque`.
 //
 //     attack_groups [CYCLES = 500000] [SEED = 1]     that many cycles
 //     attack_groups run SEED                         one scene, each quarter of a second of it
 //
-// The arm is a UR5, its joints by position, velocity and torque in five mixtures; joints by torque have a delay
-// and dry friction that nobody declared, and are pushed along by the others' accelerations. Each scene ends with some time
-// in which nobody does anything, and a stop. Judged: velocity and acceleration of joints by position and velocity in the
-// servo's time, torques within their limits, runaways at any time, the ends of the joints, swings that are left at rest, and the
-// speed after the stop. Returns 1 if any is passed.
+// The arm is a UR5, its joints by position, velocity and torque in five mixtures; joints by torque have a
+// delay and dry friction that nobody declared, and are pushed along by the others' accelerations. Each scene
+// ends with some time in which nobody does anything, and a stop. Judged: velocity and acceleration of joints
+// by position and velocity in the servo's time, torques within their limits, runaways at any time, the ends
+// of the joints, swings that are left at rest, and the speed after the stop. Returns 1 if any is passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -21,13 +22,13 @@
 #include <type_traits>
 #include <vector>
 
-#include "skinctl/skinctl.hpp"
+#include "bench/studies/attack/common.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "tests/support/simulated_joints.hpp"
-#include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
+using namespace attacks;
 
 namespace {
 
@@ -44,16 +45,6 @@ constexpr Nanoseconds plant_step = 250us;
 /// The mechanical stops: behind the declared ends [rad], and as stiff as rubber [N m/rad, N m s/rad].
 constexpr double behind_end = 0.1, stop_stiffness = 1000, stop_damping = 10;
 
-struct Found {
-  const char* what;
-  double bound;
-  double worst = 0;
-  std::uint64_t seed = 0, scenes = 0;
-  void take(double value, std::uint64_t of) {
-    if (!(value <= bound)) ++scenes;
-    if (!(value <= worst)) worst = value, seed = of;
-  }
-};
 struct Findings {
   Found velocity{"velocity over its limit, by position and velocity", 1 + rounding};
   Found acceleration{"acceleration over its limit, by position and velocity", 1 + rounding};
@@ -80,45 +71,8 @@ struct Parts {
   static constexpr bool tool = Tool, tank = Tank;
 };
 
-const std::vector<PlacedCell<2>>& forearm() {
-  static const std::vector<PlacedCell<2>> cells{cell_at<2>(1, {-0.2, 0.04, 0.02}, {0, 1, 0}),
-                                                cell_at<2>(2, {-0.2, -0.04, 0.02}, {0, -1, 0}),
-                                                cell_at<2>(3, {-0.25, 0, 0.06}, {0, 0, 1})};
-  return cells;
-}
-const std::vector<PlacedCell<5>>& hand() {
-  static const std::vector<PlacedCell<5>> cells{cell_at<5>(4, {0, 0.04, 0.02}, {0, 1, 0}),
-                                                cell_at<5>(5, {0.04, 0, 0.02}, {1, 0, 0}),
-                                                cell_at<5>(6, {0, 0, 0.05}, {0, 0, 1})};
-  return cells;
-}
-auto skin() {
-  return open_skin(Patch<2, 3>(forearm(), open_gains), Patch<5, 3>(hand(), open_gains));
-}
-constexpr std::size_t cells = 6;
-
-Xyz<double> tool_at(const JointPosition<6>& q) {
-  return Poses<ur5::Model, closure<ur5::Model>(link_bit<5>)>(ur5::Model{}, q).get<5>().origin();
-}
-/// What pushes of `force` [N] on the cells, against their normals, do to the joints.
-template <std::size_t I>
-void add_pushes(const JointPosition<6>& q, const std::vector<PlacedCell<I>>& placed,
-                const std::array<double, cells>& force, JointTorque<6>& tau) {
-  const ur5::Model model;
-  const Poses<ur5::Model, closure<ur5::Model>(link_bit<I>)> poses(model, q);
-  for (const auto& cell : placed) {
-    const double f = force[cell.id - 1];
-    if (f == 0) continue;
-    const Xyz<double> push = -f * (poses.template get<I>() * cell.X_LC).axis_z();
-    jacobian<I>(poses, cell.X_LC).for_each([&](auto i, const auto& column) {
-      tau[i.value] += dot(column.linear, push);
-    });
-  }
-}
-
 /// Numbers of a scene: anything that is legal.
 struct Drawn {
-  static constexpr JointPosition<6> home{0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
   RobotConfiguration<6> stiff, driven;
   double softer = 1;  ///< gain of the law, of the one that fits the robot
   MaxToolSpeed<5> tool{.speed = 0.2, .reach = 1.3};
@@ -204,23 +158,23 @@ auto scene_of(const Drawn& d) {
   }
 }
 
-/// The real arm. Its joints by position and velocity follow whatever pushes; those by torque are moved by their torque,
-/// pushes, their own weight and the others' accelerations.
+/// The real arm. Its joints by position and velocity follow whatever pushes; those by torque are moved by
+/// their torque, pushes, their own weight and the others' accelerations.
 template <class P>
 class Arm {
   using Driven = JointSubset<6, P::by_torque>;
 
  public:
-  State<6> x{0ns, Drawn::home, {}};
-  std::array<double, cells> force{};
+  State<6> x{0ns, home, {}};
+  Forces force{};
 
   explicit Arm(const Drawn& d)
       : dry_(d.dry),
         delay_(d.driven.delay),
         positions_(Joints::Kind::position, seconds<double>(d.stiff.delay), seconds<double>(d.stiff.lag),
-                   row(Drawn::home)),
+                   row(home)),
         velocities_(Joints::Kind::velocity, seconds<double>(d.stiff.delay), seconds<double>(d.stiff.lag),
-                    row(Drawn::home)) {
+                    row(home)) {
     for (std::size_t i = 0; i < 6; ++i) {
       lower_[i] = d.driven.limits.lower()[i] - behind_end,
       upper_[i] = d.driven.limits.upper()[i] + behind_end;
@@ -254,15 +208,14 @@ class Arm {
         const JointAngles<ur5::Model, double> angles(ur5::Model{}, x.q);
         const auto mass = mass_matrix(ur5::Model{}, angles);
         const auto bias = bias_torque(ur5::Model{}, angles, x.dq);
-        JointTorque<6> push;
-        add_pushes<2>(x.q, forearm(), force, push);
-        add_pushes<5>(x.q, hand(), force, push);
+        const JointTorque<6> push = pushes(x.q, force);
         JointTorque<Driven::count> net;
         MassMatrix<Driven::count> own;
         for (std::size_t i = 0; i < Driven::count; ++i) {
           const std::size_t I = Driven::index[i];
           net[i] = tau_[I] + push[I] - bias[I];
-          // Friction and stops at the end of the step: a wrist of a few grams would be shaken by them otherwise.
+          // Friction and stops at the end of the step: a wrist of a few grams would be shaken by them
+          // otherwise.
           double drag = dry_[I] / std::max(std::abs(x.dq[I]), 0.01), spring = 0;
           const double past = std::max(x.q[I] - upper_[I], 0.0) - std::max(lower_[I] - x.q[I], 0.0);
           if (past != 0) drag += stop_damping, spring = stop_stiffness;
@@ -326,17 +279,16 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
 
   const double busy = roll(3, 8), ends = busy + quiet;
   JointVelocity<6> last;
-  double velocity = 0, acceleration = 0, torque = 0, unpushed = 0, pushed = 0, beyond = 0, tool = 0,
-         swing = 0, stop = 0, invalid = 0;
+  double velocity = 0, acceleration = 0, torque = 0, unpushed = 0, pushed = 0, beyond = 0, tool = 0, stop = 0,
+         invalid = 0;
   Nanoseconds now{};
   double last_push = -1, printed = 0;
   bool stopping = false;
-  JointVelocity<6> peak;  // since each joint turned last
-  std::array<int, 6> turns{};
+  Swings swings(rests);
   std::array<double, 6>
       left{};  // how far pushes have left each joint beyond its end, and it has not come back
   while (seconds<double>(now) < ends + stops_in + 1) {
-    now += (roll(0, 1) < d.late ? 2 + long(rng() % 3) : 1) * d.stiff.period;
+    now += roll(0, 1) < d.late ? d.stiff.period * (2 + long(rng() % 3)) : d.stiff.period;
     const double t = seconds<double>(now);
     const JointPosition<6> before = robot.x.q;
     const Nanoseconds then = robot.x.time;
@@ -360,20 +312,17 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
           break;
         default: {
           JointPosition<6> goal;
-          for (std::size_t i = 0; i < 6; ++i) goal[i] = Drawn::home[i] + roll(-0.6, 0.6);
+          for (std::size_t i = 0; i < 6; ++i) goal[i] = home[i] + roll(-0.6, 0.6);
           input.goal = {goal, nanoseconds(roll(0.5, 4))};
         }
       }
     if (t >= busy) robot.force = {};
     if (t >= busy && t < busy + 2 * dt) input.request = CycleRequest::resume;
     if (t >= ends && !stopping) input.request = CycleRequest::stop, stopping = true;
-    std::array<CellSample, cells> samples{};
-    for (std::size_t c = 0; c < cells; ++c) {
-      samples[c].time = now, samples[c].cell = static_cast<std::uint32_t>(c + 1);
-      samples[c].force.fill(static_cast<float>(std::min(1.0, robot.force[c] / (3 * newtons_per_unit))));
-      if (robot.force[c] > 0) last_push = t;
-    }
-    input.samples = samples;
+    for (const double f : robot.force)
+      if (f > 0) last_push = t;
+    const auto sent = samples(robot.force, now);
+    input.samples = sent;
     const auto out = scene.step(*memory, input);
     ++found.cycles;
     invalid += !out.command.valid;
@@ -398,16 +347,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
       const auto way = tool_at(robot.x.q) - tool_at(before);
       tool = std::max(tool, std::sqrt(dot(way, way)) / (d.tool.speed * seconds<double>(robot.x.time - then)));
     }
-    if (t > ends - watched && !stopping)
-      for (std::size_t i = 0; i < 6; ++i) {
-        const double u = robot.x.dq[i];
-        // A joint that turns twice swings with the least of the peaks between its turns.
-        if (u * peak[i] < 0 && std::abs(u) > rests) {
-          if (++turns[i] > 1) swing = std::max(swing, std::abs(peak[i]));
-          peak[i] = 0;
-        }
-        if (std::abs(u) > std::abs(peak[i]) && u * peak[i] >= 0) peak[i] = u;
-      }
+    if (t > ends - watched && !stopping) swings.take(robot.x.dq);
     if (t > ends + stops_in) stop = std::max(stop, fastest);
     last = v;
     robot.command(out.planned);
@@ -416,9 +356,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
       std::printf("%5.1f s  fastest %.2g rad/s  ", t, fastest);
       for (std::size_t c = 0; c < cells; ++c)
         if (robot.force[c] > 0) std::printf(" %.0fN@%zu", robot.force[c], c + 1);
-      for (const Fault& f : faults)
-        if (out.status.has(f.reason))
-          std::printf(" %.*s", int(std::string_view(f.name).size()), std::string_view(f.name).data());
+      print_reasons(out.status);
       std::printf("\n");
       printed += 0.25;
     }
@@ -427,7 +365,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   found.velocity.take(velocity, seed), found.acceleration.take(acceleration, seed),
       found.torque.take(torque, seed);
   found.alone.take(unpushed, seed), found.pushed.take(pushed, seed), found.ends.take(beyond, seed);
-  found.tool.take(tool, seed), found.swing.take(swing, seed), found.stop.take(stop, seed);
+  found.tool.take(tool, seed), found.swing.take(swings.worst(), seed), found.stop.take(stop, seed);
   found.invalid.take(invalid, seed);
   if (trace)
     std::printf(
@@ -436,7 +374,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
         "unpushed %.4f, pushed %.4f, beyond %.2g rad, tool %.3f, swing %.2g, stop %.2g rad/s\n",
         1e3 * dt, 1e3 * seconds<double>(d.stiff.delay), 1e3 * seconds<double>(d.stiff.lag),
         1e3 * seconds<double>(d.driven.delay), d.late, velocity, acceleration, torque, unpushed, pushed,
-        beyond, tool, swing, stop);
+        beyond, tool, swings.worst(), stop);
 }
 
 /// The scene of a seed: its number says which joints have which interface, and which parts it has.
@@ -470,16 +408,5 @@ int main(int argc, char** argv) {
   const std::uint64_t cycles = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 500'000;
   std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   while (found.cycles < cycles) run(seed++, found, false);
-  std::printf(
-      "%llu scenes, %llu cycles; %llu drawings refused\n\n"
-      "| | worst | scenes beyond | seed of the worst |\n|---|---|---|---|\n",
-      static_cast<unsigned long long>(found.scenes), static_cast<unsigned long long>(found.cycles),
-      static_cast<unsigned long long>(found.refused));
-  bool good = true;
-  for (const Found* f : found.all()) {
-    std::printf("| %s | %.6g | %llu | %llu |\n", f->what, f->worst,
-                static_cast<unsigned long long>(f->scenes), static_cast<unsigned long long>(f->seed));
-    good = good && f->scenes == 0;
-  }
-  return good ? 0 : 1;
+  return print_table(found.all(), found.scenes, found.cycles, found.refused) ? 0 : 1;
 }

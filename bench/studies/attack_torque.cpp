@@ -20,12 +20,12 @@
 #include <type_traits>
 #include <vector>
 
-#include "skinctl/skinctl.hpp"
+#include "bench/studies/attack/common.hpp"
 #include "skinctl/testing/plant.hpp"
-#include "tests/support/touched_arm.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
+using namespace attacks;
 
 namespace {
 
@@ -45,16 +45,6 @@ constexpr double port_gain = 1;   ///< with which the law answers pushes
 /// The mechanical stops: behind the declared ends [rad], and as stiff as rubber [N m/rad, N m s/rad].
 constexpr double behind_end = 0.1, stop_stiffness = 1000, stop_damping = 10;
 
-struct Found {
-  const char* what;
-  double bound;
-  double worst = 0;
-  std::uint64_t seed = 0, scenes = 0;
-  void take(double value, std::uint64_t of) {
-    if (!(value <= bound)) ++scenes;
-    if (!(value <= worst)) worst = value, seed = of;
-  }
-};
 struct Findings {
   Found torque{"torque over its limit", 1 + rounding};
   Found rate{"change of a torque over the guard's", 1 + rounding};
@@ -77,39 +67,6 @@ struct Parts {
   static constexpr bool tool = Tool, tank = Tank;
 };
 
-const std::vector<PlacedCell<2>>& forearm() {
-  static const std::vector<PlacedCell<2>> cells{cell_at<2>(1, {-0.2, 0.04, 0.02}, {0, 1, 0}),
-                                                cell_at<2>(2, {-0.2, -0.04, 0.02}, {0, -1, 0}),
-                                                cell_at<2>(3, {-0.25, 0, 0.06}, {0, 0, 1})};
-  return cells;
-}
-const std::vector<PlacedCell<5>>& hand() {
-  static const std::vector<PlacedCell<5>> cells{cell_at<5>(4, {0, 0.04, 0.02}, {0, 1, 0}),
-                                                cell_at<5>(5, {0.04, 0, 0.02}, {1, 0, 0}),
-                                                cell_at<5>(6, {0, 0, 0.05}, {0, 0, 1})};
-  return cells;
-}
-auto skin() {
-  return open_skin(Patch<2, 3>(forearm(), open_gains), Patch<5, 3>(hand(), open_gains));
-}
-constexpr std::size_t cells = 6;
-
-/// What pushes of `force` [N] on the cells, against their normals, do to the joints.
-template <std::size_t I>
-void add_pushes(const JointPosition<6>& q, const std::vector<PlacedCell<I>>& placed,
-                const std::array<double, cells>& force, JointTorque<6>& tau) {
-  const ur5::Model model;
-  const Poses<ur5::Model, closure<ur5::Model>(link_bit<I>)> poses(model, q);
-  for (const auto& cell : placed) {
-    const double f = force[cell.id - 1];
-    if (f == 0) continue;
-    const Xyz<double> push = -f * (poses.template get<I>() * cell.X_LC).axis_z();
-    jacobian<I>(poses, cell.X_LC).for_each([&](auto i, const auto& column) {
-      tau[i.value] += dot(column.linear, push);
-    });
-  }
-}
-
 /// Numbers of a scene: anything that is legal.
 struct Drawn {
   RobotConfiguration<6> robot;
@@ -117,7 +74,6 @@ struct Drawn {
   MaxToolSpeed<5> tool{.speed = 0.2, .reach = 1.3};
   double late = 0;              ///< share of cycles that are late
   std::array<double, 6> dry{};  ///< friction of the real joints, which nobody knows [N m]
-  static constexpr JointPosition<6> home{0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
 
   explicit Drawn(std::mt19937_64& rng) : robot{.limits = limits_of<ur5::Description>(15.0), .period = 2ms} {
     const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
@@ -165,9 +121,9 @@ auto scene_of(const Drawn& d) {
 /// The real arm: rigid links, motors, friction as declared; joints may be held fast.
 class Arm {
  public:
-  State<6> x{0ns, Drawn::home, {}};
+  State<6> x{0ns, home, {}};
   std::array<bool, 6> fast{};
-  std::array<double, cells> force{};
+  Forces force{};
   double given = 0;  ///< work of the pushes [J]
 
   explicit Arm(const Drawn& d) : declared_(d.robot), dry_(d.dry) {
@@ -194,9 +150,7 @@ class Arm {
         if (past != 0) tau[i] -= stop_stiffness * past + stop_damping * x.dq[i];
         if (fast[i]) x.dq[i] = 0, motors[i] = 1e9;
       }
-      JointTorque<6> push;
-      add_pushes<2>(x.q, forearm(), force, push);
-      add_pushes<5>(x.q, hand(), force, push);
+      const JointTorque<6> push = pushes(x.q, force);
       tau += push;
       const double h = seconds<double>(plant_step);
       x.dq = integrate(x.dq, acceleration(ur5::Model{}, x, tau, motors), h);
@@ -240,13 +194,11 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
 
   const double busy = roll(3, 8), ends = busy + quiet;
   JointTorque<6> last = memory->robot.command().torque;
-  double torque = 0, rate = 0, velocity = 0, pushed = 0, beyond = 0, swing = 0, stop = 0, energy = 0,
-         invalid = 0;
+  double torque = 0, rate = 0, velocity = 0, pushed = 0, beyond = 0, stop = 0, energy = 0, invalid = 0;
   Nanoseconds now{};
   double last_push = -1, printed = 0;
   bool stopping = false;
-  JointVelocity<6> peak;  // since each joint turned last
-  std::array<int, 6> turns{};
+  Swings swings(rests);
   std::array<double, 6>
       left{};  // how far pushes have left each joint beyond its end, and it has not come back
   while (seconds<double>(now) < ends + stops_in + 1) {
@@ -277,20 +229,17 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
           break;
         default: {
           JointPosition<6> goal;
-          for (std::size_t i = 0; i < 6; ++i) goal[i] = Drawn::home[i] + roll(-0.6, 0.6);
+          for (std::size_t i = 0; i < 6; ++i) goal[i] = home[i] + roll(-0.6, 0.6);
           input.goal = {goal, nanoseconds(roll(0.5, 4))};
         }
       }
     if (t >= busy) robot.force = {}, robot.fast = {};
     if (t >= busy && t < busy + 2 * dt) input.request = CycleRequest::resume;
     if (t >= ends && !stopping) input.request = CycleRequest::stop, stopping = true;
-    std::array<CellSample, cells> samples{};
-    for (std::size_t c = 0; c < cells; ++c) {
-      samples[c].time = now, samples[c].cell = static_cast<std::uint32_t>(c + 1);
-      samples[c].force.fill(static_cast<float>(std::min(1.0, robot.force[c] / (3 * newtons_per_unit))));
-      if (robot.force[c] > 0) last_push = t;
-    }
-    input.samples = samples;
+    for (const double f : robot.force)
+      if (f > 0) last_push = t;
+    const auto sent = samples(robot.force, now);
+    input.samples = sent;
     const auto out = scene.step(*memory, input);
     ++found.cycles;
     invalid += !out.command.valid;
@@ -309,16 +258,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
       if (!alone || past < left[i]) left[i] = std::max(past, 0.0);
       if (alone) beyond = std::max(beyond, past - left[i]);
     }
-    if (t > ends - watched && !stopping)
-      for (std::size_t i = 0; i < 6; ++i) {
-        const double v = robot.x.dq[i];
-        // A joint that turns twice swings with the least of the peaks between its turns.
-        if (v * peak[i] < 0 && std::abs(v) > rests) {
-          if (++turns[i] > 1) swing = std::max(swing, std::abs(peak[i]));
-          peak[i] = 0;
-        }
-        if (std::abs(v) > std::abs(peak[i]) && v * peak[i] >= 0) peak[i] = v;
-      }
+    if (t > ends - watched && !stopping) swings.take(robot.x.dq);
     if (t > ends + stops_in) stop = std::max(stop, fastest);
     last = out.command.torque;
     robot.command(out.command.torque);
@@ -329,23 +269,21 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
         if (robot.force[c] > 0) std::printf(" %.0fN@%zu", robot.force[c], c + 1);
       for (std::size_t i = 0; i < 6; ++i)
         if (robot.fast[i]) std::printf(" held%zu", i);
-      for (const Fault& f : faults)
-        if (out.status.has(f.reason))
-          std::printf(" %.*s", int(std::string_view(f.name).size()), std::string_view(f.name).data());
+      print_reasons(out.status);
       std::printf("\n");
       printed += 0.25;
     }
   }
   ++found.scenes;
   found.torque.take(torque, seed), found.rate.take(rate, seed), found.velocity.take(velocity, seed);
-  found.pushed.take(pushed, seed), found.ends.take(beyond, seed), found.swing.take(swing, seed);
+  found.pushed.take(pushed, seed), found.ends.take(beyond, seed), found.swing.take(swings.worst(), seed);
   found.stop.take(stop, seed), found.energy.take(energy, seed), found.invalid.take(invalid, seed);
   if (trace)
     std::printf(
         "period %.2f ms, delay %.1f ms, late %.2f: torque %.4f, rate %.4f, velocity %.4f, pushed %.4f, "
         "beyond %.2g rad, swing %.2g, stop %.2g rad/s, energy %.3g J\n",
-        1e3 * dt, 1e3 * seconds<double>(d.robot.delay), d.late, torque, rate, velocity, pushed, beyond, swing,
-        stop, energy);
+        1e3 * dt, 1e3 * seconds<double>(d.robot.delay), d.late, torque, rate, velocity, pushed, beyond,
+        swings.worst(), stop, energy);
 }
 
 /// The scene of a seed: its number says which parts it has.
@@ -373,16 +311,5 @@ int main(int argc, char** argv) {
   const std::uint64_t cycles = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 500'000;
   std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   while (found.cycles < cycles) run(seed++, found, false);
-  std::printf(
-      "%llu scenes, %llu cycles; %llu drawings refused\n\n"
-      "| | worst | scenes beyond | seed of the worst |\n|---|---|---|---|\n",
-      static_cast<unsigned long long>(found.scenes), static_cast<unsigned long long>(found.cycles),
-      static_cast<unsigned long long>(found.refused));
-  bool good = true;
-  for (const Found* f : found.all()) {
-    std::printf("| %s | %.6g | %llu | %llu |\n", f->what, f->worst,
-                static_cast<unsigned long long>(f->scenes), static_cast<unsigned long long>(f->seed));
-    good = good && f->scenes == 0;
-  }
-  return good ? 0 : 1;
+  return print_table(found.all(), found.scenes, found.cycles, found.refused) ? 0 : 1;
 }

@@ -54,9 +54,9 @@ class Stream {
   Read read_some(std::span<std::uint8_t> into, std::size_t& count, Timeout timeout) noexcept;
   /// Sends all of it or fails, within `timeout`.
   bool write(std::span<const std::uint8_t> bytes, Timeout timeout) noexcept;
-  /// How long TCP waits for an acknowledgement beyond a round trip before it sends again what may be lost: Linux 200 ms
-  /// else, which is how late it finds that a packet was lost twice. False: an older kernel, which takes that only for a
-  /// route (`ip route change ... rto_min 25ms`).
+  /// How long TCP waits for an acknowledgement beyond a round trip before it sends again what may be lost:
+  /// Linux 200 ms else, which is how late it finds that a packet was lost twice. False: an older kernel,
+  /// which takes that only for a route (`ip route change ... rto_min 25ms`).
   bool set_retransmission_wait(Timeout wait) noexcept;
   void close() noexcept;
 

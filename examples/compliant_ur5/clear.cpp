@@ -22,7 +22,8 @@ constexpr std::size_t most_samples = 16385;  ///< of one cycle: as many as the r
 /// The links' numbers among the capsules are theirs on the robot; then come the base, the table, and a tool.
 constexpr std::size_t base = 6, table = 7, tool = 8;
 
-/// The same for cells that look at them: a tube's round ends are within it, or they hide its neighbours' cells.
+/// The same for cells that look at them: a tube's round ends are within it, or they hide its neighbours'
+/// cells.
 std::vector<LinkCapsule> in_view(const Settings& s) {
   auto all = clearance(s).own.capsules;
   for (std::size_t i = 0; i < 6; ++i) {

@@ -18,12 +18,14 @@ inline constexpr double sees_from = 0.05;    ///< smallest reading of proximity 
 inline constexpr double sight_error = 0.01;  ///< of a distance that a cell sees, and of the links' shapes [m]
 using UrClearance = skinctl::ClearanceAround<max_seen>;
 
-/// The distance of what a cell reads as `reading`, its sensor's light falling with the square; 0 at 1 or more [m].
+/// The distance of what a cell reads as `reading`, its sensor's light falling with the square; 0 at 1 or more
+/// [m].
 [[nodiscard]] double distance_of(const ClearSettings& s, double reading) noexcept;
 /// The reading of what is at `distance` [m], in (0, 1].
 [[nodiscard]] double reading_of(const ClearSettings& s, double distance) noexcept;
 /// The links, the base, the table and a tool, and which of them stay clear of each other: all that can meet.
-/// Links and tool are exposed to what cells see. Throws `skinctl::ConfigurationError` for numbers out of range.
+/// Links and tool are exposed to what cells see. Throws `skinctl::ConfigurationError` for numbers out of
+/// range.
 [[nodiscard]] UrClearance clearance(const Settings& settings);
 
 /// The least distance of these surfaces at a position [m].
@@ -36,10 +38,10 @@ class OwnDistance {
   skinctl::Clearances<skinctl::ur5::Model> clearances_;
 };
 
-/// Looks with the cells: what they read of the arm itself, its base and the table is taken out of their samples,
-/// and the rest are things around the arm. A reading that stays the same for 10 s, or while its cell goes 30 mm,
-/// is none: dirt, or a sensor that is stuck. It counts again once it changes, as that of a thing that the arm
-/// nears. Allocates where it is made only.
+/// Looks with the cells: what they read of the arm itself, its base and the table is taken out of their
+/// samples, and the rest are things around the arm. A reading that stays the same for 10 s, or while its cell
+/// goes 30 mm, is none: dirt, or a sensor that is stuck. It counts again once it changes, as that of a thing
+/// that the arm nears. Allocates where it is made only.
 class Sight {
  public:
   using Around = skinctl::Surroundings<max_seen>;

@@ -1,20 +1,22 @@
-// Has the way to the robot and back become longer than it was at the start, when the loop's delay was declared?
+// Has the way to the robot and back become longer than it was at the start, when the loop's delay was
+// declared?
 #pragma once
 
 #include <algorithm>
 
 namespace compliant_ur5 {
 
-/// Judges once a cycle, from the round trip that the robot's program echoes (`adapters::ur5::Driver::round_trip`). What a
-/// network does to single packets is no fault: a trip counts as longer once it has been for `lasting`, less the time in
-/// which it was not.
+/// Judges once a cycle, from the round trip that the robot's program echoes
+/// (`adapters::ur5::Driver::round_trip`). What a network does to single packets is no fault: a trip counts as
+/// longer once it has been for `lasting`, less the time in which it was not.
 class DelayJudge {
  public:
   static constexpr double start =
       0.5;  ///< from the first cycle on, in which the usual round trip is found [s]
   /// `lasting` by position or velocity: longer than one time-out of TCP, which is 200 ms [s].
   static constexpr double beyond_time_out = 0.25;
-  /// The same by torque, where the robot stops by itself when commands time out, and delay shakes the arm sooner [s].
+  /// The same by torque, where the robot stops by itself when commands time out, and delay shakes the arm
+  /// sooner [s].
   static constexpr double by_torque = 0.1;
 
   /// @param period   of states and commands [s]: a trip without any network takes one or two.

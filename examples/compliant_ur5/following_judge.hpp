@@ -91,8 +91,9 @@ class FollowingJudge {
   std::size_t blocked_ = 0;
 };
 
-/// The same of an arm by torque, which is told no position: a joint that stands away from its target, nothing touches the
-/// skin, and the arm keeps clear of nothing. What it is told too late shakes the arm; the robot stops it then.
+/// The same of an arm by torque, which is told no position: a joint that stands away from its target, nothing
+/// touches the skin, and the arm keeps clear of nothing. What it is told too late shakes the arm; the robot
+/// stops it then.
 template <std::size_t N>
 class StandingJudge {
  public:

@@ -100,8 +100,8 @@ struct SkinOnRobotClock {
   }
 };
 
-/// The driver, which sends no torque for a state that nobody knows: it would accelerate. The robot's program brakes and
-/// holds.
+/// The driver, which sends no torque for a state that nobody knows: it would accelerate. The robot's program
+/// brakes and holds.
 template <Sense S>
 struct JobDriver {
   adapters::ur5::Driver& driver;
@@ -401,7 +401,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
         ending = Ending::distant;
         detail = text("%.0f ms", 1e3 * delay.trip()) + text(", at the start %.0f ms", 1e3 * delay.usual());
       }
-      // A stop is stiff: while something touches the arm, it gives way a little longer, though it does so late.
+      // A stop is stiff: while something touches the arm, it gives way a little longer, though it does so
+      // late.
       if (ending == Ending::late || ending == Ending::distant) {
         if (late_since == 0ns) late_since = input.now;
         if (observer.force() > touching && input.now - late_since < most_touched) {

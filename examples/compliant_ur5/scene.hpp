@@ -58,8 +58,8 @@ inline skinctl::SkinSettings skin_settings(const Settings& s) {
   settings.force = skinctl::EventGate<>::dead_band(s.control.force_threshold);
   return settings;
 }
-/// Rest levels and fault rules of cells of TUM's size. The virtual arm has no dry friction that would hold the force of a
-/// cell alone, so that a cell without a witness does not count.
+/// Rest levels and fault rules of cells of TUM's size. The virtual arm has no dry friction that would hold
+/// the force of a cell alone, so that a cell without a witness does not count.
 inline skinctl::TrustSettings trust_settings(const Settings& s) {
   skinctl::TrustSettings trust;
   trust.lone_force = {s.trust_all_cells ? std::numeric_limits<double>::infinity() : 0.0};
@@ -194,8 +194,8 @@ inline skinctl::StiffestContact heaviest_hand(const Settings& s) {
           .skin_delay = delay_of_sense(s)};
 }
 
-/// By how much an arm is felt heavier than its links and the gains of its skin make it, so that all of that rests,
-/// times `Settings::heavier_than_needed`.
+/// By how much an arm is felt heavier than its links and the gains of its skin make it, so that all of that
+/// rests, times `Settings::heavier_than_needed`.
 /// @param places  what feels, as far as the stability of contacts asks for it.
 template <class Arm, class Places>
 double heavier_for(const Settings& s, const Arm& arm, const Places& places) {
@@ -248,8 +248,8 @@ auto make_scene(const Settings& s) {
   }
 }
 
-/// How fast those of its places go that feel badly: from the touch to the beginning of braking pass two cycles, delay
-/// and lag.
+/// How fast those of its places go that feel badly: from the touch to the beginning of braking pass two
+/// cycles, delay and lag.
 inline skinctl::FeltPlaces<max_cells> felt_places(const Settings& s,
                                                   const skinctl::RobotConfiguration<6>& robot,
                                                   std::vector<skinctl::CellPlace> places) {

@@ -61,11 +61,12 @@ struct ControlSettings {
   double acceleration_limit = 30;  ///< of commands [rad/s^2]
   double delay = 0.008;            ///< declared: of the robot [s]
   double lag = 0.008;              ///< declared: of the robot's drives [s]; servoj's lookahead comes on top
-  /// By which the round trip to the robot's program may exceed that of the start [s]. It grows by whole cycles: by one of
-  /// 8 ms a touch of 35 N becomes one of 37, by five one of 42, while nothing stops the arm.
+  /// By which the round trip to the robot's program may exceed that of the start [s]. It grows by whole
+  /// cycles: by one of 8 ms a touch of 35 N becomes one of 37, by five one of 42, while nothing stops the
+  /// arm.
   double delay_margin = 0.015;
-  /// Without a state for so long the job ends [s]; until then the arm brakes and holds. TCP finds a packet that it has
-  /// lost twice after 200 ms, thrice after 600.
+  /// Without a state for so long the job ends [s]; until then the arm brakes and holds. TCP finds a packet
+  /// that it has lost twice after 200 ms, thrice after 600.
   double state_patience = 0.5;
 };
 
@@ -81,8 +82,8 @@ struct TorqueControl {
   PerJoint most_friction{};                   ///< of what is learnt [N m]
   double dead_zone = 0.0009;                  ///< [rad]
   double patience = 0.04;  ///< after so long without a command the robot stops by itself [s]
-  /// As `ControlSettings::delay_margin` [s]: states that come four at a time are no longer way, and the gains are allowed
-  /// 13 ms of delay, of which a cycle and a half are declared.
+  /// As `ControlSettings::delay_margin` [s]: states that come four at a time are no longer way, and the gains
+  /// are allowed 13 ms of delay, of which a cycle and a half are declared.
   double delay_margin = 0.008;
 };
 
@@ -182,9 +183,9 @@ struct Settings {
   std::vector<Goal> task;
 };
 
-/// Reads the tables `[run]`, `[control]`, `[torque]`, `[wrist_control]`, `[motor_control]`, `[clear]`, `[skin]`
-/// and `[[goal]]` of a scenario; others are the simulation's. Throws `skinctl::ConfigurationError` with file and
-/// line for unknown keys of its own tables and wrong types.
+/// Reads the tables `[run]`, `[control]`, `[torque]`, `[wrist_control]`, `[motor_control]`, `[clear]`,
+/// `[skin]` and `[[goal]]` of a scenario; others are the simulation's. Throws `skinctl::ConfigurationError`
+/// with file and line for unknown keys of its own tables and wrong types.
 void read_scenario(const std::string& file, Settings& settings);
 
 }  // namespace compliant_ur5

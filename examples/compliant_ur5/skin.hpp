@@ -18,8 +18,9 @@ using UrSkin = skinctl::SkinOf<skinctl::ur5::Model, double, max_cells>;
 
 inline constexpr std::uint32_t palm_cell = 60000;  ///< id of the cell of a carried hand's palm
 
-/// w_p of a link [N per unit of proximity]: 0 unless the arm keeps clear. Throws `skinctl::ConfigurationError`
-/// for a share with which a thing that is seen is stiffer to the arm than the stiffest wall that it may touch.
+/// w_p of a link [N per unit of proximity]: 0 unless the arm keeps clear. Throws
+/// `skinctl::ConfigurationError` for a share with which a thing that is seen is stiffer to the arm than the
+/// stiffest wall that it may touch.
 [[nodiscard]] double proximity_gain(const Settings& settings, std::size_t link);
 
 /// The patches of `ur5_skin<260>` with the gains of the settings, or those of the file `Settings::skin`, divided by

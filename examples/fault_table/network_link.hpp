@@ -1,5 +1,5 @@
-// Two network namespaces of this process, joined by a wire that loses, delays, repeats and reorders IP packets, so that
-// TCP of the kernel itself retransmits. Nothing leaves the machine.
+// Two network namespaces of this process, joined by a wire that loses, delays, repeats and reorders IP
+// packets, so that TCP of the kernel itself retransmits. Nothing leaves the machine.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,8 @@ class NetworkLink {
   NetworkLink(const NetworkLink&) = delete;
   NetworkLink& operator=(const NetworkLink&) = delete;
 
-  /// Runs `f` on a thread whose sockets, and those of the threads that it starts, are at the job's end or the robot's.
+  /// Runs `f` on a thread whose sockets, and those of the threads that it starts, are at the job's end or the
+  /// robot's.
   [[nodiscard]] std::thread at_job(std::function<void()> f);
   [[nodiscard]] std::thread at_robot(std::function<void()> f);
 
@@ -57,7 +58,8 @@ class NetworkLink {
   std::unique_ptr<Wire> wire_;
 };
 
-/// For users other than root: a user namespace, in which they may make the others. Only before the first thread.
+/// For users other than root: a user namespace, in which they may make the others. Only before the first
+/// thread.
 void become_root_of_own_namespace() noexcept;
 
 }  // namespace fault_table

@@ -1,9 +1,10 @@
-// networks: what a network between the main job and a UR5 does that loses, delays, repeats and reorders IP packets. Job and
-// robot live in two network namespaces, so that TCP of the kernel itself retransmits: no proxy stands between them.
+// networks: what a network between the main job and a UR5 does that loses, delays, repeats and reorders IP
+// packets. Job and robot live in two network namespaces, so that TCP of the kernel itself retransmits: no
+// proxy stands between them.
 //
-// The scenario's first 22 s: two touches at rest, at 3 and 10 s, and one at 18 s while the arm moves; the skin's datagrams
-// take the same way. Needs the right to make network namespaces (root, or a user namespace) and /dev/net/tun; ends with 2
-// and words without them.
+// The scenario's first 22 s: two touches at rest, at 3 and 10 s, and one at 18 s while the arm moves; the
+// skin's datagrams take the same way. Needs the right to make network namespaces (root, or a user namespace)
+// and /dev/net/tun; ends with 2 and words without them.
 
 #include <pthread.h>
 

@@ -18,7 +18,8 @@ class OwnRobot {
   using Skin = skinctl::SkinOf<Model, double, compliant_ur5::max_cells>;
   using Tube = std::array<double, 7>;  ///< radius, ends in the link's frame [m]; radius 0: the link has none
 
-  /// Of a link whose mass the file does not give, a cylinder as large as its tube [kg/m^3]: motors, metal and air.
+  /// Of a link whose mass the file does not give, a cylinder as large as its tube [kg/m^3]: motors, metal and
+  /// air.
   static constexpr double assumed_density = 2000;
   /// Of the laws at a joint without a limit of its own: more than any of these arms needs [N m].
   static constexpr double assumed_torque = 1000;
@@ -34,7 +35,8 @@ class OwnRobot {
   /// The cells of all tubes, their gains divided by `heavier`; on a rigid arm all gains are 0.
   [[nodiscard]] std::vector<skinctl::SkinPatch> patches(const compliant_ur5::Settings& settings,
                                                         double heavier = 1) const;
-  /// Two places of a task: above the floor and neither stretched nor folded, as far as the limits allow [rad].
+  /// Two places of a task: above the floor and neither stretched nor folded, as far as the limits allow
+  /// [rad].
   [[nodiscard]] std::array<Joints, 2> task() const noexcept;
   /// Makes the drives those of this robot.
   void limit(simulated_ur5::ArmConfig& arm) const noexcept;
@@ -42,8 +44,8 @@ class OwnRobot {
  private:
   struct Shape;
   OwnRobot(const Robot& robot, const Shape& shape);
-  /// A pose with the tip at this height and distance from the first axis, in shares of the reach, as far as the floor and
-  /// the limits allow it; of several one like `near`.
+  /// A pose with the tip at this height and distance from the first axis, in shares of the reach, as far as
+  /// the floor and the limits allow it; of several one like `near`.
   [[nodiscard]] Joints posture(double height, double distance, const Joints* near = nullptr) const noexcept;
   void cover_tubes();
 

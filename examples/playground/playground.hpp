@@ -33,7 +33,8 @@ struct Finger {
   double aside[3] = {};     ///< how far it was dragged from its line, in the base's frame [m]
 };
 
-/// A robot that a visitor brings, as a page read it from a URDF: six joints that turn, the bodies that they move.
+/// A robot that a visitor brings, as a page read it from a URDF: six joints that turn, the bodies that they
+/// move.
 struct Robot {
   static constexpr std::size_t joints = 6, max_bodies = 64;
   /// Where a frame is in another one: its axes x, y, z, its origin [m].
@@ -122,7 +123,8 @@ class Arms {
 /// exist.
 std::unique_ptr<Arms> make_arms(const Scenario& scenario, const Choice& choice,
                                 const compliant_ur5::PerJoint& q);
-/// The same of a robot that somebody brought, by its skin, by position and velocity; without `q` where its task begins.
+/// The same of a robot that somebody brought, by its skin, by position and velocity; without `q` where its
+/// task begins.
 std::unique_ptr<Arms> make_arms(const Scenario& scenario, const Choice& choice, const Robot& robot,
                                 const compliant_ur5::PerJoint* q = nullptr);
 

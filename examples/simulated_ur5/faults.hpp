@@ -52,7 +52,8 @@ Change truncated(std::size_t missing);
 Change garbled();
 /// A share of the packages is lost.
 Change lost(double share);
-/// Nothing for so long [s], then all of it at once, as when TCP waits for what it has lost; later packages pass.
+/// Nothing for so long [s], then all of it at once, as when TCP waits for what it has lost; later packages
+/// pass.
 Change stalled(double duration);
 }  // namespace change
 

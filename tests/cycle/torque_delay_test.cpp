@@ -8,8 +8,10 @@
 // of 14 ms let it swing at 86 rad/s. Also: `bench/studies/attack_torque`
 //
 // Promise: an arm by torque whose energy tank is empty comes to rest, though nothing rubs
-// Tried: UR5, 1 to 8 ms, delay 0 to 20 ms, 0.1 to 1 J, driven by goals: at rest 15 s after the last one in all of 40
-// scenes, of which 6 swung on for a minute, as one joint's drive hindered another's brake. Also: `bench/studies/attack_torque`
+// Tried: UR5, 1 to 8 ms, delay 0 to 20 ms, 0.1 to 1 J, driven by goals: at rest 15 s after the last one in
+// all of 40 scenes, of which 6 swung on for a minute. Their kinetic energy is up to 1.7 J more than the tank
+// held, 3.7 J in all: gravity is held late, too. Without a delay in the account 7.3 J. Also:
+// `bench/studies/attack_torque`
 
 #include <doctest/doctest.h>
 
@@ -62,6 +64,12 @@ void run(const Scene& scene, const Loop& loop, Nanoseconds end, Before&& before,
     under_way.push_back({now + loop.delay, out.command.torque});
     if (!after(now, x, out)) return;
   }
+}
+/// Of links and motors [J].
+double kinetic(const State<6>& x) {
+  double sum = kinetic_energy(ur5::Model{}, JointAngles<ur5::Model, double>(ur5::Model{}, x.q), x.dq);
+  for (const double v : x.dq) sum += 0.5 * rotors * v * v;
+  return sum;
 }
 double fastest(const State<6>& x) {
   double most = 0;
@@ -158,6 +166,7 @@ TEST_CASE("Cycle by torque: the tool keeps its speed, at any delay") {
 
 TEST_CASE("Cycle by torque: with a tank that is empty an arm comes to rest, though nothing rubs") {
   int empty = 0, swing = 0;
+  double over = 0, worst = 0;  // kinetic energy beyond the tank, which nobody gave [J]
   for (int k = 0; k < (sanitized ? 4 : 40); ++k) {
     std::mt19937 random(static_cast<unsigned>(k));
     const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(random); };
@@ -174,7 +183,7 @@ TEST_CASE("Cycle by torque: with a tank that is empty an arm comes to rest, thou
     const double softer = roll(0.3, 1);
     settings.lambda *= softer, settings.K_c *= softer, settings.K_i1 *= softer, settings.K_i2 *= softer;
     const Cycle scene(robot, SplineJoint<6>(settings) + GravityControl{});
-    double late = 0;
+    double late = 0, most = 0;  // speed at the end [rad/s], kinetic energy [J]
     run(
         scene, loop, 25s,
         [&](Nanoseconds now, auto& input) {
@@ -187,12 +196,15 @@ TEST_CASE("Cycle by torque: with a tank that is empty an arm comes to rest, thou
         [&](Nanoseconds now, const State<6>& x, const auto& out) {
           empty += now < 10s && out.status.has(Reason::tank_empty);
           if (now > 23s) late = std::max(late, fastest(x));
+          most = std::max(most, kinetic(x));
           return fastest(x) < 100;
         });
     if (late > 0.05) std::printf("%d: %g rad/s\n", k, late);
     swing += late > 0.05;
+    over += std::max(0.0, most - energy), worst = std::max(worst, most - energy);
   }
-  std::printf("%d swing\n", swing);
+  std::printf("%d swing; beyond the tank %.2f J at most, %.2f J in all\n", swing, worst, over);
   CHECK(empty > 0);
   CHECK(swing == 0);
+  CHECK(over < 5);
 }

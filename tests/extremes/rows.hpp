@@ -152,7 +152,7 @@ void check_refusals(const char* name, const Settings& defaults, Make&& make, Fie
         }
       }
     } else {
-      wrong(F::min()), wrong(F(Nanoseconds(-1))), wrong(F::max());
+      wrong(F::min()), wrong(F(-1)), wrong(F::max());
     }
   };
   (one(field), ...);

@@ -220,7 +220,8 @@ TEST_CASE(
     if (k > 4) drawn += h * (k - 4);
     CHECK(m.energy == doctest::Approx(std::min(5.0, 5 - drawn)).epsilon(1e-9));
   }
-  // Of an infinitely heavy joint that is sent 10 N m from now on 10 (h + delay) J are drawn before an answer is seen.
+  // Of an infinitely heavy joint that is sent 10 N m from now on 10 (h + delay) J are drawn before an answer
+  // is seen.
   auto paid = tank.hold<1>();
   const auto share = [&](double energy) {
     paid.energy = 0.005 + energy;

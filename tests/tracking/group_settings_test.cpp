@@ -1,6 +1,7 @@
 // Promise: the gains that `tracking_settings` gives a robot in groups of joints suit the slowest of its loops
-// Tried: UR5, 4 mixtures of position, velocity and torque, 1 to 8 ms, delay 0 to 20 ms by torque: goals are met within 10
-// mrad and at rest, where the gains of the whole arm by position swing or run away. Also: `bench/studies/attack_groups`
+// Tried: UR5, 4 mixtures of position, velocity and torque, 1 to 8 ms, delay 0 to 20 ms by torque: goals are
+// met within 10 mrad and at rest, where the gains of the whole arm by position swing or run away. Also:
+// `bench/studies/attack_groups`
 #include "skinctl/tracking/group_settings.hpp"
 
 #include <doctest/doctest.h>

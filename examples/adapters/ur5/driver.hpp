@@ -48,8 +48,8 @@ struct DriverConfig {
   bool unlock = false;   ///< the user's consent to release a protective stop while connecting
   TorqueSettings torque{};
   Timeout connect_timeout{5000};
-  /// Without a state for so long: as many cycles on the last one, then another one each period, so that the robot's
-  /// program does not end while the loop brakes and holds.
+  /// Without a state for so long: as many cycles on the last one, then another one each period, so that the
+  /// robot's program does not end while the loop brakes and holds.
   Timeout silence{40};
   Timeout give_up{500};         ///< without a state for so long: lost
   Timeout robot_patience{100};  ///< without a command for so long the robot stops by itself
@@ -60,9 +60,9 @@ struct DriverConfig {
 /// loop the reason is kept in `fault()` and `error()`: see fault.hpp.
 ///
 /// The robot runs our own program (see program.hpp): it connects back and obeys each message for at most
-/// `robot_patience`; then it stops with `stopj`, whatever has become of this computer. A command of which nothing was
-/// heard TCP sends again after a quarter of that, where the kernel lets a socket choose: else it takes 200 ms to find that
-/// one was lost twice.
+/// `robot_patience`; then it stops with `stopj`, whatever has become of this computer. A command of which
+/// nothing was heard TCP sends again after a quarter of that, where the kernel lets a socket choose: else it
+/// takes 200 ms to find that one was lost twice.
 class Driver {
  public:
   /// Throws `ConfigurationError`.
@@ -86,12 +86,13 @@ class Driver {
   bool send(const skinctl::TorqueCommand<6>& c) noexcept {
     return send(skinctl::Interface::torque, c.torque.data);
   }
-  /// A message without a command: the program on the robot stops the arm (`stopj`) and holds it until the next one.
+  /// A message without a command: the program on the robot stops the arm (`stopj`) and holds it until the
+  /// next one.
   bool hold() noexcept;
   void stop() noexcept;
-  /// Time from sending a message until a state came that shows it as read, of the newest such message, by this
-  /// computer's clock [s]; negative: not known, as `DriverConfig::echo` is off, the controller is older than 3.9 or
-  /// 5.3, or time is not real.
+  /// Time from sending a message until a state came that shows it as read, of the newest such message, by
+  /// this computer's clock [s]; negative: not known, as `DriverConfig::echo` is off, the controller is older
+  /// than 3.9 or 5.3, or time is not real.
   [[nodiscard]] double round_trip() const noexcept { return round_trip_; }
   /// Where the arm was told to be at the newest report: a droop or an offset of the encoders lies between this
   /// and the measured position.
@@ -109,8 +110,8 @@ class Driver {
   [[nodiscard]] bool motors_in_newton_metres() const noexcept {
     return config_.motors == MotorOutput::torque && rtde_.version().takes_torques();
   }
-  /// The robot's clock at the newest report, in whole microseconds, and a period later for each wait since that ended
-  /// without one.
+  /// The robot's clock at the newest report, in whole microseconds, and a period later for each wait since
+  /// that ended without one.
   [[nodiscard]] skinctl::Nanoseconds clock() const noexcept;
   /// Version of the controller, as it says.
   [[nodiscard]] const Version& controller() const noexcept { return rtde_.version(); }

@@ -57,7 +57,8 @@ inline std::uint16_t free_udp_port() {
 /// A simulated robot beside the program, as a real one would stand there.
 class Beside {
  public:
-  /// @param change  of the robot before it starts, as its addresses and what touches it: nothing does without it.
+  /// @param change  of the robot before it starts, as its addresses and what touches it: nothing does
+  ///                without it.
   explicit Beside(Settings& s, const std::function<void(simulated_ur5::Config&)>& change = {}) {
     const auto add = [&]<std::size_t I, std::size_t N>(simulated_ur5::Config& to,
                                                        const skinctl::Patch<I, N>& patch) {

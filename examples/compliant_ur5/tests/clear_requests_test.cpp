@@ -4,8 +4,8 @@
 // Tried: one on the forearm, at 0.2 to 1, by position: the arm arrives at its goal
 //
 // Promise: a stop, a resume and a fault of an arm with --clear beside the table or a hand are calm
-// Tried: 60 orders of stop, resume, states that are no numbers, a silent skin and a hand that comes and goes, at
-// the table: no command beyond its limits, 20 mm are left, and the arm goes on at the end
+// Tried: 60 orders of stop, resume, states that are no numbers, a silent skin and a hand that comes and goes,
+// at the table: no command beyond its limits, 20 mm are left, and the arm goes on at the end
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -2,9 +2,9 @@
 //
 // Promise: the main job with --clear stops before its own links and the table, and gives way to a hand before
 // it touches
-// Tried: goals that fold it, goals into the table, a push towards the table, by position, velocity and torque:
-// 20 mm are left, distances found by search; a hand at 6 to 25 cm/s, and one that stays 14 s; all cells silent
-// while it stands at the margin
+// Tried: goals that fold it, goals into the table, a push towards the table, by position, velocity and
+// torque: 20 mm are left, distances found by search; a hand at 6 to 25 cm/s, and one that stays 14 s; all
+// cells silent while it stands at the margin
 #include "examples/compliant_ur5/clear.hpp"
 
 #include <doctest/doctest.h>
@@ -56,7 +56,8 @@ double apart(const Tube& a, const Tube& b) {
   }
   return at(0.5 * (low + high));
 }
-/// The least distance at `q` of the links from each other, of the base and of a plane at z = 0, without the library.
+/// The least distance at `q` of the links from each other, of the base and of a plane at z = 0, without the
+/// library.
 double least_distance(const std::array<float, 6>& joints) {
   Joints q{};
   std::copy(joints.begin(), joints.end(), q.begin());

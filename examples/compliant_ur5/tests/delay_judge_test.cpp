@@ -1,9 +1,9 @@
 // The judge of the way to the robot and back: what it calls longer, and what it does not.
 //
-// Promise: a network that becomes slower while the arm moves ends the job within 0.25 s of states, whatever it was at the
-// start; single packets that come late do not
-// Tried: trips of 2 to 60 ms at the start, 9 to 60 ms more; stalls of 200 ms every half second, every third trip late,
-// unknown ones; the job itself over a wire that becomes slower: `faults`
+// Promise: a network that becomes slower while the arm moves ends the job within 0.25 s of states, whatever
+// it was at the start; single packets that come late do not
+// Tried: trips of 2 to 60 ms at the start, 9 to 60 ms more; stalls of 200 ms every half second, every third
+// trip late, unknown ones; the job itself over a wire that becomes slower: `faults`
 
 #include "examples/compliant_ur5/delay_judge.hpp"
 

@@ -4,7 +4,8 @@
 // states, and the exit code and words tell why
 // Tried: 26 disturbances by position and velocity: paused, slider at 0, stops, NaN, clocks that stand, go
 // back or run wrong, a stuck joint, 92 ms of lag, cables out, half open, reset, garbled, truncated, lost,
-// repeated, reordered, 250 ms without a state (by torque as well), 20 and 3 ms more each way; 0.1 to 1.7 s to rest
+// repeated, reordered, 250 ms without a state (by torque as well), 20 and 3 ms more each way; 0.1 to 1.7 s to
+// rest
 
 #include "examples/simulated_ur5/faults.hpp"
 

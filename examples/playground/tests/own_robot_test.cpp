@@ -1,5 +1,5 @@
-// Robots that a visitor brings to the playground, natively: URDFs of an arm with six joints, and of two with seven, one
-// of them locked.
+// Robots that a visitor brings to the playground, natively: URDFs of an arm with six joints, and of two with
+// seven, one of them locked.
 #include <doctest/doctest.h>
 
 #include <cstdio>

@@ -265,8 +265,8 @@ std::string contents(const std::string& path) {
 std::string words(browser::Page& page) {
   return page.evaluate("document.getElementById('own').textContent");
 }
-/// The largest distance of a joint on the page from where the library's own reader of the file has it [m], and of its
-/// axis from that one's direction.
+/// The largest distance of a joint on the page from where the library's own reader of the file has it [m],
+/// and of its axis from that one's direction.
 std::array<double, 2> apart(browser::Page& page, const std::string& file,
                             const skinctl::UrdfOptions& options) {
   using namespace skinctl;

@@ -2,10 +2,8 @@
 // Time in whole nanoseconds, so that sums over a day of cycles are exact.
 #pragma once
 
-#include <concepts>
 #include <cstdint>
 #include <limits>
-#include <type_traits>
 #include <version>
 
 #if defined(__GLIBCXX__) && __has_include(<bits/chrono.h>)
@@ -43,21 +41,6 @@ template <Scalar T>
   if (ns >= 9.2e18) return Nanoseconds::max();
   return Nanoseconds(static_cast<std::int64_t>(ns < 0 ? ns - 0.5 : ns + 0.5));
 }
-
-/// A duration as a configuration states it: `4ms`. A number without a unit does not compile, and says so.
-struct StatedTime : Nanoseconds {
-  constexpr StatedTime() noexcept : Nanoseconds{} {}
-  template <std::integral Rep, class Unit>
-    requires std::is_convertible_v<std::chrono::duration<Rep, Unit>, Nanoseconds>
-  constexpr StatedTime(const std::chrono::duration<Rep, Unit>& t) noexcept : Nanoseconds(t) {}  // NOLINT
-  // clang-format off
-  template <class Number>
-    requires std::is_arithmetic_v<Number>
-  StatedTime(Number) = delete;  // a time has a unit: 4ms, 500us, nanoseconds(0.004)
-  template <std::floating_point Rep, class Unit>
-  StatedTime(const std::chrono::duration<Rep, Unit>&) = delete;  // whole nanoseconds: std::chrono::duration_cast<Nanoseconds>(t)
-  // clang-format on
-};
 
 /// A duration in milliseconds, for messages.
 [[nodiscard]] constexpr double milliseconds(Nanoseconds t) noexcept {

@@ -25,12 +25,15 @@ SKINCTL_BEGIN_NAMESPACE
 /// the next sub-step.
 ///
 /// A torque interface has no virtual robot: the port is the real one, `Held` its memory, and work is computed
-/// from the robot's displacement under the torque that was held. What moves a joint further than predicted (a
-/// push, the recoil of other joints, a limit that cuts the motion) makes a sub-step cost more: so every
-/// joint's largest such surprise is remembered, fades over some 500 sub-steps, and a torque must be payable
-/// with twice that. A thousandth of `max` is for a surprise larger than any so far, and no torque draws on it
-/// knowingly. If even that leaves a debt, only what fills the tank in spite of surprises is active until it
-/// is paid back. What moves then and rubs nowhere is slowed by `drag`.
+/// from the robot's displacement under the torque that acted meanwhile, sent a delay and a lag ago. What is
+/// under way has to be payable as well; still, behind a delay more may act than the tank holds, as gravity is
+/// compensated late: that is charged afterwards. What moves a joint further than predicted (a push, the
+/// recoil of other joints, a limit that cuts the motion) makes a sub-step cost more: so every joint's largest
+/// such surprise is remembered, fades over some 500 sub-steps, and a torque must be payable with twice that.
+/// A thousandth of `max` is for a surprise larger than any so far, and no torque draws on it knowingly. If
+/// even that leaves a debt, only what fills the tank in spite of surprises is active until it is paid back.
+/// Where not all is payable, joints that the torque brakes keep it, the share is that of the others, and the
+/// robot is slowed by `damping` times the share that it lacks: without friction it would swing for ever.
 template <Real T = double>
 class EnergyTank {
  public:
@@ -39,7 +42,8 @@ class EnergyTank {
     T start = T(1);      ///< initial energy [J], >= 0
     T max = T(5);        ///< capacity [J], >= start
     T port_gain = T(1);  ///< weight with which the law takes the contacts' torque; another one is active
-    T drag = T(2);  ///< friction by torque of what the tank does not pay for, in proportion to the mass [1/s]
+    T damping =
+        T(2);  ///< of a robot by torque, as far as the tank does not pay, in proportion to its mass [1/s]
   };
   /// How far joints move, and how wrong that was.
   template <std::size_t N>
@@ -61,7 +65,7 @@ class EnergyTank {
     bool paid = false;         ///< a sub-step is to be charged
     Foresight<N> foresight;
   };
-  /// For a torque interface: the torque that was sent, and its parts when it was sent.
+  /// For a torque interface: the torque that was sent, by its parts.
   template <std::size_t N>
   struct Held {
     T energy = T(0);
@@ -80,7 +84,8 @@ class EnergyTank {
     require(s.start >= T(0) && s.start <= T(1e6), "energy at the start", number(s.start), "0 to 1e6 J");
     require(s.max >= s.start && s.max <= T(1e6), "room of the tank", number(s.max), ">= start, <= 1e6 J");
     require(s.port_gain >= T(0) && s.port_gain <= T(1e6), "port gain", number(s.port_gain), "0 to 1e6");
-    require(s.drag >= T(0) && s.drag <= T(20), "drag of an empty tank", number(s.drag), "0 to 20 1/s");
+    require(s.damping >= T(0) && s.damping <= T(20), "damping of an empty tank", number(s.damping),
+            "0 to 20 1/s");
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
@@ -118,20 +123,10 @@ class EnergyTank {
   [[nodiscard]] SKINCTL_INLINE T pay(Memory<N>& memory, const JointTorque<N, T>& port,
                                      const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
                                      JointVelocity<N, T>& v1, const T& h, Without&& without) const noexcept {
-    const T energy = memory.energy - reserve * s_.max;
     T share(1);
-    if (!is_payable(energy, memory.foresight, active, v, v1, h)) [[unlikely]] {
-      const JointVelocity<N, T> v0 = without();
-      T w1 = margin_of(memory.foresight, active), w2(0);
-      for (std::size_t i = 0; i < N; ++i) {
-        w1 = w1 + T(0.5) * h * active[i] * (v[i] + v0[i]);
-        w2 = w2 + T(0.5) * h * active[i] * (v1[i] - v0[i]);
-      }
-      share = affordable_share(w1, w2, energy);
-      for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
-    }
-    for (std::size_t i = 0; i < N; ++i) memory.foresight.ahead[i] = T(0.5) * h * (v[i] + v1[i]);
-    memory.foresight.valid = true;
+    if (!is_payable(memory, active, v, v1, h)) [[unlikely]]
+      share = share_of(memory, {}, active, v, without(), v1, h);
+    foresee(memory.foresight, v, v1, h, h);
     memory.port = s_.port_gain * port;
     memory.active = share * active;
     memory.paid = true;
@@ -192,39 +187,26 @@ class EnergyTank {
   }
 
   /// Cuts the active torque to what may be held for `h` seconds from the velocity `v` on, and returns the
-  /// share that is left; `move(torque)` gives the velocity to which a torque leads in `h + delay`: what is
-  /// under way, not booked yet, has to be payable as well. Joints that it brakes keep all of it, the others
-  /// get the share: one that drives would hinder one that brakes, and both swing for ever.
+  /// share that is left of what drives; `move(torque)` gives the velocity to which a torque leads in
+  /// `h + delay`.
   ///
   /// @param passive  `port_gain port + gravity` less friction.
   template <std::size_t N, class Move>
   [[nodiscard]] SKINCTL_INLINE T pay(Held<N>& memory, const JointTorque<N, T>& passive,
                                      JointTorque<N, T>& active, const JointVelocity<N, T>& v, const T& h,
                                      const T& delay, Move&& move) const noexcept {
-    const T energy = memory.energy - reserve * s_.max, all = h + delay;
+    const T all = h + delay;
     JointVelocity<N, T> v1 = move(passive + active);
     T share(1);
-    if (!is_payable(energy, memory.foresight, active, v, v1, all)) [[unlikely]] {
+    if (!is_payable(memory, active, v, v1, all)) [[unlikely]] {
       JointTorque<N, T> brakes, drives = active;
       for (std::size_t i = 0; i < N; ++i)
         if (cost_of(memory.foresight, i, active[i], v[i], v1[i], all) < T(0))
           brakes[i] = active[i], drives[i] = T(0);
-      // What is left pays for the others, moved by what brakes.
-      const JointVelocity<N, T> v0 = move(passive + brakes);
-      T w0 = margin_of(memory.foresight, brakes), w1 = margin_of(memory.foresight, drives), w2(0);
-      for (std::size_t i = 0; i < N; ++i) {
-        const T change = T(0.5) * all * (v1[i] - v0[i]), way = T(0.5) * all * (v[i] + v0[i]);
-        w0 = w0 + brakes[i] * way;
-        w1 = w1 + drives[i] * way + brakes[i] * change;
-        w2 = w2 + drives[i] * change;
-      }
-      share = affordable_share(w1, w2, T(energy - w0));
+      share = share_of(memory, brakes, drives, v, move(passive + brakes), v1, all);
       active = brakes + share * drives;
-      for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
     }
-    for (std::size_t i = 0; i < N; ++i)
-      memory.foresight.ahead[i] = h * (v[i] + T(0.5) * (h / all) * (v1[i] - v[i]));
-    memory.foresight.valid = true;
+    foresee(memory.foresight, v, v1, h, all);
     return share;
   }
   /// The torque that is sent, after limits and guard.
@@ -262,12 +244,12 @@ class EnergyTank {
     }
   }
 
-  /// What surprises may make `active` cost beyond its prediction [J].
+  /// `h` seconds of a motion that goes from `v` to `v1` in `all` seconds.
   template <std::size_t N>
-  static SKINCTL_INLINE T margin_of(const Foresight<N>& foresight, const JointTorque<N, T>& active) noexcept {
-    T margin(0);
-    for (std::size_t i = 0; i < N; ++i) margin = margin + cost_of(foresight, i, active[i], T(0), T(0), T(0));
-    return margin;
+  static SKINCTL_INLINE void foresee(Foresight<N>& foresight, const JointVelocity<N, T>& v,
+                                     const JointVelocity<N, T>& v1, const T& h, const T& all) noexcept {
+    for (std::size_t i = 0; i < N; ++i) foresight.ahead[i] = h * (v[i] + T(0.5) * (h / all) * (v1[i] - v[i]));
+    foresight.valid = true;
   }
   /// What `active` costs at joint `i` while it goes from `v` to `v1` in `h` seconds, surprises included [J].
   template <std::size_t N>
@@ -276,14 +258,35 @@ class EnergyTank {
     return T(0.5) * h * active * (v + v1) +
            headroom * (active < T(0) ? T(-active) : active) * foresight.surprise[i];
   }
-  /// Whether `energy` pays for `active` while joints go from `v` to `v1` in `h` seconds, surprises included.
-  template <std::size_t N>
-  static SKINCTL_INLINE bool is_payable(const T& energy, const Foresight<N>& foresight,
-                                        const JointTorque<N, T>& active, const JointVelocity<N, T>& v,
-                                        const JointVelocity<N, T>& v1, const T& h) noexcept {
+  /// Whether the tank pays for `active` while joints go from `v` to `v1` in `h` seconds, surprises included.
+  template <class Of, std::size_t N>
+  SKINCTL_INLINE bool is_payable(const Of& memory, const JointTorque<N, T>& active,
+                                 const JointVelocity<N, T>& v, const JointVelocity<N, T>& v1,
+                                 const T& h) const noexcept {
     T cost(0);
-    for (std::size_t i = 0; i < N; ++i) cost = cost + cost_of(foresight, i, active[i], v[i], v1[i], h);
-    return cost <= energy || cost <= T(0);
+    for (std::size_t i = 0; i < N; ++i) cost = cost + cost_of(memory.foresight, i, active[i], v[i], v1[i], h);
+    return cost <= memory.energy - reserve * s_.max || cost <= T(0);
+  }
+  /// The share of `drives` for which the tank pays beside all of `brakes`, and the velocity to which both
+  /// lead in place of `v1`, to which all of it leads.
+  ///
+  /// @param v0  to which `brakes` leads alone.
+  template <class Of, std::size_t N>
+  SKINCTL_INLINE T share_of(const Of& memory, const JointTorque<N, T>& brakes,
+                            const JointTorque<N, T>& drives, const JointVelocity<N, T>& v,
+                            const JointVelocity<N, T>& v0, JointVelocity<N, T>& v1,
+                            const T& h) const noexcept {
+    const auto& foresight = memory.foresight;
+    T w0(0), w1(0), w2(0);
+    for (std::size_t i = 0; i < N; ++i) {
+      const T change = T(0.5) * h * (v1[i] - v0[i]);
+      w0 = w0 + cost_of(foresight, i, brakes[i], v[i], v0[i], h);
+      w1 = w1 + cost_of(foresight, i, drives[i], v[i], v0[i], h) + brakes[i] * change;
+      w2 = w2 + drives[i] * change;
+    }
+    const T share = affordable_share(w1, w2, T(memory.energy - reserve * s_.max - w0));
+    for (std::size_t i = 0; i < N; ++i) v1[i] = v0[i] + share * (v1[i] - v0[i]);
+    return share;
   }
 
   Settings s_;

@@ -17,12 +17,12 @@ template <std::size_t N, Real T = double>
 struct RobotConfiguration {
   JointLimits<N, T> limits;
   /// Planned time between two cycles, 0.1 ms to 1 s.
-  StatedTime period;
+  Nanoseconds period;
   /// T_d: from sending a command until the robot begins to move, plus the age of a measurement when it is
   /// stamped.
-  StatedTime delay{};
+  Nanoseconds delay{};
   /// tau: time constant of the robot's own control loop.
-  StatedTime lag{};
+  Nanoseconds lag{};
   /// Stiffness of the springs by which the robot's own controller holds its joints [N m/rad], > 0. For robots
   /// by impedance, which need it, and for no others.
   std::optional<JointTorque<N, T>> stiffness = {};
@@ -45,7 +45,7 @@ struct RobotConfiguration {
   /// good; what a robot that was held fast leaps by when it is let go is as large.
   JointPosition<N, T> dead_band = JointPosition<N, T>::constant(T(0.02));
   /// t_u: lag beyond the declared one that is borne, 0 to 1 s. A robot that is later than that is slowed.
-  StatedTime undeclared_lag = 50ms;
+  Nanoseconds undeclared_lag = 50ms;
   /// Time by which a law gets a touch ahead, see `TouchChange`: 0 to 2 T; 0 for none. Default: the delay of a
   /// contact's loop, delay + lag + 1.5 periods: one until a measurement shows the motion, half of one that a
   /// command is held. More damps stiff walls better, and the grip of light hands less well.
@@ -55,7 +55,7 @@ struct RobotConfiguration {
   /// this rate times its dead band. Default: 0.2, or the largest if that is less.
   std::optional<T> drift = {};
   /// Longest sub-step; up to `max_substeps` of equal length make an interval.
-  StatedTime substep = 2ms;
+  Nanoseconds substep = 2ms;
   /// Longest interval that is integrated at once; the remainder of a longer one is dropped. Default: five
   /// periods. The velocity interface keeps a distance for this time at the present speed before every
   /// position limit.

@@ -174,7 +174,8 @@ auto if_it_fits(const P& given_part) {
     return std::tuple<>();
   }
 }
-/// The description. Its callers assert that the parts fit: said there, an error names the user's line at once.
+/// The description. Its callers assert that the parts fit: said there, an error names the user's line at
+/// once.
 template <Interface Ix, class T, class M, class... Parts>
 auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, const Parts&... parts) {
   if constexpr (!are_once<Parts...>) {

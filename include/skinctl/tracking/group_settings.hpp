@@ -9,11 +9,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Settings of a tracking law for a robot in groups: one law, so the slowest loop gives the gains. Those of a virtual
-/// robot where no joint takes torques; beside such joints, whose delay is in the loop, at most `lambda = 0.3 / D`,
-/// `K_c = K_i1 = lambda / 4` and `K_i2 = lambda / 80`, D their delay, lag and 1.5 periods. Inertia, damping and friction
-/// are those of the virtual joints: friction added to joints by torque is not compensated, as they give less of it where
-/// their delay is long.
+/// Settings of a tracking law for a robot in groups: one law, so the slowest loop gives the gains. Those of a
+/// virtual robot where no joint takes torques; beside such joints, whose delay is in the loop, at most
+/// `lambda = 0.3 / D`, `K_c = K_i1 = lambda / 4` and `K_i2 = lambda / 80`, D their delay, lag and 1.5
+/// periods. Inertia, damping and friction are those of the virtual joints: friction added to joints by torque
+/// is not compensated, as they give less of it where their delay is long.
 template <RobotModel M, Real T, class... Groups, class... Parts>
 [[nodiscard]] JointControlSettings<M::joints, T> tracking_settings(
     const GroupsDescription<M, T, std::tuple<Groups...>, Parts...>& robot) {

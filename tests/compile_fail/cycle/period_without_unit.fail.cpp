@@ -1,5 +1,5 @@
-// expect: a time has a unit: 4ms|RobotConfiguration<
-// lines: 10
+// expect: period|Nanoseconds|conver
+// lines: 12
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

@@ -126,7 +126,7 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
         load.port = skin_torque(model_, JointAngles<M, T>(model_, now.q), contact_part(touch));
         m.driven.tank.energy = shared;
         tank.book(m.driven.tank, Driven::of(begun.displaced), Driven::of(load.port), Driven::of(load.gravity),
-                  dt, seconds<T>(this->driven_delay()));
+                  dt, seconds<T>(this->driven_delay() + this->driven_lag()));
         shared = m.driven.tank.energy;
         load.passive = tank.settings().port_gain * Driven::of(load.port) + Driven::of(load.gravity) -
                        (m.stop ? load.brakes : load.resists);

@@ -82,7 +82,7 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
     const auto mass = this->real_mass(now.q);
     const math::Ldlt<Driven::count, T> factors(block_of<Driven>(mass).data);
     const auto v = Driven::of(now.dq);
-    const T h = seconds<T>(this->period()), delay = seconds<T>(this->driven_delay());
+    const T h = seconds<T>(this->period()), delay = seconds<T>(this->driven_delay() + this->driven_lag());
     const T share = tank.pay(held_tank, passive, active, v, h, delay, [&](const DrivenTorque& tau) {
       const DrivenTorque net = tau - bias;
       JointAcceleration<Driven::count, T> given;
@@ -90,8 +90,8 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
       return integrate(v, given, T(h + delay));
     });
     if (!(share < T(1))) return {};
-    const T drag = tank.settings().drag * (T(1) - share);
-    torque = passive + active - drag * momentum_of<Driven>(mass, now.dq);
+    const T damping = tank.settings().damping * (T(1) - share);
+    torque = passive + active - damping * momentum_of<Driven>(mass, now.dq);
     return Reason::tank_empty;
   }
 

@@ -268,8 +268,8 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
       require(damping == T(0), "virtual damping", number(damping), "0 for joints by torque");
       driven_torque_rate_ = c.torque_rate;
       stale_after_ = c.stale();
-      if (c.delay > driven_delay_) driven_delay_ = c.delay;
-      if (c.lag > driven_lag_) driven_lag_ = c.lag;
+      driven_delay_ = c.delay > driven_delay_ ? c.delay : driven_delay_;
+      driven_lag_ = c.lag > driven_lag_ ? c.lag : driven_lag_;
     } else {
       for (const T& x : c.coulomb_friction) has_coulomb_ = has_coulomb_ || x > T(0);
       require(damping == shape_.damping, "virtual damping of a group", number(damping),

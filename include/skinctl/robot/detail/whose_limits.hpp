@@ -9,8 +9,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// Throws `ConfigurationError` for limits that `limits_of` took from another robot than `Description`, and that
-/// are beyond its own.
+/// Throws `ConfigurationError` for limits that `limits_of` took from another robot than `Description`, and
+/// that are beyond its own.
 template <DescribesLimits Description, std::size_t N, Real T>
 SKINCTL_COLD void check_whose(const JointLimits<N, T>& limits) {
   if (limits.robot() == nullptr || limits.robot() == &robot_mark<Description>) return;
