@@ -96,6 +96,7 @@
 #include "skinctl/robot/servo.hpp"
 #include "skinctl/robot/spring.hpp"
 #include "skinctl/robot/tool_shape.hpp"
+#include "skinctl/robot/velocity_and_torque.hpp"
 #include "skinctl/robot/virtual_dynamics.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
 
@@ -194,6 +195,7 @@
 #include "skinctl/tracking/reactive_plan.hpp"
 #include "skinctl/tracking/redundancy.hpp"
 #include "skinctl/tracking/settings.hpp"
+#include "skinctl/tracking/check_terms.hpp"
 #include "skinctl/tracking/singular_escape.hpp"
 #include "skinctl/tracking/singular_rest.hpp"
 #include "skinctl/tracking/sliding_surface.hpp"

@@ -4,6 +4,7 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/robot/robot_description.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -47,8 +48,7 @@ class VelocityControl : public Composable {
             "> 0, <= 10 000 ms");
   }
   /// Throws `ConfigurationError` for a rate above 0.25 / D, D the loop's delay: see `RobotDescription::loop_delay`.
-  template <class Terms>
-  void check_for(const Terms& robot) const {
+  void check_for(const LawTerms<N, T>& robot) const {
     const double most = 0.25 / seconds<double>(robot.loop_delay);
     require(static_cast<double>(rate_) <= most, "rate of a velocity control", static_cast<double>(rate_),
             "at most 0.25 / D [1/s], D = delay + lag + 1.5 period by torque, else a sub-step");

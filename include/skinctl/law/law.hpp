@@ -71,7 +71,7 @@ concept LawMembers = detail::HasMemory<L> && detail::HasNeeds<L> && detail::HasR
 /// | `presses` | a tracking law that presses against a contact: the skin does not oppose it | false | each its own |
 /// | `joints`, `scalar` | the robots for which it is made: compared where a scene is built | any | those of all |
 /// | `compensates_friction` | its torque includes friction, so the robot must not add it | false | one does |
-/// | `check_for(terms)` | throws if its settings differ from the robot's (`LawTerms`) | any | all |
+/// | `check_for(terms)` | throws if its settings differ from the robot's (`LawTerms`), or do not fit a limit of jerk (`JerkTerms`) | any | all |
 /// | `starts_blank` | `Memory{}` is what `start` gives, in every state | only an empty `Memory` | all do |
 /// | `name` | for `describe` | "law" | in words |
 /// | `terms`, `roles` | number of shares in its own `evaluate`, and the role of each | 1, its `role` | one a law |

@@ -150,13 +150,14 @@ struct LawTable {
       return false;
     }
   }
-  /// Throws `ConfigurationError` where the law's settings are not those of the robot.
+  /// Throws `ConfigurationError` where the law's settings are not those of the robot (`LawTerms`), or do not fit a
+  /// limit of jerk (`JerkTerms`).
   template <class Terms>
   static void check_for(const L& law, const Terms& robot) {
     if constexpr (detail::ChecksTerms<L, Terms>) {
       law.check_for(robot);
     } else {
-      static_assert(!detail::NamesCheckFor<L>,
+      static_assert(detail::IsJerkTerms<Terms> || !detail::NamesCheckFor<L>,
                     "check_for(terms) of this law does not take the robot's LawTerms");
     }
   }

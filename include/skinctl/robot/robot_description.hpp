@@ -248,5 +248,10 @@ struct LawTerms {
   T mass_ratio = T(1);    ///< how many times lighter the robot may be, as other configurations describe it
   T gravity_rate = T(0);  ///< of the gravity by which these differ, see `gravity_rate` [1/s^2]
 };
+/// What a limit of jerk asks of the laws in its scene.
+template <Real T>
+struct JerkTerms {
+  T rise;  ///< longest time in which a joint brings up its acceleration, A/J [s]
+};
 
 SKINCTL_END_NAMESPACE

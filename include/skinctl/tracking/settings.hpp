@@ -191,6 +191,17 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
   detail::check_gains(s, lambda, s.mass_ratio);
 }
 
+namespace detail {
+/// Gains behind a delay D in the loop [s]: `lambda = 0.3 / D`, less than a third of what is stable (see
+/// `largest_gain_product`), and slower ones inside of it, no faster than without a delay.
+template <std::size_t N, Real T>
+void follow_delay(JointControlSettings<N, T>& s, const T& delay) {
+  s.lambda = T(0.3) / delay;
+  s.K_c = s.K_i1 = T(0.25) * s.lambda < T(10) ? T(0.25) * s.lambda : T(10);
+  s.K_i2 = s.lambda / T(80);
+}
+}  // namespace detail
+
 /// Settings of a tracking law for this robot: times, virtual dynamics and speeds follow its description.
 ///
 /// By position or velocity `dt` is the longest sub-step, that of a late cycle, so that the default `lambda`
@@ -215,9 +226,7 @@ template <class Robot>
     const T half = T(0.5) * mass_ratio;
     s.loop_delay = robot.loop_delay();
     s.mass_ratio = mass_ratio;
-    s.lambda = T(0.3) / (seconds<T>(s.delay_in_loop()) * (half > T(1) ? half : T(1)));
-    s.K_c = s.K_i1 = T(0.25) * s.lambda < T(10) ? T(0.25) * s.lambda : T(10);
-    s.K_i2 = s.lambda / T(80);
+    detail::follow_delay(s, T(seconds<T>(s.delay_in_loop()) * (half > T(1) ? half : T(1))));
     const auto inertia = largest_inertia(robot.model(), s.virtual_dynamics.inertia);
     for (std::size_t i = 0; i < Robot::joints; ++i) {
       s.integral_limit[i] = T(0.5) * robot.limits().torque()[i];
@@ -257,44 +266,6 @@ template <DescribedRobot Robot, DescribedRobot Lightest>
   auto s = tracking_settings(robot, mass_ratio(robot.model(), lightest.model(), motors));
   s.gravity_rate = gravity_rate(robot.model(), lightest.model(), motors);
   return s;
-}
-
-/// Throws `ConfigurationError` with both numbers if a law's settings differ from those of the robot that
-/// carries its torque.
-template <std::size_t N, Real T>
-SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const LawTerms<N, T>& robot) {
-  const auto same = [](const char* what, const T& ours, const T& theirs) {
-    if (ours == theirs) return;
-    char text[192];
-    std::snprintf(text, sizeof text,
-                  "skinctl: %s: %.9g in the law, %.9g in the robot's description: tracking_settings(robot) "
-                  "takes it from there",
-                  what, static_cast<double>(ours), static_cast<double>(theirs));
-    refuse(text);
-  };
-  if (s.dt < robot.dt) {
-    char text[192];
-    std::snprintf(text, sizeof text,
-                  "skinctl: dt: %.9g ms in the law, but in late cycles of the robot's description it is "
-                  "evaluated every "
-                  "%.9g ms: tracking_settings(robot) takes it from there",
-                  milliseconds(s.dt), milliseconds(robot.dt));
-    refuse(text);
-  }
-  if (s.delay_in_loop() < robot.loop_delay) {
-    char text[192];
-    std::snprintf(text, sizeof text,
-                  "skinctl: loop_delay: %.9g ms in the law, %.9g ms by the robot's description: "
-                  "tracking_settings(robot) takes it from there",
-                  milliseconds(s.delay_in_loop()), milliseconds(robot.loop_delay));
-    refuse(text);
-  }
-  const auto &ours = s.virtual_dynamics, &theirs = robot.virtual_dynamics;
-  same("virtual damping", ours.damping, theirs.damping);
-  for (std::size_t i = 0; i < N; ++i) {
-    same("virtual inertia", ours.inertia[i], theirs.inertia[i]);
-    same("viscous friction", ours.viscous[i], theirs.viscous[i]);
-  }
 }
 
 SKINCTL_END_NAMESPACE

@@ -81,6 +81,11 @@ class CycleParts {
       check_settings(robot, law);
       check_contacts(robot, skin_);
     }
+    if constexpr (Governor::template has<JerkLimit>) {
+      const auto& jerk = governor_.template get<JerkLimit>();
+      LawTable<L>::check_for(law,
+                             JerkTerms<scalar>{jerk.template set<typename Resolver::Stiff>().longest_rise()});
+    }
     if constexpr (!TouchTable<Skin>::finds_contacts)
       require(!LawTable<L>::waits_for_contacts(law),
               "skills that wait for contacts, on a skin that finds none", 1, "a ContactSkin");

@@ -127,6 +127,8 @@ concept HasSettled =
     };
 template <class L, class Terms>
 concept ChecksTerms = requires(const L& law, const Terms& robot) { law.check_for(robot); };
+template <class Terms>
+concept IsJerkTerms = requires(const Terms& t) { t.rise; };
 template <class L>
 concept HasGoal = requires { typename L::Goal; };
 template <class L, class K>
