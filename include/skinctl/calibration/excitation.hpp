@@ -18,9 +18,9 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// What the joints may do.
 struct ExcitationLimits {
-  Eigen::VectorXd lower, upper;            ///< [rad]
-  Eigen::VectorXd velocity, acceleration;  ///< [rad/s], [rad/s^2]
-  Eigen::VectorXd torque{};                ///< [N m]; empty: not asked for
+  Eigen::VectorXd lower, upper;            ///< position limits [rad]
+  Eigen::VectorXd velocity, acceleration;  ///< velocity and acceleration limits [rad/s], [rad/s^2]
+  Eigen::VectorXd torque{};                ///< torque limits [N m]; empty: not asked for
 
   /// From the limits of a description, `robot.limits()`.
   template <class Limits>
@@ -37,8 +37,8 @@ struct ExcitationLimits {
 
 /// A part of an excitation, in words for those who stand near the robot.
 struct Announcement {
-  double from = 0, to = 0;  ///< [s]
-  int joint = -1;           ///< that moves alone; -1: all
+  double from = 0, to = 0;  ///< beginning and end [s]
+  int joint = -1;           ///< index of the joint that moves alone; -1: all joints move
   std::string text;
 };
 
@@ -164,10 +164,10 @@ class Excitation {
 class SkinExcitation : public Excitation {
  public:
   struct Settings {
-    double duration = 60;  ///< [s], 20 to 3600; two fifths of it for single joints
-    double sweep = 1;      ///< amplitude [rad]
-    double wiggle = 1;     ///< amplitude of its speed [rad/s]
-    double share = 0.9;    ///< of each limit that may be used, 0.1 to 1
+    double duration = 60;  ///< duration [s], 20 to 3600; two fifths of it for single joints
+    double sweep = 1;      ///< amplitude of the slow sweep [rad]
+    double wiggle = 1;     ///< amplitude of the wiggle's speed [rad/s]
+    double share = 0.9;    ///< share of each limit that may be used, 0.1 to 1
   };
   /// Throws `ConfigurationError` for a home less than 0.1 rad from a limit, and for numbers out of their range.
   SkinExcitation(const Eigen::VectorXd& home, const ExcitationLimits& limits, const Settings& s) {
@@ -175,7 +175,8 @@ class SkinExcitation : public Excitation {
   }
   SkinExcitation(const Eigen::VectorXd& home, const ExcitationLimits& limits)
       : SkinExcitation(home, limits, Settings{}) {}
-  /// The same within the torque limits, by a model with masses.
+  /// Within the torque limits as well, by a model with masses: wiggles less where they would be exceeded.
+  /// Throws also where that does not suffice.
   template <RobotModel M>
   SkinExcitation(const Eigen::VectorXd& home, const ExcitationLimits& limits, Settings s, const M& model) {
     plan(home, limits, s);

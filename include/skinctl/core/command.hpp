@@ -18,7 +18,7 @@ enum class Interface : unsigned char {
 inline constexpr Interface all_interfaces[] = {Interface::position, Interface::velocity, Interface::torque,
                                                Interface::impedance};
 
-/// Which numbers a command of an interface holds.
+/// Whether a command of the interface holds positions; below, velocities and torques.
 [[nodiscard]] constexpr bool takes_position(Interface i) noexcept {
   return i == Interface::position || i == Interface::impedance;
 }

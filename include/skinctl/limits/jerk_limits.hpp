@@ -75,7 +75,7 @@ class JerkLimits {
 
   [[nodiscard]] const JointLimits<N, T>& joints() const noexcept { return limits_; }
   [[nodiscard]] const JointJerk<N, T>& jerk() const noexcept { return jerk_; }
-  /// The same of the joints of a subset.
+  /// The limits of the joints of a subset.
   template <class Set>
   [[nodiscard]] SKINCTL_COLD JerkLimits<Set::count, T> set() const {
     return {limits_.template part<Set>(), Set::of(jerk_)};
@@ -115,7 +115,8 @@ class JerkLimits {
     });
   }
 
-  /// The same towards rest, by the quickest stop and without overshoot.
+  /// The motion over `h` > 0 seconds from `u0` and `a0` towards rest, by the quickest stop and without
+  /// overshoot.
   [[nodiscard]] SKINCTL_COLD SmoothMotion<N, T> brake(const JointRoom<N, T>& room,
                                                       const JointVelocity<N, T>& u0,
                                                       const JointAcceleration<N, T>& a0,

@@ -48,7 +48,7 @@ class MotionLimits {
 
   /// What resisted in the last cycles. Trivially copyable.
   struct Memory {
-    JointVelocity<n, T> dq;  ///< in the last cycle
+    JointVelocity<n, T> dq;  ///< joint velocity in the last cycle [rad/s]
     Torque resists[3];       ///< r of the last cycles, newest first
     bool known = false;      ///< the above are valid
     detail::ActedTorque<n, T> sent;

@@ -88,7 +88,7 @@ class MappedFile {
 struct Recovered {
   bool was_whole = false;  ///< nothing was to be done
   std::uint64_t messages = 0;
-  std::uint64_t cut = 0;  ///< bytes behind the last whole chunk that went
+  std::uint64_t cut = 0;  ///< bytes removed behind the last whole chunk
   std::string left_out;   ///< messages that were not counted, in words: they stay; empty: none
 };
 

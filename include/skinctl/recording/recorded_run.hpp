@@ -56,9 +56,8 @@ template <class C>
 
 /// What the replay of a file found.
 struct ReplayedRun : Replayed {
-  bool whole = true;  ///< false: the file was cut; what is there was replayed
-  std::uint64_t missing =
-      0;  ///< cycles that found no room when it was recorded: replayed up to the first of them
+  bool whole = true;          ///< false: the file was cut; what is there was replayed
+  std::uint64_t missing = 0;  ///< cycles that the file skips: replayed up to the first of them
 };
 
 /// Runs `cycle` once more on the inputs of a file, and compares every command. Throws where `load_run` does.

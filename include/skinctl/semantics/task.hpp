@@ -28,8 +28,8 @@ struct Step {
   std::uint8_t done = finish;     ///< next step
   std::uint8_t failed = 0;        ///< next step when it has failed, after going back: one that needs nothing
   std::uint8_t no = nowhere;      ///< next step when the answer is no
-  std::uint8_t border = no_border;  ///< the answer is yes if what is felt is at least this border
-  Facts needs{};                    ///< besides those of the activity
+  std::uint8_t border = no_border;  ///< index of a border: the answer is yes if the stiffness felt is no less
+  Facts needs{};                    ///< facts that the step needs besides those of the activity
 };
 template <PlannedActivity A>
 [[nodiscard]] constexpr Step step_of(Step step) noexcept {
@@ -56,8 +56,8 @@ struct TaughtTask {
   Facts begins{};                                ///< facts that hold when the task begins
   Facts ends{};                                  ///< facts that hold whenever it is finished; by `check`
   std::array<Step, C> steps{};                   ///< the task begins with the first
-  std::array<TaughtPlace, max_places> places{};  ///< where hands take, put and use
-  std::array<double, max_borders> borders{};     ///< of what a squeeze feels [N/m]
+  std::array<TaughtPlace, max_places> places{};  ///< places where hands take, put and use
+  std::array<double, max_borders> borders{};     ///< borders of the stiffness that a squeeze feels [N/m]
 };
 
 /// What is wrong with a task.

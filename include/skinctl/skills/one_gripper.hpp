@@ -26,7 +26,7 @@ class OneGripper {
   struct Memory {
     GripperCommand command{};
     GripperState state{};
-    Nanoseconds asked{};    ///< when the goal was first there
+    Nanoseconds asked{};    ///< time at which the newest goal was first there
     bool answered = false;  ///< the state is newer than the goal
     bool dated = false;     ///< `asked` is known
   };

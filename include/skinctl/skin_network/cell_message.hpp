@@ -48,7 +48,7 @@ struct LinkFrame {
   enum class Kind : std::uint8_t { beacon, data, receipt, busy };
   Kind kind = Kind::beacon;
   bool number = false;
-  std::uint8_t session = 0;  ///< of the sender: another one each time that its port was down
+  std::uint8_t session = 0;  ///< session of the sender: another one each time that its port was down
   std::uint8_t peer = 0;     ///< the session that it last heard; 0: none
   CellMessage message{};
 

@@ -16,16 +16,16 @@ struct CellMemory {
   struct Span {
     std::uint16_t count = 0, fresh = 0, first_label = 0;
   };
-  std::uint32_t epoch = 0;    ///< of the tree it belongs to; 0: none since it was switched on
-  std::uint32_t changed = 0;  ///< one more than the epoch whose end it last passed on
+  std::uint32_t epoch = 0;  ///< epoch of the tree that the cell belongs to; 0: none since it was switched on
+  std::uint32_t changed = 0;  ///< one more than the last epoch whose end the cell passed on
   std::uint16_t hops = 0;
-  std::uint16_t count = 0;  ///< of cells from here down; 0: not all have answered yet
-  std::uint16_t fresh = 0;  ///< of these without an id
-  std::uint16_t id = 0;     ///< kept over epochs
+  std::uint16_t count = 0;  ///< cells from here down; 0: not all have answered yet
+  std::uint16_t fresh = 0;  ///< cells from here down without an id
+  std::uint16_t id = 0;     ///< id of the cell, kept over epochs
   std::uint16_t label = 0;
-  std::array<Span, CellNet::ports> spans{};                ///< of the children
+  std::array<Span, CellNet::ports> spans{};                ///< counts and labels of the children, by port
   std::array<std::uint16_t, CellNet::ports> neighbours{};  ///< id << 2 | port
-  std::uint16_t highest = 0;                               ///< id from here down
+  std::uint16_t highest = 0;                               ///< largest id from here down
   std::uint8_t parent = nobody;
   std::uint8_t live = 0, waiting = 0, children = 0, named = 0;  ///< sets of ports
   std::uint8_t reported = 0;

@@ -105,8 +105,8 @@ class NetworkRoot {
         return report(m, now);
     }
   }
-  static constexpr Nanoseconds patience =
-      std::chrono::seconds(5);  ///< without a message of the present epoch
+  /// Longest time without a message of the present epoch.
+  static constexpr Nanoseconds patience = std::chrono::seconds(5);
   /// Begins the next epoch where one is due.
   void tick(Nanoseconds now, std::vector<Send>& out) {
     if ((state_ == State::exploring || state_ == State::reporting) && now - heard_ > patience)

@@ -29,7 +29,7 @@ template <std::size_t... Ix, std::size_t... N, class Kind>
   (add(Ix, patch.any()), ...);
   return all;
 }
-/// The same for patches in a tuple, such as those of `ur5::skin_patches`.
+/// The places of patches in a tuple, such as those of `ur5::skin_patches`.
 template <std::size_t... Ix, std::size_t... N, class Kind>
 [[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(
     const std::tuple<Patch<Ix, N, Kind>...>& patches) {

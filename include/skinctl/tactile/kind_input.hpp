@@ -27,7 +27,7 @@ template <SensorKind Kind>
 /// The samples of an input's other kinds, kept: vectors of each.
 template <class Sensed>
 struct TaxelStore {
-  static constexpr std::uint32_t fingerprint = 0;  ///< of its kinds; 0: none
+  static constexpr std::uint32_t fingerprint = 0;  ///< fingerprint of the other kinds; 0: none
   template <class S, class F>
   void each(S&, F&&) {}
   template <class S, class F>

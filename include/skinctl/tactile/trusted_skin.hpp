@@ -179,8 +179,8 @@ class TrustedSkin : public detail::TrustCore<S> {
       if (RestLevel::cell(rest[i / 16], i % 16).below < 0) f |= CellFault::discharge;
     return f;
   }
-  /// The rest level of the `p`-th pressure of cell `i`: what it reads while untouched, of a hexagon the sum
-  /// of three forces.
+  /// Rest level of the `p`-th pressure of cell `i` of the skin: its reading while untouched, in the reading's
+  /// unit. Of a hexagon (p = 0) it is the sum of three forces.
   [[nodiscard]] double rest(const Memory& m, std::size_t i, std::size_t p = 0) const noexcept {
     return this->s_.health.step * Table::full(this->pressure_[p]) *
            static_cast<double>(m.rest[p][i / 16].whole[i % 16]);

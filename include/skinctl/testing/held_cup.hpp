@@ -30,10 +30,10 @@ class HeldCup {
   static constexpr std::array<Xyz<double>, fingers> tips = {Xyz<double>{0.03, 0, 0}, Xyz<double>{0.03, 0, 0},
                                                             Xyz<double>{0.03, 0.01, 0}};
   struct Touch {
-    Xyz<double> place, normal;   ///< on the cup [m], into the cup
-    Xyz<double> bend{0, 0, 0};   ///< of the bristles [m]
+    Xyz<double> place, normal;   ///< point on the cup [m], unit normal into the cup
+    Xyz<double> bend{0, 0, 0};   ///< deflection of the bristles [m]
     Xyz<double> slid{0, 0, 0};   ///< way of the fingertip on the cup [m]
-    Xyz<double> force{0, 0, 0};  ///< on the fingertip [N]
+    Xyz<double> force{0, 0, 0};  ///< force on the fingertip [N]
   };
 
   /// @param friction  of the cup at rest; a slide has 0.8 of it.

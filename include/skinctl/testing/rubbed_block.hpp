@@ -34,9 +34,9 @@ struct Bristle {
 
 /// A block of `mass` on one contact, pulled along it by a load.
 struct RubbedBlock {
-  double mass = 0.25;  ///< [kg]
+  double mass = 0.25;  ///< mass of the block [kg]
   Bristle bristle{};
-  double x = 0, v = 0, friction = 0;  ///< [m], [m/s], [N]
+  double x = 0, v = 0, friction = 0;  ///< position [m], velocity [m/s], and friction that acts against it [N]
 
   /// `dt` [s] in steps of 20 us at most.
   void advance(double dt, double load, double f_n) {

@@ -36,12 +36,12 @@ struct CellAtRest {
 };
 struct PatchAtRest {
   PatchGraph graph;
-  std::vector<CellAtRest> cells;  ///< in the order of `graph.ids`
+  std::vector<CellAtRest> cells;  ///< cells in the order of `graph.ids`
 };
 
 /// The accelerometer of a BMA250, as it is in a cell.
 struct SimulatedAccelerometer {
-  double noise = 9e-3;  ///< of a sample [g]
+  double noise = 9e-3;  ///< standard deviation of a sample [g]
   double step = 1.0 / 256;
   double cross_axis = 3e-3;
   AccelerometerPrior prior{};
