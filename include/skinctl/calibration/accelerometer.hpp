@@ -6,7 +6,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What is wrong with an accelerometer. Its reading, in g, is
+/// The errors of an accelerometer. Its reading, in g, is
 /// ```
 /// y = (1 + s) o Q' f + b,   Q = R turn(m),   f = (a - gravity) / |gravity|
 /// ```
@@ -34,7 +34,7 @@ struct AccelerometerReading {
   Eigen::Vector3d by_scale;  ///< diagonal of the derivative by the scale [g]; the derivative by the bias is 1
 };
 
-/// What a cell with the axes `R` reads where the specific force is `f` [g]: without noise.
+/// The reading [g] of a cell with the axes `R` where the specific force is `f` [g]: without noise.
 [[nodiscard]] inline Eigen::Vector3d reading(const Eigen::Matrix3d& R, const AccelerometerErrors& e,
                                              const Eigen::Vector3d& f) noexcept {
   const Eigen::Vector3d u = turn(e.misalignment).transpose() * (R.transpose() * f);

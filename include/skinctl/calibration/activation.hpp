@@ -14,7 +14,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a cell reads while one joint moves alone, in the axes of its sensor and in g:
+/// The reading of a cell while one joint moves alone, in the axes of its sensor and in g:
 /// ```
 /// y = (n x r) ddq/|g| - r_perp dq^2/|g| + e_par + b + e_perp cos q - (n x e_perp) sin q
 /// ```
@@ -39,7 +39,7 @@ struct ActivationSettings {
   double gravity = 9.80665;  ///< [m/s^2]
 };
 
-/// Which joints move which cells.
+/// The joints that move each cell.
 struct Activation {
   Eigen::VectorXd home;     ///< position of the joints at the first stamp of the recording [rad]
   std::vector<bool> alone;  ///< joints that moved alone, from home, for a second or more

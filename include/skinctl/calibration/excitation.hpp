@@ -16,7 +16,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What the joints may do.
+/// The limits of the joints in an excitation.
 struct ExcitationLimits {
   Eigen::VectorXd lower, upper;            ///< position limits [rad]
   Eigen::VectorXd velocity, acceleration;  ///< velocity and acceleration limits [rad/s], [rad/s^2]
@@ -80,7 +80,7 @@ class Excitation {
   [[nodiscard]] double duration() const noexcept { return duration_; }
   [[nodiscard]] int joints() const noexcept { return int(home_.size()); }
   [[nodiscard]] const Eigen::VectorXd& home() const noexcept { return home_; }
-  /// Where the joints are `t` seconds after the start; at rest at home before it and after the end.
+  /// The position of the joints `t` seconds after the start; at rest at home before it and after the end.
   [[nodiscard]] JointPoint at(double t) const {
     JointPoint p{home_, Eigen::VectorXd::Zero(home_.size()), Eigen::VectorXd::Zero(home_.size())};
     for (Eigen::Index j = 0; j < home_.size(); ++j)
@@ -90,7 +90,8 @@ class Excitation {
       }
     return p;
   }
-  /// What will move, when, how far and how fast. Read it out, or show it, before the robot moves.
+  /// The joints that will move, with times, angles and speeds. Read them out, or show them, before the robot
+  /// moves.
   [[nodiscard]] const std::vector<Announcement>& announcements() const noexcept { return announcements_; }
 
   /// The largest share of a limit that the motion uses: position (of the room from home), velocity, acceleration.

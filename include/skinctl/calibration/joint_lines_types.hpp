@@ -13,7 +13,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What is known of a cell before the motion: its place in a reconstructed patch.
+/// Knowledge of a cell before the motion: its pose in a reconstructed patch.
 struct CellInPatch {
   int patch = -1;                                   ///< index of the patch; -1: the cell is of none
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< axes of the cell in the patch

@@ -29,8 +29,9 @@ struct Fit {
   [[nodiscard]] bool converged() const noexcept { return end == FitEnd::converged; }
 };
 
-/// What `least_squares` minimises. `terms` calls `sum.add(loss, residual, {{column, derivative}, ...})` for each
-/// term; where `Sum::derivatives` is false these may be empty. `plus` moves a state by a tangent vector of `unknowns()`.
+/// A problem that `least_squares` solves. `terms` calls
+/// `sum.add(loss, residual, {{column, derivative}, ...})` for each term; where `Sum::derivatives` is false
+/// these may be empty. `plus` moves a state by a tangent vector of `unknowns()`.
 template <class P>
 concept LeastSquaresProblem =
     requires(const P& p, const typename P::State& x, const Eigen::VectorXd& d, DenseNormal& sum) {

@@ -19,7 +19,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How much a residual counts: `rho(|r|^2) / 2`, of residuals in units of their standard deviation.
+/// The cost of a residual: `rho(|r|^2) / 2`, of residuals in units of their standard deviation.
 struct Loss {
   enum class Kind { square, huber, cauchy };
   Kind kind = Kind::square;

@@ -16,7 +16,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where a cell's ports are, in its frame [m]; ports 0 to 3.
+/// Places of a cell's ports, in its frame [m]; ports 0 to 3.
 using CellPorts = std::array<Eigen::Vector3d, 4>;
 /// Of TUM's cell, times `scale`.
 [[nodiscard]] inline CellPorts hexagonal_ports(double scale = 1) {

@@ -21,8 +21,8 @@ struct ResponseLog {
   std::vector<Entry> measured;  ///< measurements, timed by their stamps
 };
 
-/// What a robot by position is. In `measured = H(command) + gap - compliance G(q) - hysteresis sign(dq)` H is a
-/// pure delay and a lag of first order.
+/// The identified response of a robot by position. In `measured = H(command) + gap - compliance G(q) -
+/// hysteresis sign(dq)` H is a pure delay and a lag of first order.
 template <std::size_t N>
 struct RobotResponse {
   Estimate delay;  ///< [s]

@@ -31,7 +31,7 @@ struct Sighting {
   std::size_t patch = 0, cell = 0;  ///< index in the patch
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
-/// What the camera saw of one pose of the robot.
+/// The lights that the camera saw at one pose of the robot.
 struct CameraView {
   std::vector<FitPose> X_BaseLink;  ///< pose of each patch's link in the base
   std::vector<Sighting> seen;

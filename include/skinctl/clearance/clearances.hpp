@@ -93,7 +93,7 @@ class Clearances {
     }
     return pairs_[k].between;
   }
-  /// How fast the other side of pair `k` may come closer by itself [m/s].
+  /// The largest speed at which the other side of pair `k` may come closer by itself [m/s].
   [[nodiscard]] SKINCTL_INLINE T approach(std::size_t k, const Near& near) const noexcept {
     if constexpr (Around > 0) {
       if (k >= pairs_.size()) return near.obstacles[(k - pairs_.size()) % count(near)].approach;

@@ -14,7 +14,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How far and wide a cell's proximity sensor sees, and its curve: `1 - distance/range` or less.
+/// Range and cone of a cell's proximity sensor, and its curve: `1 - distance/range` or less.
 struct CellView {
   double range = 0.2;      ///< [m]
   double half_angle = 25;  ///< half opening angle of the cell's cone [degrees]

@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How readings of proximity are understood.
+/// The model by which readings of proximity become obstacles.
 struct SightSettings {
   double range = 0.2;         ///< a reading is `1 - distance/range`, or less [m]
   double half_angle = 25;     ///< half opening angle of a cell's cone [degrees], < 80

@@ -63,7 +63,7 @@ struct NoSurroundings {
   static constexpr std::size_t capacity = 0;
 };
 
-/// What a `ClearanceAround` adds to the input of a cycle.
+/// The addition of a `ClearanceAround` to the input of a cycle.
 template <class Near>
 struct AroundRobot {
   Near around{};  ///< obstacles near the robot

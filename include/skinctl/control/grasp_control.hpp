@@ -121,7 +121,7 @@ class GraspControl : public Composable {
             {}};
   }
 
-  /// Where the fingertips are, their mean distance from their centroid, and how fast it grows.
+  /// Places of the fingertips, their mean distance from their centroid, and its rate.
   struct Shape {
     Xyz<T> p[fingers];  ///< fingertips in the base [m]
     Xyz<T> centroid{T(0), T(0), T(0)};

@@ -28,7 +28,8 @@ struct GripperGoal {
   friend bool operator==(const GripperGoal&, const GripperGoal&) noexcept = default;
 };
 
-/// What a cycle asks of a gripper: the goal is a new one when `count` has changed; 0: there has been none.
+/// The request of a cycle to a gripper: the goal is a new one when `count` has changed; 0: there has been
+/// none.
 struct GripperCommand {
   GripperGoal goal{};
   std::uint32_t count = 0;
@@ -50,7 +51,7 @@ struct NoGripper {
   return (goal.opening - goal.opening) + (goal.force - goal.force) + (goal.speed - goal.speed) == 0;
 }
 
-/// Why a gripper does not do as it was told.
+/// The reason for which a gripper does not do as it was told.
 enum class GripperError : unsigned char {
   none,
   silent,   ///< no answer in time: the state is the last that was heard
@@ -75,7 +76,7 @@ enum class GripperError : unsigned char {
   return "";
 }
 
-/// What a gripper reported last.
+/// The last report of a gripper.
 struct GripperState {
   Nanoseconds time{};  ///< time of the newest answer, on the clock that `poll` was given
   double opening = 0;  ///< distance of the fingers [m]

@@ -36,7 +36,7 @@ struct OptionalGoal : std::optional<Goal> {
     return *this;
   }
 };
-/// What laws that take goals add to the input.
+/// The addition of laws that take goals to the input.
 template <class Goal>
 struct GoalInput {
   OptionalGoal<Goal> goal;  ///< goal, or next sample of a moving target, for this cycle

@@ -8,7 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// When the robot counts as touched, by the norm of the skin's joint torque with its configured weight.
+/// Thresholds from which the robot counts as touched, on the norm of the skin's joint torque with its
+/// configured weight.
 struct ContactSettings {
   double on = 1.0;                    ///< torque above which the robot counts as touched [N m]
   double off = 0.5;                   ///< torque below which the robot counts as released [N m]

@@ -11,9 +11,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// When skin and tracking count as opposed, by the norm of the skin's joint torques as they enter the sum, each
-/// as a share of its joint's largest torque: a shoulder, a wrist and a finger feel alike. A push below the
-/// threshold may wind the integrals up.
+/// Thresholds from which skin and tracking count as opposed, on the norm of the skin's joint torques as they
+/// enter the sum, each as a share of its joint's largest torque: a shoulder, a wrist and a finger feel alike.
+/// A push below the threshold may wind the integrals up.
 struct OppositionSettings {
   double on = 0.01;  ///< share above which skin and tracking are opposed, if their torques oppose each other
   double off = 0.005;                ///< share below which the opposition ends

@@ -21,7 +21,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Why a loop ended.
+/// The reason for which a loop ended.
 enum class LoopEnd : unsigned char {
   finished,     ///< the number of cycles was reached, or the user's function ended it
   interrupted,  ///< the stop flag was set
@@ -67,8 +67,8 @@ struct LoopOptions {
   std::size_t max_samples = 8192;  ///< samples of a cycle that the copy of the worst cycle keeps, at most
   std::optional<TimeBudget> budget = {};  ///< budget of the load; see `TimeBudget` for the reactions
   PacketWatch packets{};                  ///< watch for gaps in the packets of a robot that numbers them
-  /// How long before a state is due the loop calls `Cycle::warm`; it sleeps until then. 0: it never does. Nor does it
-  /// for a robot whose states come within three times this time after a cycle.
+  /// Time before a state is due at which the loop calls `Cycle::warm`; it sleeps until then. 0: it never
+  /// does. Nor does it for a robot whose states come within three times this time after a cycle.
   Nanoseconds warm = 300us;
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
 };

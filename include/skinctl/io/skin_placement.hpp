@@ -108,8 +108,8 @@ template <NamesLinks D>
   return out;
 }
 
-/// Which cells are neighbours, by index in the order of `skin_patches`: those that the file names at its ports, on the
-/// same link; in patches for which it names none, those of `CellGraph(places)`.
+/// The neighbours of each cell, by index in the order of `skin_patches`: those that the file names at its
+/// ports, on the same link; in patches for which it names none, those of `CellGraph(places)`.
 [[nodiscard]] SKINCTL_COLD inline CellGraph cell_graph(const SkinFile& file,
                                                        const std::vector<PlacedSkinPatch>& placed) {
   std::vector<CellPlace> places;
@@ -154,7 +154,7 @@ template <NamesLinks D>
   return Regions(std::move(out));
 }
 
-/// How far off a cell may be, one standard deviation in the worst direction: an upper bound from the file's
+/// The error of a cell's pose, one standard deviation in the worst direction: an upper bound from the file's
 /// covariances of its patch and its own pose. What is not given counts as exact.
 struct PlaceDeviation {
   double place = 0;      ///< deviation of the cell's origin [m]

@@ -13,7 +13,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a patch file in XML does not say.
+/// The facts that a patch file in XML does not hold.
 struct SkinXmlOptions {
   std::string name = "patch";
   std::string link{};  ///< link that carries the skin; empty: `baseFrame` of the file

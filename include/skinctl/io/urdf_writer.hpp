@@ -19,7 +19,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a URDF has beside the model. Everything may be left out.
+/// The contents of a URDF beside the model. Everything may be left out.
 struct UrdfDress {
   std::string name = "robot";
   std::string base = "base_link";

@@ -121,8 +121,8 @@ class ClearanceLimits {
     m.off = off;
     m.is_off = reach_ * sum > T(off_from) * margin_ && sum - sum == T(0);
   }
-  /// What the exposed capsules may fill from now on until the robot stands, if it brakes: along the way from
-  /// `measured` to the last command, and from there to where all joints are at rest, however they brake together.
+  /// The space that exposed capsules may fill from now until the robot stands, if it brakes: from `measured`
+  /// to the last command, and on to where all joints are at rest, however they brake together.
   [[nodiscard]] Surroundings<max_exposed_capsules, Base, T> occupied(
       const JointCommand<joints, T>& last, const State<joints, T>& measured) const noexcept {
     const Box box = until_rest(measured.q, last.position, last.velocity);
@@ -283,8 +283,8 @@ template <RobotModel M, std::size_t N, Real T, std::size_t Most>
   return ClearanceLimits<M, T, Most>(model, limits, clearance);
 }
 
-/// What the exposed capsules of a robot may fill from now on until it stands, if it brakes now: for others that keep clear
-/// of it. It is at `X_WB` in the world.
+/// The space that the exposed capsules of a robot may fill from now on until it stands, if it brakes now: for
+/// others that keep clear of it. It is at `X_WB` in the world.
 /// @param scene  a `Cycle` with a `Clearance`.
 template <class Scene, Real T>
 [[nodiscard]] Surroundings<max_exposed_capsules, World, T> occupied(

@@ -13,7 +13,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `FeltPlaces` limits: for `Cycle::without`.
+/// The kind of `FeltPlaces`, for `Cycle::without`.
 struct FeltPlacesLimit {};
 
 /// For `Cycle::with`: a place that feels badly meets nobody fast. Somebody notices a push on the middle of cell

@@ -31,7 +31,7 @@ template <std::size_t N, Real T>
   return out;
 }
 
-/// What `MaxJerk` limits: for `Cycle::without`.
+/// The kind of `MaxJerk`, for `Cycle::without`.
 struct JerkLimit {};
 
 /// Limits of `N` joints with a limit of jerk; immutable, checked when built.

@@ -11,7 +11,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `MaxToolSpeed` limits: for `Cycle::without`.
+/// The kind of `MaxToolSpeed`, for `Cycle::without`.
 struct ToolSpeedLimit {};
 
 /// The largest speed [m/s] of a point fixed to link `Ix`.

@@ -13,7 +13,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What touches a robot, and the path of its force to the law.
+/// A body that touches a robot, and the path of its force to the law.
 template <Real T = double>
 struct ContactEnvironment {
   T stiffness = T(0);        ///< stiffness of the stiffest contact [N/m], > 0

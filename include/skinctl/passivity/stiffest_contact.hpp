@@ -50,8 +50,8 @@ struct StiffestContact {
   std::optional<double> margin_of_two = {};
   int poses = 8;  ///< 1 to 10 000
 
-  /// How many times heavier the virtual robot has to be felt so that all contacts have the required margins;
-  /// less than 1 where it may be lighter. At least 1/64.
+  /// The factor by which the virtual robot has to be felt heavier, so that all contacts have the required
+  /// margins; less than 1 where it may be lighter. At least 1/64.
   template <DescribedRobot R, class Skin>
   [[nodiscard]] SKINCTL_COLD double heavier(const R& robot, const Skin& skin) const {
     const auto all = contacts(robot, skin);

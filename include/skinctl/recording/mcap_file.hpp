@@ -84,7 +84,7 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
-/// What `recover` did.
+/// The result of `recover`.
 struct Recovered {
   bool was_whole = false;  ///< nothing was to be done
   std::uint64_t messages = 0;

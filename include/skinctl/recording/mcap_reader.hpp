@@ -19,7 +19,7 @@ struct McapMessage {
   std::span<const unsigned char> bytes;
 };
 
-/// What a reader found in a file.
+/// The contents that a reader found in a file.
 struct McapContents {
   bool ours = false;   ///< the file begins as an MCAP file does
   bool whole = false;  ///< the file ends as one: a summary can be trusted
@@ -35,7 +35,7 @@ struct McapContents {
   std::string compression;       ///< name of the compression, as in the file
   std::uint64_t unknown = 0;     ///< messages outside of chunks whose channel was not announced
 
-  /// What was left out, in words; empty: nothing.
+  /// The contents that were left out, in words; empty: nothing.
   [[nodiscard]] std::string left_out() const {
     std::string out;
     const auto add = [&](std::uint64_t n, const std::string& what) {

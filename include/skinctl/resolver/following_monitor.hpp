@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How a robot follows, compared with its description.
+/// The lag and gap of a robot, compared with its description.
 template <std::size_t N, Real T = double>
 struct Following {
   T lag = T(0);                       ///< lag beyond the declared delay and lag together [s]
@@ -111,7 +111,7 @@ class FollowingMonitor {
     m.follows = follows;
   }
 
-  /// What is known by now.
+  /// The estimate by now.
   [[nodiscard]] SKINCTL_COLD Following<N, T> estimate(const Memory& m) const noexcept {
     using std::sqrt;
     const Part& all = m.part[0];

@@ -42,12 +42,12 @@ template <unsigned K>
 inline constexpr Facts own{1u << (16 + K)};
 }  // namespace fact
 
-/// What is seen of the world at an instant, without asking a plan.
+/// The facts that are seen of the world at an instant, without asking a plan.
 struct Observed {
   Facts told{};  ///< the facts that the sensors tell, whether they hold or not
   Facts hold{};  ///< the told facts that hold
 };
-/// What features tell: `in_hand` and `carried`. Nothing where the signals do not suffice.
+/// The facts that features tell: `in_hand` and `carried`. Nothing where the signals do not suffice.
 [[nodiscard]] constexpr Observed observed(const Features& f) noexcept {
   if (!f.known) return {};
   const Facts held = f.in_hand ? fact::in_hand : fact::none, carried = f.carried ? fact::carried : fact::none;
@@ -58,7 +58,7 @@ struct Observed {
   return {seen.told | fact, holds ? seen.hold | fact : seen.hold - fact};
 }
 
-/// What an activity asks of the world and does to it.
+/// The conditions of an activity, and its effects on the facts.
 struct ActivityRule {
   const char* name = "";
   Activity word = Activity::unknown;  ///< activity that a recogniser reports when somebody does it

@@ -15,7 +15,7 @@ struct Demonstration {
   std::vector<ObjectClass> kinds;    ///< class of each object, above 0
 };
 
-/// What changes facts.
+/// The actions of a hand that change facts.
 enum class Verb : std::uint8_t { take, squeeze, use, release };
 [[nodiscard]] constexpr const char* describe(Verb verb) noexcept {
   constexpr const char* texts[] = {"take", "squeeze", "use", "release"};
@@ -43,7 +43,7 @@ struct Deed {
 template <Frame W = World>
 using Episode = std::vector<Deed<W>>;
 
-/// Why a demonstration is refused.
+/// The reason for which a demonstration is refused.
 enum class Refusal : std::uint8_t {
   none,
   not_a_recording,
@@ -59,7 +59,7 @@ enum class Refusal : std::uint8_t {
   too_long,
   not_proved
 };
-/// Why, and what to ask the person.
+/// The refusal in words, with the question to the person.
 [[nodiscard]] constexpr const char* describe(Refusal why) noexcept {
   constexpr const char* texts[] = {
       "not refused",
@@ -284,7 +284,7 @@ template <Frame W>
 }
 }  // namespace detail
 
-/// What was done in a demonstration. Throws `ConfigurationError` for settings out of range.
+/// The deeds of a demonstration. Throws `ConfigurationError` for settings out of range.
 ///
 /// - Each contact is an episode: take, squeezes and a use in the order of time, release.
 /// - The pose of a deed is the middle of the stand in which it was done, in the world and in the frame of every thing

@@ -25,7 +25,7 @@ struct LedSample {
   double pressed = 0;  ///< force of the hand, or of the object in it, on a body, by a wrist sensor [N]
 };
 
-/// What was taught: a step for a plan.
+/// A taught step for a plan.
 template <Frame W = World>
 struct Taught {
   Activity activity = Activity::unknown;  ///< reach or put: a goal; take, release, squeeze: done there
@@ -234,7 +234,8 @@ class DemonstrationReader {
   bool led_ = false, any_ = false, closed_ = false, started_ = false;
 };
 
-/// What a recording teaches, among objects that stay where they are: a range of `LedSample<W>`, one of `Object<W>`.
+/// The steps that a recording teaches, among objects that stay where they are: a range of `LedSample<W>`, one
+/// of `Object<W>`.
 template <Frame W = World, class Samples, class Objects>
 [[nodiscard]] std::vector<Taught<W>> segment(const Samples& recording, const Objects& objects,
                                              const DemonstrationSettings& settings = {}) {

@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Why a step has failed.
+/// The reason for which a step has failed.
 enum class StepFailure : std::uint8_t {
   none,
   skill,         ///< the skill reported a failure, see `SkillReport::failure`
@@ -31,7 +31,7 @@ enum class StepFailure : std::uint8_t {
   return i < std::size(texts) ? texts[i] : "";
 }
 
-/// What an executor wants of a robot.
+/// A request of an executor to a robot.
 struct StepRequest {
   enum class Kind : std::uint8_t {
     wait,     ///< nothing, until the place is granted
@@ -49,7 +49,7 @@ struct StepRequest {
   const ActivityRule* does = nullptr;  ///< the activity; `activity::Reverse` on the way back
 };
 
-/// What an executor is told in a cycle.
+/// The input of an executor in a cycle.
 struct StepInput {
   Nanoseconds now{};
   Observed seen{};

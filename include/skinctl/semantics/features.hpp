@@ -19,7 +19,7 @@ struct HandSample {
   double force = 0;  ///< force of the fingers on the object [N]; NaN: nothing measures it
 };
 
-/// What holds at an instant. Sections 2.2 and 5 of the paper.
+/// The features at an instant. Sections 2.2 and 5 of the paper.
 struct Features {
   Nanoseconds time{};
   Nanoseconds event{};  ///< stamp of the newest change of a bit: when it happened, not when it was decided

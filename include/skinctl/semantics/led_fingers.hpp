@@ -23,7 +23,7 @@ struct LedFingersSample {
   std::array<double, F> touch{};  ///< force of each fingertip on the object [N]
 };
 
-/// What the fingers were led to do.
+/// A step that the fingers were led through.
 template <std::size_t N, std::size_t F>
 struct TaughtFingers {
   Activity activity = Activity::unknown;  ///< take or release

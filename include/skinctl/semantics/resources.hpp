@@ -12,7 +12,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a robot says about the shared places in a cycle.
+/// A robot's request for shared places in a cycle.
 struct PlaceRequest {
   std::uint8_t wants = 255;  ///< place that the robot needs next; 255: none
   std::uint32_t leaves = 0;  ///< bit k: the robot does not need place k any more, and is away from it

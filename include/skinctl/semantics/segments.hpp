@@ -21,7 +21,7 @@ struct ShownSample {
   double opening = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What is in hand is pressed harder for a while, and the hand stands.
+/// A squeeze: the object in hand is pressed harder for a while, and the hand stands.
 struct ShownSqueeze {
   Span span{};
   double felt =

@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where a step leads besides to another step.
+/// Targets of a step besides another step.
 inline constexpr std::uint8_t finish = 254;      ///< the task is done
 inline constexpr std::uint8_t ask_person = 253;  ///< somebody has to look
 inline constexpr std::uint8_t nowhere = 252;     ///< an answer no of this step is a failure
@@ -60,7 +60,7 @@ struct TaughtTask {
   std::array<double, max_borders> borders{};     ///< borders of the stiffness that a squeeze feels [N/m]
 };
 
-/// What is wrong with a task.
+/// The fault of a task.
 enum class TaskError : std::uint8_t {
   none,
   a_task_has_no_step_or_too_many,
@@ -95,7 +95,7 @@ struct TaskFault {
   [[nodiscard]] constexpr bool any() const noexcept { return error != TaskError::none; }
 };
 
-/// What is proved to hold when a step begins, and what may hold.
+/// The facts that are proved to hold when a step begins, and those that may hold.
 template <std::size_t C>
 struct StepFacts {
   std::array<Facts, C> holds{}, may_hold{};
@@ -153,9 +153,10 @@ template <std::size_t C>
 }
 }  // namespace detail
 
-/// What holds, and may hold, before each step of a task whose edges exist: the fixed point over all edges, which is
-/// reached after at most 64 rounds per step. What is left of facts after a failure is unknown: none is proved, so the
-/// step that follows needs none; what may hold then is for the sensors to tell.
+/// The facts that hold, and that may hold, before each step of a task whose edges exist: the fixed point over
+/// all edges, which is reached after at most 64 rounds per step. What is left of facts after a failure is
+/// unknown: none is proved, so the step that follows needs none; what may hold then is for the sensors to
+/// tell.
 template <std::size_t C>
 [[nodiscard]] constexpr StepFacts<C> facts_of(const TaughtTask<C>& t) noexcept {
   StepFacts<C> out{};

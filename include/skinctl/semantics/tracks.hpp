@@ -170,7 +170,7 @@ class Tracks {
   [[nodiscard]] static bool is_doubted(const Memory& m, const Track<T>& t) noexcept {
     return t.kind != 0 && t.sight > T(0) && !(belief(m, t) > T(0));
   }
-  /// Where a hand goes for what is seen at `p`: by the bias, and the try that is due.
+  /// The place to which a hand goes for a thing seen at `p`: by the bias, and the try that is due.
   [[nodiscard]] Xyz<T> aim(const Memory& m, const Xyz<T>& p_W) const noexcept {
     return p_W + m.bias + tried(m.trial);
   }

@@ -35,7 +35,7 @@ struct Detection {
   Nanoseconds time{};
 };
 
-/// What is known of an object.
+/// The state of an object as far as it is known.
 template <Frame W = World>
 struct Object {
   ObjectPose<W> X_WO{};

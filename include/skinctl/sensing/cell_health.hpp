@@ -79,7 +79,7 @@ class CellHealth {
              });
     }
   };
-  /// What others say of a cell.
+  /// The evidence of a cell's witnesses.
   struct Witness {
     bool moved = false;    ///< whether a neighbour has moved within the last 24 ms
     bool touched = false;  ///< whether a neighbour is touched, too

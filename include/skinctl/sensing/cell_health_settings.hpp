@@ -10,8 +10,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What one cell reads untouched, in steps of its sensors: the standard deviation of its noise before the
-/// sensor rounds, and the mean.
+/// The readings of one untouched cell, in steps of its sensors: the standard deviation of its noise before
+/// the sensor rounds, and the mean.
 struct SensorNoise {
   float force = 0.7f;      ///< standard deviation of one force sensor [steps]
   float proximity = 0.7f;  ///< standard deviation of the proximity [steps]

@@ -40,7 +40,7 @@ class ClockOffset {
   static constexpr std::size_t window = 30;  ///< seconds
   static constexpr double max_rate = 200e-6, slew = 500e-6;
 
-  /// What became of a message.
+  /// The result of a message.
   enum class Heard : unsigned char {
     refused,    ///< a time beyond +-73 years: not taken
     gathering,  ///< no stamps yet

@@ -14,7 +14,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Why the noise of a cell was not taken, in the order in which they are looked for.
+/// Reasons for which the noise of a cell was not taken, in the order of their checks.
 enum class NoiseFinding : unsigned char {
   good,    ///< the noise was taken
   silent,  ///< no sample, or only one

@@ -23,7 +23,7 @@ struct Reading {
   static constexpr double any = std::numeric_limits<float>::max();
 };
 
-/// What the amount of a channel is to the robot.
+/// The meaning of a channel's amount to the robot.
 enum class ChannelUse : std::uint8_t {
   contact,  ///< the world pushes: a port of energy
   seen,     ///< something at a distance: the controller's own push, which an energy tank pays for
@@ -133,7 +133,7 @@ constexpr bool is_sound() {
 
 }  // namespace detail
 
-/// What is asked of a kind, as numbers.
+/// Numbers derived from a kind.
 template <SensorKind Kind>
 struct KindTable {
   static constexpr std::size_t readings = Kind::readings.size(), channels = Kind::channels.size();

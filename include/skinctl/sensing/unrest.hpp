@@ -66,7 +66,7 @@ class Unrest {
   float per_step_;
 };
 
-/// How many measurements in a row a cell has said to be without unrest.
+/// The number of measurements in a row that a cell has said to be without unrest.
 struct Stillness {
   static constexpr double min_sigma = double(0.3f);  ///< [steps], as a `SensorNoise` holds it
   std::uint16_t measurements = 0;

@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What skills with a gripper add to the input of a scene, and to its output.
+/// The additions of skills with a gripper to the input of a scene, and to its output.
 struct GripperInput {
   GripperState gripper{};  ///< last report of the gripper
 

@@ -66,7 +66,8 @@ struct TouchCondition {
   }
 };
 
-/// How near to its goals a skill has to be to be finished; 0: not asked. See `SkillFinish::settled`.
+/// The largest distances from its goals at which a skill is finished; 0: not asked. See
+/// `SkillFinish::settled`.
 struct GoalTolerance {
   double position = 0;     ///< largest position error of a pose [m]
   double orientation = 0;  ///< largest orientation error of a pose [rad]
@@ -137,7 +138,7 @@ enum class SkillPhase : unsigned char {
   failed     ///< a failure condition has been met: the fallback skill follows
 };
 
-/// Why a request for a skill has failed.
+/// The reason for which a request for a skill has failed.
 enum class SkillFailure : unsigned char {
   none,
   conditions,  ///< refused: the conditions under which the skill may start did not hold
@@ -170,7 +171,7 @@ enum class SkillFailure : unsigned char {
   return "";
 }
 
-/// What has become of a request, by the number that it carried (`SkillRequest::ticket`).
+/// The state of a request, by the number that it carried (`SkillRequest::ticket`).
 struct SkillReport {
   std::uint16_t ticket = 0;  ///< number of the request that the report is about; 0: none
   SkillPhase phase = SkillPhase::loading;

@@ -11,7 +11,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How long an end tries before it takes the link for cut.
+/// The numbers of tries and missed beacons before an end takes the link for cut.
 struct LinkSettings {
   int tries = 12;  ///< tries of one message, 2 to 200
   int missed = 3;  ///< beacons missed in a row, 2 to 200

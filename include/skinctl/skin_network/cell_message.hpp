@@ -43,7 +43,7 @@ struct CellMessage {
   friend bool operator==(const CellMessage&, const CellMessage&) = default;
 };
 
-/// What a link carries: a message with its number, its receipt, or a sign of life.
+/// A frame on a link: a message with its number, its receipt, or a sign of life.
 struct LinkFrame {
   enum class Kind : std::uint8_t { beacon, data, receipt, busy };
   Kind kind = Kind::beacon;

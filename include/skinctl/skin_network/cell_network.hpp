@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a cell remembers: 60 bytes, whatever the skin.
+/// The memory of a cell: 60 bytes, whatever the skin.
 struct CellMemory {
   static constexpr std::uint8_t nobody = 0xff;
   struct Span {
@@ -32,7 +32,7 @@ struct CellMemory {
   std::array<std::uint8_t, 2> spare{};  ///< no padding: `check_word` is over all bytes
 };
 
-/// What happens to a cell.
+/// An event at a cell.
 struct CellEvent {
   enum class Kind : std::uint8_t { received, port_up, port_down };
   Kind kind = Kind::received;
@@ -40,7 +40,7 @@ struct CellEvent {
   CellMessage message{};
 };
 
-/// What a cell sends upon an event: at most two to each port.
+/// The messages of a cell upon an event: at most two to each port.
 class CellOutput {
  public:
   struct Item {
@@ -194,8 +194,8 @@ struct CellAtWork {
 
 }  // namespace detail
 
-/// What a cell does: a pure function, with nothing unbounded in it, for a firmware of any kind. A port beyond the
-/// fourth and a message that makes no sense change nothing.
+/// The behaviour of a cell: a pure function, with nothing unbounded in it, for a firmware of any kind. A port
+/// beyond the fourth and a message that makes no sense change nothing.
 ///
 /// - The flood (`explore`) of a new epoch makes a tree of shortest times; the echo counts what is below each port; `assign`
 ///   comes down with labels and ids from these counts; neighbours tell each other their names, and each cell

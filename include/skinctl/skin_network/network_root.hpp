@@ -132,7 +132,7 @@ class NetworkRoot {
     forgot_ = forget_;
     forget_ = false;
   }
-  /// When `tick` has something to do.
+  /// The time at which `tick` has something to do.
   [[nodiscard]] std::optional<Nanoseconds> due() const noexcept { return due_; }
   /// Two cells keep saying that they have one id, although all ids were given anew: one of them lies.
   [[nodiscard]] bool ids_twice() const noexcept { return twice_; }

@@ -9,8 +9,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where a cell of a skin is: its link, the number of its patch, its origin [m] and its outward normal along
-/// the link's axes.
+/// The place of a cell of a skin: its link, the number of its patch, its origin [m] and its outward normal
+/// along the link's axes.
 struct CellPlace {
   std::size_t link = 0, patch = 0;
   Xyz<double> place{0.0, 0.0, 0.0}, normal{0.0, 0.0, 1.0};

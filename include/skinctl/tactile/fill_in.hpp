@@ -140,8 +140,8 @@ class FillIn {
     }
     return out;
   }
-  /// What cell `j` is taken to read while others are filled in: its readings, an array, if it counts, else the means of those of
-  /// its neighbours that count, NaN if none does.
+  /// The readings by which cell `j` fills in others: its own, an array, if it counts, else the means of those
+  /// of its neighbours that count, NaN if none does.
   template <class Readings, class Counts>
   [[nodiscard]] auto read_as(std::size_t j, const Readings& readings, const Counts& counts) const noexcept {
     using Values = std::remove_cvref_t<decltype(readings(j))>;

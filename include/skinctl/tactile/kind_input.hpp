@@ -12,8 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a skin of a kind adds to the input of a cycle: `input.sensed.taxels = batch`, in a scene with two
-/// such kinds `taxels_of<Uskin>(input.sensed) = batch`. The samples of a cell are in the order of their
+/// The addition of a skin of a kind to the input of a cycle: `input.sensed.taxels = batch`, in a scene with
+/// two such kinds `taxels_of<Uskin>(input.sensed) = batch`. The samples of a cell are in the order of their
 /// stamps.
 template <SensorKind Kind>
 struct KindInput {

@@ -16,7 +16,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `MotorTouch` adds to the input of a cycle: the motors' torque at the joints at the time of the
+/// The addition of `MotorTouch` to the input of a cycle: the motors' torque at the joints at the time of the
 /// measured state [N m], `current * torque constant * gear ratio`. For a robot that finds the torque of the
 /// world itself (`RobotObserver`) that torque stands here.
 template <std::size_t N, Scalar T = double>
@@ -163,9 +163,9 @@ class MotorTouch : public sensor_sums::Summand {
   /// Newtons that laws see per newton anywhere on the robot: the motors feel all links.
   [[nodiscard]] double gain_everywhere() const noexcept { return static_cast<double>(s_.gain); }
 
-  /// What of `found` is not explained by the contacts that another source feels: per joint, the rest in the
-  /// direction of `found`. So a push on the skin counts once, with the larger of the two torques, and what the
-  /// skin overstates does not turn the residual round.
+  /// The part of `found` that is not explained by the contacts that another source feels: per joint, the rest
+  /// in the direction of `found`. So a push on the skin counts once, with the larger of the two torques, and
+  /// what the skin overstates does not turn the residual round.
   template <class Contact>
   [[nodiscard]] Wrenches beyond(Wrenches found, const JointPosition<joints, T>& q,
                                 const Contact& contact) const noexcept {

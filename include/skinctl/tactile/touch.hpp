@@ -56,7 +56,7 @@ concept TouchSource = detail::HasTouchTypes<S> && requires(const S& s, const typ
   { s.wrenches(m) } -> std::convertible_to<typename S::Wrenches>;
 };
 
-/// What a touch receives in a cycle.
+/// The input of a touch in a cycle.
 template <class Sensed, class State>
 struct TouchGiven {
   std::span<const CellSample> samples;  ///< samples of cells
@@ -212,7 +212,8 @@ struct TouchTable {
   }
 };
 
-/// What the input of a scene holds beside cells, by the `Sensed` of its touch.
+/// Readings in the input of a scene beside those of cells, by the `Sensed` of its touch: wrenches, torques of
+/// motors, weights of patches.
 template <class Sensed>
 concept SensesWrenches = requires(const Sensed& sensed) { sensed.wrenches; };
 template <class Sensed>

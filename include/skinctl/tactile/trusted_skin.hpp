@@ -148,7 +148,7 @@ class TrustedSkin : public detail::TrustCore<S> {
     }
     return T(most < 1 ? most : 1.0f);
   }
-  /// How much of the skin feels: cells that are heard and not masked.
+  /// The share of the skin that feels: cells that are heard and not masked.
   [[nodiscard]] Coverage coverage(const Memory& m) const noexcept {
     Coverage out;
     for (std::size_t k = 0; k + 1 < this->first_.size(); ++k) {
@@ -171,7 +171,7 @@ class TrustedSkin : public detail::TrustCore<S> {
   [[nodiscard]] float mask(const Memory& m, std::size_t i) const noexcept {
     return cell_[i].masked ? 1.0f : Health::mask(m.health, i);
   }
-  /// What is found of cell `i`, silence included; empty: healthy.
+  /// The faults found of cell `i`, silence included; empty: healthy.
   [[nodiscard]] CellFaults faults(const Memory& m, std::size_t i) const noexcept {
     CellFaults f = Health::faults(m.health, i);
     if (!m.hears(i)) f |= CellFault::unheard;

@@ -22,7 +22,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a wrist sensor adds to the input of a cycle.
+/// The addition of a wrist sensor to the input of a cycle.
 struct WristInput {
   SampleSpan<WrenchSample> wrenches;  ///< arrived since the last cycle, in the order of their stamps
 };

@@ -13,7 +13,7 @@
 
 namespace skinctl::testing {
 
-/// What a robot by joint impedance is in truth.
+/// The true parameters of a robot by joint impedance.
 template <std::size_t N>
 struct ImpedanceTruth {
   JointTorque<N> stiffness;    ///< k of each joint [N m/rad]

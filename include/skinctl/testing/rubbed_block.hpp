@@ -48,9 +48,9 @@ struct RubbedBlock {
       x += h * v;
     }
   }
-  /// How fast it slides on the skin [m/s].
+  /// The block's speed on the skin [m/s].
   [[nodiscard]] double sliding() const { return v - bristle.z_rate; }
-  /// How far it has slid [m].
+  /// The block's way on the skin [m].
   [[nodiscard]] double slid() const { return x - bristle.z; }
 };
 

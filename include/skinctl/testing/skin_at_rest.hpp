@@ -27,7 +27,7 @@ namespace skinctl::testing {
   return deviation * Eigen::Vector3d(x, y, z);
 }
 
-/// Where a cell truly is, and its accelerometer.
+/// The true pose of a cell, and its accelerometer.
 struct CellAtRest {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
@@ -127,7 +127,7 @@ struct SimulatedAccelerometer {
   return out;
 }
 
-/// How far a reconstruction is from the truth once it is aligned as a whole, over the cells that it says it knows.
+/// The errors of a reconstruction once it is aligned as a whole, over the cells that it says it knows.
 struct ShapeError {
   double place = 0, turn = 0;  ///< rms [m], [rad]
   double worst_place = 0, worst_turn = 0;

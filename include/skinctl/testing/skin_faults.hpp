@@ -89,8 +89,8 @@ class SkinFaults {
                        [&](std::size_t k) { return faults_[k].from <= time && time < faults_[k].until; });
   }
 
-  /// What arrives until `now` in place of `samples`, which are those of one cycle, in the order of their
-  /// stamps.
+  /// The samples that arrive until `now` in place of `samples`, which are those of one cycle, in the order of
+  /// their stamps.
   void apply(std::vector<CellSample>& samples, Nanoseconds now) {
     arrived_.clear();
     for (const CellSample& sample : samples) {

@@ -13,7 +13,7 @@
 
 namespace skinctl::testing {
 
-/// What a robot is in truth; each default is the ideal joint.
+/// The true parameters of a robot; each default is the ideal joint.
 template <std::size_t N>
 struct JointTruth {
   using Row = std::array<double, N>;
@@ -103,7 +103,7 @@ class UndeclaredJoints {
   /// The speed slider, 0 to 1: velocities, `max_speed` and the clock of the lags are scaled by it.
   void slider(double share) { slider_ = share; }
 
-  /// What the robot reports at its present time, once per call.
+  /// The robot's report at its present time, once per call.
   const Measured& measured() {
     const bool skip = truth_.skipped > 0 && uniform() < truth_.skipped;
     if (!skip) last_ = sample();
