@@ -19,10 +19,10 @@ SKINCTL_BEGIN_NAMESPACE
 class DynamicsExcitation : public Excitation {
  public:
   struct Settings {
-    double period = 10;  ///< of the slowest sine, about [s], 2 to 60; 20 s move a UR5 too slowly
-    int periods = 3;     ///< how long it takes, 1 to 100
-    double range = 1.5;  ///< at most, from home [rad], 0.05 to 3
-    double share = 0.9;  ///< of each limit that may be used, 0.1 to 1
+    double period = 10;  ///< approximate period of the slowest sine [s], 2 to 60; 20 s move a UR5 too slowly
+    int periods = 3;     ///< duration in periods, 1 to 100
+    double range = 1.5;  ///< largest way of a joint from home [rad], 0.05 to 3
+    double share = 0.9;  ///< share of each limit that may be used, 0.1 to 1
     int tries = 150;     ///< motions that are compared, 1 to 100000
     std::uint64_t seed = 1;
   };

@@ -30,15 +30,16 @@ struct InertialFitSettings {
 template <std::size_t N>
 struct InertialFit {
   InertialParameters<N> theta;
-  std::array<double, N> viscous{}, coulomb{}, rotor{};  ///< [N m s/rad], [N m], [kg m^2]
-  double lateness = 0;                                  ///< of the torques [s]
-  std::array<double, N> presliding{};                   ///< way in which friction turns round [rad]
-  std::array<double, N> noise{};                        ///< standard deviation of a torque from the fit [N m]
-  std::array<double, N> explained{};                    ///< R^2 of each joint, of torques less their means
+  /// Viscous and Coulomb friction, rotor inertia [N m s/rad], [N m], [kg m^2].
+  std::array<double, N> viscous{}, coulomb{}, rotor{};
+  double lateness = 0;                 ///< lateness of the torques behind the positions [s]
+  std::array<double, N> presliding{};  ///< way in which friction turns round [rad]
+  std::array<double, N> noise{};       ///< standard deviation of a torque from the fit [N m]
+  std::array<double, N> explained{};   ///< R^2 of each joint, of torques less their means
   BaseParameters base;
   EstimateOf<Eigen::VectorXd>
       base_values;                      ///< theta_base and its covariance, of least squares with the prior
-  InertialParameters<N> least_squares;  ///< result of ordinary least squares: no body need have it
+  InertialParameters<N> least_squares;  ///< result of ordinary least squares; no physical body need have it
   std::array<double, N> ls_viscous{}, ls_coulomb{},
       ls_rotor{};  ///< friction and rotors of ordinary least squares
   int steps = 0;

@@ -91,7 +91,7 @@ class MeasuredMotion {
   /// The times between which the accelerations are known: three knots within the recording.
   [[nodiscard]] double start() const noexcept { return start_ + 3 * knot_; }
   [[nodiscard]] double end() const noexcept { return end_ - 3 * knot_; }
-  /// Where the joints were at the first stamp; velocities and accelerations are not known there.
+  /// The position of the joints at the first stamp; velocities and accelerations are not known there.
   [[nodiscard]] Eigen::VectorXd first() const { return at(start_).q; }
   [[nodiscard]] const std::vector<Gap>& gaps() const noexcept { return gaps_; }
   /// Whether a gap lies between two times.

@@ -19,11 +19,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How much a residual counts: `rho(|r|^2) / 2`, of residuals in units of their standard deviation.
+/// The cost of a residual: `rho(|r|^2) / 2`, of residuals in units of their standard deviation.
 struct Loss {
   enum class Kind { square, huber, cauchy };
   Kind kind = Kind::square;
-  double width = 1;  ///< of |r|, from which it counts less than by its square
+  double width = 1;  ///< |r| from which a residual counts less than by its square
 
   /// rho and its derivative by |r|^2, the weight.
   struct Value {
@@ -68,7 +68,7 @@ struct Partial {
   int column;
   Columns matrix;
 };
-/// Of a term: by all the unknowns on which it depends.
+/// The derivatives of one term by all unknowns on which it depends.
 using Partials = std::initializer_list<Partial>;
 
 /// The cost alone. Like the other two: `start`, then `add` for each term, of residuals in units of their deviation.
@@ -89,7 +89,8 @@ class CostOnly {
 struct Observability {
   Eigen::MatrixXd covariance;  ///< 0 along the unseen directions
   Eigen::MatrixXd unseen;      ///< unit columns, of unknowns in units of their scale; the least known first
-  Eigen::VectorXd deviation;   ///< of these, in units of their scale; infinite: not at all
+  /// Standard deviation along each column of `unseen`, in units of the scale; infinite: not observed at all.
+  Eigen::VectorXd deviation;
 };
 
 /// `H = sum J'J` and `g = sum J'r` as dense matrices: to about a thousand unknowns.
@@ -168,7 +169,7 @@ class DenseNormal {
   double cost_ = 0;
 };
 
-/// The same as a sparse matrix, of blocks as the terms name them: to tens of thousands of unknowns.
+/// A `DenseNormal` with a sparse matrix, of blocks as the terms name them: to tens of thousands of unknowns.
 class SparseNormal {
  public:
   static constexpr bool derivatives = true;

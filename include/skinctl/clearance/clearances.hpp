@@ -17,7 +17,7 @@ struct Clearance {
   using Kind = Clearance;
   std::vector<LinkCapsule> capsules = {};
   std::vector<CapsulePair> pairs = {};
-  double margin = 0.02;  ///< of the surfaces [m]
+  double margin = 0.02;  ///< smallest distance of the surfaces that is kept [m]
   double reach = 1.5;    ///< largest distance of a capsule's point from any joint axis before it [m]
 };
 
@@ -32,9 +32,10 @@ struct ClearanceAround {
   Clearance own;  ///< among the robot's links and what is fixed
   std::vector<std::size_t>
       exposed;  ///< the capsules of `own`, by their numbers, that obstacles must not meet
-  /// From a command until the robot is where it says, and from a change of the world until the input has it.
+  /// Time from a command until the robot is where it says, and from a change of the world until the input has
+  /// it.
   Nanoseconds late = 20ms;
-  Nanoseconds max_age = 100ms;  ///< of the input's obstacles, at the end of the cycle
+  Nanoseconds max_age = 100ms;  ///< largest age of the input's obstacles at the end of the cycle
 };
 
 /// The distances of the pairs of a `Clearance` at a position, and their gradients; with `Around` > 0 also those of
@@ -92,7 +93,7 @@ class Clearances {
     }
     return pairs_[k].between;
   }
-  /// How fast the other side of pair `k` may come closer by itself [m/s].
+  /// The largest speed at which the other side of pair `k` may come closer by itself [m/s].
   [[nodiscard]] SKINCTL_INLINE T approach(std::size_t k, const Near& near) const noexcept {
     if constexpr (Around > 0) {
       if (k >= pairs_.size()) return near.obstacles[(k - pairs_.size()) % count(near)].approach;
@@ -104,7 +105,8 @@ class Clearances {
   SKINCTL_INLINE void distances(const Position& q, T (&out)[max_pairs]) const noexcept {
     distances(q, {}, out, [](std::size_t) { return true; });
   }
-  /// The same with obstacles, of the pairs that are `asked(k)`.
+  /// The distances of those pairs k for which `asked(k)` is true, also from the obstacles `near`; the others
+  /// are left as they are.
   template <class Asked>
   SKINCTL_NOINLINE void distances(const Position& q, const Near& near, T (&out)[max_pairs],
                                   const Asked& asked) const noexcept {

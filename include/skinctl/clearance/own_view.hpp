@@ -14,11 +14,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How far and wide a cell's proximity sensor sees, and its curve: `1 - distance/range` or less.
+/// Range and cone of a cell's proximity sensor, and its curve: `1 - distance/range` or less.
 struct CellView {
   double range = 0.2;      ///< [m]
-  double half_angle = 25;  ///< of its cone [degrees]
-  double error = 0.01;     ///< of capsules and places [m]
+  double half_angle = 25;  ///< half opening angle of the cell's cone [degrees]
+  double error = 0.01;     ///< error of capsules and places of cells [m]
   double band = 0.1;       ///< readings fade in from the prediction to this much above it
 };
 

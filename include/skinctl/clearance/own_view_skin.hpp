@@ -23,10 +23,11 @@ class OwnViewSkin : public WrappedTouch<OwnViewSkin<S, M>, S, NoSensors> {  // t
   using scalar = typename Base::scalar;
 
   using Joints = JointHistory<M::joints, scalar>;
-  /// That of the skin, the raw reading of each cell and its prediction: six bytes a cell. Trivially copyable.
+  /// The skin's memory, the raw reading of each cell and its prediction: six bytes a cell. Trivially
+  /// copyable.
   struct Memory : S::Memory {
     typename Joints::Memory joints;
-    Nanoseconds late{0};  ///< of the newest sample's stamp, behind the measured state
+    Nanoseconds late{0};  ///< age of the newest sample's stamp behind the measured state
     std::array<CellCounts, S::cells> raw{};
     std::array<std::uint16_t, S::cells> own{};
   };

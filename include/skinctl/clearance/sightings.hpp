@@ -10,14 +10,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How readings of proximity are understood.
+/// The model by which readings of proximity become obstacles.
 struct SightSettings {
   double range = 0.2;         ///< a reading is `1 - distance/range`, or less [m]
-  double half_angle = 25;     ///< of a cell's cone [degrees], < 80
-  double error = 0.01;        ///< of a distance, noise included [m]: what is seen may be nearer by it
-  double radius = 0.04;       ///< of the ball that is assumed where a cell sees something [m]
-  double approach = 0.3;      ///< how fast it may come closer [m/s]
-  double min_reading = 0.05;  ///< a smaller reading is nothing, in (0, 1)
+  double half_angle = 25;     ///< half opening angle of a cell's cone [degrees], < 80
+  double error = 0.01;        ///< error of a distance, noise included [m]: an obstacle may be nearer by it
+  double radius = 0.04;       ///< radius of the ball that is assumed where a cell sees something [m]
+  double approach = 0.3;      ///< speed at which the ball may come closer [m/s]
+  double min_reading = 0.05;  ///< reading in (0, 1) below which nothing is seen
 };
 
 /// Turns readings of proximity into obstacles for `ClearanceAround`: a ball of `radius` whose surface is at the read

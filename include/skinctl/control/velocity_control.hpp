@@ -35,7 +35,7 @@ class VelocityControl : public Composable {
   static constexpr const char* name = "velocity";
   struct Memory {
     JointVelocity<N, T> wanted;
-    T left = T(0);  ///< for which the goal holds [s]
+    T left = T(0);  ///< remaining time for which the goal holds [s]
   };
 
   /// @param rate   [1/s], > 0, at most 0.25 / D: see `check_for`.

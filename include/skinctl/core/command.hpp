@@ -18,7 +18,7 @@ enum class Interface : unsigned char {
 inline constexpr Interface all_interfaces[] = {Interface::position, Interface::velocity, Interface::torque,
                                                Interface::impedance};
 
-/// Which numbers a command of an interface holds.
+/// Whether a command of the interface holds positions; below, velocities and torques.
 [[nodiscard]] constexpr bool takes_position(Interface i) noexcept {
   return i == Interface::position || i == Interface::impedance;
 }
@@ -29,8 +29,8 @@ inline constexpr Interface all_interfaces[] = {Interface::position, Interface::v
   return i == Interface::torque || i == Interface::impedance;
 }
 
-/// What a cycle has planned for `time`, between its stages and for those who watch: the commanded motion,
-/// whatever the interface, and the fused torque, beside a motion the last finite one, or by impedance that which the
+/// The plan of a cycle for `time`, between its stages and for those who watch: the commanded motion, whatever
+/// the interface, and the fused torque, beside a motion the last finite one, or by impedance that which the
 /// motion takes. A robot gets a `RobotCommand`.
 template <std::size_t N, Real T = double>
 struct JointCommand {

@@ -54,11 +54,11 @@ inline constexpr bool any_eigen = (EigenExpression<V> || ...);
 /// A transform of Eigen's; Eigen/Geometry is not included here.
 template <class X>
 concept EigenPose = requires { typename X::LinearMatrixType; };
-/// As a constant, too.
+/// `EigenPose` as a constant.
 template <class X>
 inline constexpr bool is_eigen_pose = EigenPose<X>;
 
-/// One that has elements to read.
+/// An Eigen expression that has elements to read.
 template <class V>
 concept VectorExpression = EigenExpression<V> && requires(const V& v) {
   v.eval();

@@ -125,7 +125,7 @@ class Configurations {
   template <std::same_as<C>... Others>
   explicit Configurations(const C& first, const Others&... others)
       : Configurations(Ramp<scalar>(), first, others...) {}
-  /// The same with another T_h than 100 ms.
+  /// With another T_h than 100 ms for the change of torque, `transfer`; otherwise as above.
   template <std::same_as<C>... Others>
   Configurations(const Ramp<scalar>& transfer, const C& first, const Others&... others)
       : scenes_{carrying(transfer, first), carrying(transfer, others)...} {

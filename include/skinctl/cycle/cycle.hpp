@@ -115,7 +115,8 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
     start(m, measured);
     return m;
   }
-  /// The same in place, for memories too large for the stack: `start(m, measured)`, `start(m, measured, told)`.
+  /// `start` in place, for memories too large for the stack: `start(m, measured)`,
+  /// `start(m, measured, told)`.
   using Loop::start;
   /// Takes over a robot by position that was told to be at `told`, as its controller reports it (the target of a
   /// UR), and that stands beside it by no more than `RobotConfiguration::largest_gap`: it does not step, and the gap needs no consent.
@@ -136,7 +137,8 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
     return result;
   }
 
-  /// The same in place, for the loop. No allocation, lock, exception or system call.
+  /// One cycle in place, for the loop: `m` becomes the next memory. No allocation, lock, exception or system
+  /// call.
   template <class Watch = NoStopwatch>
   SKINCTL_NOINLINE Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
     return this->run(m, input, watch, detail::NoChange{});

@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Result of `forward_dynamics`.
+/// Result of `forward_dynamics`: the joints' acceleration, and whether the mass matrix was positive definite.
 template <std::size_t N, Scalar T = double>
 struct ForwardDynamics {
   JointAcceleration<N, T> acceleration;  ///< [rad/s^2]

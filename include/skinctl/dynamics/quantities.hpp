@@ -190,7 +190,7 @@ class Quantities {
     static_assert(needs.mass, "not asked for: set needs.mass");
     return mass_.value;
   }
-  /// The same, factorised.
+  /// The mass matrix of `mass()`, factorised.
   [[nodiscard]] SKINCTL_INLINE const MassFactors<M, T>& mass_factors() const noexcept {
     static_assert(needs.mass_factors, "not asked for: set needs.mass_factors");
     return factors_.value;

@@ -45,7 +45,7 @@ class Transform {
                   "a frame has no pose in itself: name two, or go on from X_AB by X_AB.translated(...), "
                   ".rotated_z(...)");
   }
-  /// The same from Eigen, 3x3 and 3x1 of scalar `T`.
+  /// From Eigen: `R_AB` 3x3 and `p_AB` 3x1 of scalar `T`, with the requirements above.
   template <VectorExpression M, VectorExpression V>
     requires(std::same_as<typename M::Scalar, T> && std::same_as<typename V::Scalar, T>)
   Transform(const M& R_AB, const V& p_AB) noexcept : Transform(Rotation<T>::from_eigen(R_AB), as_xyz(p_AB)) {}

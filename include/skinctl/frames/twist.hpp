@@ -11,8 +11,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// Zero by default. `Twist<B, A, B, E>` has the monogram `V_AB_E`: B relative to A, at B's own origin.
 template <Frame Body, Frame Relative, Frame At = Body, Frame Axes = Relative, Scalar T = double>
 struct Twist {
-  Xyz<T> linear{T(0), T(0), T(0)};   ///< [m/s]
-  Xyz<T> angular{T(0), T(0), T(0)};  ///< [rad/s]
+  Xyz<T> linear{T(0), T(0), T(0)};   ///< velocity of the body's point at the origin of `At` [m/s]
+  Xyz<T> angular{T(0), T(0), T(0)};  ///< angular velocity [rad/s]
 
   /// From an Eigen vector of six numbers, linear part first.
   template <VectorExpression V>

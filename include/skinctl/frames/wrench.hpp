@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// A force through the origin of `At` has no moment there; `shift` gives its moment about other points.
 template <Frame Body, Frame At = Body, Frame Axes = At, Scalar T = double>
 struct Wrench {
-  Xyz<T> force{T(0), T(0), T(0)};   ///< [N]
-  Xyz<T> moment{T(0), T(0), T(0)};  ///< [N m]
+  Xyz<T> force{T(0), T(0), T(0)};   ///< force on the body [N]
+  Xyz<T> moment{T(0), T(0), T(0)};  ///< moment about the origin of `At` [N m]
 
   /// From an Eigen vector of six numbers, force first.
   template <VectorExpression V>

@@ -16,7 +16,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What CDR knows as a number of 1, 2, 4 or 8 bytes.
+/// A type that CDR knows as a number of 1, 2, 4 or 8 bytes.
 template <class V>
 concept CdrNumber = std::is_arithmetic_v<V> && !std::same_as<V, long double> && sizeof(V) <= 8;
 

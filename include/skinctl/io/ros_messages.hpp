@@ -69,7 +69,7 @@ enum class PointNumber : std::uint8_t { i8 = 1, u8, i16, u16, i32, u32, f32, f64
 /// One field of a point.
 struct PointField {
   std::string_view name;
-  std::uint32_t offset = 0;  ///< from the beginning of the point
+  std::uint32_t offset = 0;  ///< bytes from the beginning of the point
   PointNumber number = PointNumber::f32;
 };
 
@@ -78,7 +78,7 @@ struct PointCloud {
   Nanoseconds time{};
   std::string_view frame;
   std::span<const PointField> fields;
-  std::uint32_t point_size = 0;  ///< above 0
+  std::uint32_t point_size = 0;  ///< bytes of a point, above 0
   std::span<const unsigned char> points;
 
   [[nodiscard]] static const MessageType& type() {

@@ -22,15 +22,15 @@ struct SkinPoint {
     stale = 1,  ///< older than `SkinCloud::max_age`, or never heard
     masked = 2  ///< the readings do not count
   };
-  std::array<float, 3> position{};  ///< in the base [m]
+  std::array<float, 3> position{};  ///< position in the base [m]
   float force = 0;         ///< sum of the readings, times the scale [N]; without a scale the readings
-  float proximity = 0;     ///< in [0, 1]
+  float proximity = 0;     ///< proximity reading, in [0, 1]
   float temperature = 0;   ///< [C]
   std::uint32_t cell = 0;  ///< id
   std::uint32_t status = stale;
-  std::array<float, 3> forces{};        ///< the readings, each in [0, 1]
-  std::int32_t age = 0;                 ///< of the sample at the message's stamp [ns]; held at both ends
-  std::array<float, 3> acceleration{};  ///< [m/s^2]
+  std::array<float, 3> forces{};  ///< the readings, each in [0, 1]
+  std::int32_t age = 0;  ///< age of the sample at the message's stamp [ns], limited to the range of its type
+  std::array<float, 3> acceleration{};               ///< proper acceleration along the cell's axes [m/s^2]
   std::uint16_t measured = unsaid, unrest = unsaid;  ///< see `CellSample`
 
   static constexpr std::array<ros::PointField, 17> fields = {{{"x", 0},
@@ -65,7 +65,7 @@ class SkinCloud {
   };
   struct Options {
     std::string frame = "base_link";
-    float newtons = 1;            ///< of a sum of readings of 1; 1: `force` is the sum itself
+    float newtons = 1;  ///< force for which a cell's readings add up to 1 [N]; 1: `force` is the sum itself
     Nanoseconds max_age = 100ms;  ///< older samples are marked as stale
   };
 

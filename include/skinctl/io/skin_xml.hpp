@@ -13,10 +13,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a patch file in XML does not say.
+/// The facts that a patch file in XML does not hold.
 struct SkinXmlOptions {
   std::string name = "patch";
-  std::string link{};  ///< the link that carries it; empty: `baseFrame` of the file
+  std::string link{};  ///< link that carries the skin; empty: `baseFrame` of the file
   CellGains gains{};
   std::optional<SkinPose> X_LinkRoot{};  ///< none: `tf_rootCell_base` of the file
 };

@@ -66,7 +66,8 @@ template <std::size_t Ix, FrameName Name, Scalar T = double>
            ", the program expects it on joint " + std::to_string(Ix));
   return Transform<Link<Ix>, NamedFrame<Name>>(frame.R, frame.p).template cast<T>();
 }
-/// The same for a link that no joint moves, in `Base`.
+/// Pose in `Base` of a link that no joint moves. Throws `ConfigurationError` for another link, and for a name
+/// that is not in the file.
 template <FrameName Name, Scalar T = double>
 [[nodiscard]] Transform<Base, NamedFrame<Name>, T> named_link_pose(const Urdf& urdf) {
   const UrdfFrame& frame = urdf.frame(Name.view());

@@ -34,18 +34,19 @@ struct UrdfOptions {
 /// A joint of a URDF that moves, and the link that it carries with all links fixed to it.
 struct UrdfJoint {
   std::string name;
-  std::string link;  ///< the link that it carries
-  int parent = -1;   ///< index of the joint that carries its parent link; -1: the base
+  std::string link;  ///< name of the link that the joint carries
+  int parent = -1;   ///< index of the joint that carries the parent link; -1: the base
   JointKind kind = JointKind::revolute;
   bool continuous = false;                                  ///< turns without end: no `lower`, `upper`
-  double lower = -std::numeric_limits<double>::infinity();  ///< [rad] or [m]
+  double lower = -std::numeric_limits<double>::infinity();  ///< lower position limit [rad] or [m]
   double upper = std::numeric_limits<double>::infinity();
-  double velocity = std::numeric_limits<double>::infinity();     ///< [rad/s] or [m/s]
-  double effort = std::numeric_limits<double>::infinity();       ///< [N m] or [N]
-  double soft_lower = -std::numeric_limits<double>::infinity();  ///< of `<safety_controller>` [rad] or [m]
+  double velocity = std::numeric_limits<double>::infinity();  ///< largest velocity [rad/s] or [m/s]
+  double effort = std::numeric_limits<double>::infinity();    ///< largest torque [N m] or force [N]
+  /// Lower position limit of `<safety_controller>` [rad] or [m].
+  double soft_lower = -std::numeric_limits<double>::infinity();
   double soft_upper = std::numeric_limits<double>::infinity();
   std::string question{};  ///< the limit that looks like degrees, in words; empty: none
-  PlacedLink placed;       ///< in the parent joint's frame, with z turned onto the joint's axis
+  PlacedLink placed;       ///< place in the parent joint's frame, with z turned onto the joint's axis
   int line = 0;            ///< line of the file
 };
 
@@ -53,7 +54,7 @@ struct UrdfJoint {
 /// `Link<joint>` of `calibrated_from`'s model, or in `Base`.
 struct UrdfFrame {
   std::string name;
-  int joint = -1;  ///< the joint of `Urdf::joints` that carries it; -1: nothing moves it
+  int joint = -1;  ///< index into `Urdf::joints` of the joint that carries the link; -1: nothing moves it
   Rotation<double> R;
   Xyz<double> p{0, 0, 0};
 };

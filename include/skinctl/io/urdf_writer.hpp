@@ -19,18 +19,18 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a URDF has beside the model. Everything may be left out.
+/// The contents of a URDF beside the model. Everything may be left out.
 struct UrdfDress {
   std::string name = "robot";
   std::string base = "base_link";
   std::vector<std::string> joints{};  ///< names; missing ones are "joint_1", ...
   std::vector<std::string> links{};   ///< names of the moving links; missing ones are "link_1", ...
   struct Limit {
-    double lower = 0, upper = 0;  ///< [rad] or [m]
+    double lower = 0, upper = 0;  ///< position limits [rad] or [m]
     double velocity = 0, effort = 0;
   };
-  std::vector<Limit> limits{};           ///< of each joint; without them revolute ones are continuous
-  std::vector<LinkCapsule> capsules{};   ///< to look at, in the links' frames; fixed ones in the base
+  std::vector<Limit> limits{};          ///< limits of each joint; without them revolute joints are continuous
+  std::vector<LinkCapsule> capsules{};  ///< shapes for viewers, in the links' frames; fixed ones in the base
   std::vector<NamedLink> named_links{};  ///< frames fixed to links, as links without mass
 };
 

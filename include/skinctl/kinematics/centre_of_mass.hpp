@@ -8,13 +8,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Centre of mass and its Jacobian, with a column for every joint that carries mass. A robot without mass
-/// gives zeros.
+/// Centre of mass in the base, and its Jacobian. The column of a joint that carries no mass is 0; a robot
+/// without mass has the origin and zeros.
 template <std::size_t N, Scalar T = double>
 struct CentreOfMass {
-  T mass{0};            ///< of all links [kg]
-  Point<Base, T> p;     ///< [m]
-  Xyz<T> columns[N]{};  ///< velocity of the centre of mass per joint unit [m/s], along the axes of the base
+  T mass{0};         ///< mass of all links [kg]
+  Point<Base, T> p;  ///< centre of mass in the base [m]
+  /// Velocity of the centre of mass in the base, per velocity of each joint [m/rad] or [1].
+  Xyz<T> columns[N]{};
 
   /// Velocity of the centre of mass [m/s].
   [[nodiscard]] SKINCTL_INLINE FreeVector<Base, T> velocity(const JointVelocity<N, T>& dq) const noexcept {

@@ -52,7 +52,8 @@ struct LawTable {
   static constexpr bool takes_goals = detail::HasGoal<L>;
   /// `NoGoal` if it takes none.
   using Goal = typename detail::GoalTypeOf<L>::type;
-  /// What it adds to the input of a scene, and to its output; `NothingAdded` or another empty type if nothing.
+  /// The law's addition to the input of a scene, and to its output; `NothingAdded` or another empty type if
+  /// nothing.
   using Input = typename detail::InputTypeOf<L>::type;
   using Output = typename detail::OutputTypeOf<L>::type;
   /// 0: any number.

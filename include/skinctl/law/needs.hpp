@@ -21,7 +21,7 @@ struct Needs {
   bool coriolis = false;        ///< C(q, dq) dq
   bool momentum = false;        ///< M(q) dq
   bool kinetic_energy = false;  ///< 1/2 dq' M(q) dq
-  bool centre_of_mass = false;  ///< of the whole robot, with its Jacobian
+  bool centre_of_mass = false;  ///< centre of mass of the whole robot, with its Jacobian
   bool touch = false;           ///< wrenches of the skin on the links
   bool middle = false;          ///< sines and cosines half an interval ahead, at `q + dq dt/2`
 

@@ -42,7 +42,7 @@ class ClearanceLimits {
   static constexpr std::size_t joints = M::joints, around = Around;
   using scalar = T;
   static constexpr std::size_t max_pairs = Clearances<M, T, Around>::max_pairs;
-  static constexpr int looks = 6;  ///< along a way to stop
+  static constexpr int looks = 6;  ///< number of positions that are looked at along a way to stop
   using Kind = Clearance;
   static constexpr Precedence precedence = Precedence::clearance;
   static constexpr Reason reason = Reason::clearance_kept;
@@ -50,17 +50,17 @@ class ClearanceLimits {
   using Position = JointPosition<joints, T>;
   using Near = typename Clearances<M, T, Around>::Near;
   using Here = detail::ClearanceWays<ClearanceLimits>;  ///< the distances at a position, for several queries
-  /// Where the robot is beside its commands. Trivially copyable.
+  /// The robot's deviation from its commands. Trivially copyable.
   struct Beside {
     Position off{};
-    bool is_off = false;  ///< by more than is ignored
+    bool is_off = false;  ///< `off` is large enough to count
   };
-  /// The same, and what is around, from the input.
+  /// A `Beside`, and the obstacles around the robot, from the input.
   struct Seen : Beside {
     Near near{};
-    Position measured{};  ///< where the robot is
-    T age = T(0);         ///< of the obstacles, now [s]
-    bool blind = true;    ///< they are too old, too many or no numbers
+    Position measured{};  ///< measured position of the robot
+    T age = T(0);         ///< age of the obstacles now [s]
+    bool blind = true;    ///< the obstacles are too old, too many or not finite: nothing may move
   };
   using Memory = std::conditional_t<(Around > 0), Seen, Beside>;
   using Input = std::conditional_t<(Around > 0), AroundRobot<Near>, NoInput>;
@@ -71,7 +71,7 @@ class ClearanceLimits {
         limits_(limits),
         margin_(T(given.margin + spare)),
         reach_(T(given.reach)) {}
-  /// The same, and for times that are out of their range.
+  /// With obstacles from the input. Throws also for a `late` or `max_age` out of its range.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits,
                                const ClearanceAround<Around>& given)
     requires(Around > 0)
@@ -121,8 +121,8 @@ class ClearanceLimits {
     m.off = off;
     m.is_off = reach_ * sum > T(off_from) * margin_ && sum - sum == T(0);
   }
-  /// What the exposed capsules may fill from now on until the robot stands, if it brakes: along the way from
-  /// `measured` to the last command, and from there to where all joints are at rest, however they brake together.
+  /// The space that exposed capsules may fill from now until the robot stands, if it brakes: from `measured`
+  /// to the last command, and on to where all joints are at rest, however they brake together.
   [[nodiscard]] Surroundings<max_exposed_capsules, Base, T> occupied(
       const JointCommand<joints, T>& last, const State<joints, T>& measured) const noexcept {
     const Box box = until_rest(measured.q, last.position, last.velocity);
@@ -138,7 +138,7 @@ class ClearanceLimits {
     static constexpr Memory nothing{};
     return Here(*this, nothing, q);
   }
-  /// The same beside what was seen; `seen` outlives it.
+  /// The distances at `q` beside the obstacles in `seen`, which must outlive the result.
   [[nodiscard]] Here at(const Memory& seen, const Position& q) const noexcept { return Here(*this, seen, q); }
 
   using Kept = KeptVelocity<joints, T>;
@@ -283,8 +283,8 @@ template <RobotModel M, std::size_t N, Real T, std::size_t Most>
   return ClearanceLimits<M, T, Most>(model, limits, clearance);
 }
 
-/// What the exposed capsules of a robot may fill from now on until it stands, if it brakes now: for others that keep clear
-/// of it. It is at `X_WB` in the world.
+/// The space that the exposed capsules of a robot may fill from now on until it stands, if it brakes now: for
+/// others that keep clear of it. It is at `X_WB` in the world.
 /// @param scene  a `Cycle` with a `Clearance`.
 template <class Scene, Real T>
 [[nodiscard]] Surroundings<max_exposed_capsules, World, T> occupied(

@@ -282,7 +282,7 @@ class ContactLimits {
 template <RobotModel M, std::size_t... Ix>
 ContactLimits(const M&, const LinkContact<Ix>&...) -> ContactLimits<M, double, Ix...>;
 
-/// The same for a scalar that is named: `contact_limits<float>(model, ...)`.
+/// `ContactLimits` with a named scalar: `contact_limits<float>(model, ...)`.
 template <Real T = double, RobotModel M, std::size_t... Ix>
 [[nodiscard]] auto contact_limits(const M& model, const LinkContact<Ix>&... link) {
   static_assert(detail::distinct_links<Ix...>,

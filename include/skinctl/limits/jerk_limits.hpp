@@ -31,7 +31,7 @@ template <std::size_t N, Real T>
   return out;
 }
 
-/// What `MaxJerk` limits: for `Cycle::without`.
+/// The kind of `MaxJerk`, for `Cycle::without`.
 struct JerkLimit {};
 
 /// Limits of `N` joints with a limit of jerk; immutable, checked when built.
@@ -82,7 +82,7 @@ class JerkLimits {
       if (limits_.acceleration()[i] > longest * jerk_[i]) longest = limits_.acceleration()[i] / jerk_[i];
     return longest;
   }
-  /// The same of the joints of a subset.
+  /// The limits of the joints of a subset.
   template <class Set>
   [[nodiscard]] SKINCTL_COLD JerkLimits<Set::count, T> set() const {
     return {limits_.template part<Set>(), Set::of(jerk_)};
@@ -122,7 +122,8 @@ class JerkLimits {
     });
   }
 
-  /// The same towards rest, by the quickest stop and without overshoot.
+  /// The motion over `h` > 0 seconds from `u0` and `a0` towards rest, by the quickest stop and without
+  /// overshoot.
   [[nodiscard]] SKINCTL_COLD SmoothMotion<N, T> brake(const JointRoom<N, T>& room,
                                                       const JointVelocity<N, T>& u0,
                                                       const JointAcceleration<N, T>& a0,

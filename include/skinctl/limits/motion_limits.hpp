@@ -15,7 +15,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What limits the motion of joints by torque: for `Cycle::without`.
+/// The kind of the limits on the motion of joints by torque, for `Cycle::without`.
 struct MotionByTorque {};
 
 /// Position and velocity limits of the joints by torque, as a limit of a scene; one with such joints has it,
@@ -46,9 +46,9 @@ class MotionLimits {
   static constexpr bool limits_torque = true;
   using Torque = JointTorque<n, T>;
 
-  /// What resisted in the last cycles. Trivially copyable.
+  /// The torques that resisted in the last cycles. Trivially copyable.
   struct Memory {
-    JointVelocity<n, T> dq;  ///< in the last cycle
+    JointVelocity<n, T> dq;  ///< joint velocity in the last cycle [rad/s]
     Torque resists[3];       ///< r of the last cycles, newest first
     bool known = false;      ///< the above are valid
     detail::ActedTorque<n, T> sent;
@@ -82,7 +82,7 @@ class MotionLimits {
     m.dq = dq;
     m.known = true;
   }
-  /// What resisted is no longer known: a state was missing.
+  /// Forgets the torques that resisted: a state was missing.
   static SKINCTL_INLINE void forget(Memory& m) noexcept { m.known = false; }
   /// r: the least of the last cycles that resists or pushes, 0 if it did both.
   [[nodiscard]] SKINCTL_INLINE Torque resistance(const Memory& m) const noexcept {

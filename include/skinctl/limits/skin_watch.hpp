@@ -32,9 +32,9 @@ enum class SkinReaction : unsigned char {
 /// Without this part a scene takes no notice, at no cost.
 struct SkinWatch {
   using Kind = SkinWatch;
-  SkinReaction unheard = SkinReaction::hold;       ///< from the start until each patch was heard
-  SkinReaction blind = SkinReaction::stop;         ///< later, while no cell of a patch counts
-  SkinReaction incomplete = SkinReaction::report;  ///< while each patch is heard, but not every cell
+  SkinReaction unheard = SkinReaction::hold;       ///< reaction from the start until each patch was heard
+  SkinReaction blind = SkinReaction::stop;         ///< reaction later, while no cell of a patch counts
+  SkinReaction incomplete = SkinReaction::report;  ///< reaction while each patch is heard, but not every cell
   Nanoseconds settle = 500ms;
 };
 
@@ -50,7 +50,7 @@ class CoverageLimits {
   struct Memory {
     bool heard = false;                            ///< whether each patch was heard once
     std::array<T, 3> left{};                       ///< time for which each state still counts [s]
-    SkinReaction reaction = SkinReaction::report;  ///< in the last cycle
+    SkinReaction reaction = SkinReaction::report;  ///< reaction in the last cycle
   };
 
   /// Throws `ConfigurationError` for a number out of its range.

@@ -11,7 +11,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `MaxToolSpeed` limits: for `Cycle::without`.
+/// The kind of `MaxToolSpeed`, for `Cycle::without`.
 struct ToolSpeedLimit {};
 
 /// The largest speed [m/s] of a point fixed to link `Ix`.
@@ -36,8 +36,8 @@ class ToolSpeed {
   static constexpr Reason reason = Reason::tool_speed_limited;
 
   struct Values {
-    T speed;                            ///< [m/s], > 0
-    Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `Ix`, from its origin [m]
+    T speed;                            ///< largest speed of the point [m/s], > 0
+    Xyz<T> point = {T(0), T(0), T(0)};  ///< point along the axes of link `Ix`, from its origin [m]
     T reach;                            ///< R: largest distance of the point from any joint axis [m]
   };
 
@@ -238,8 +238,8 @@ class ToolSpeed {
 template <std::size_t Ix, Real T = double>
 struct MaxToolSpeed {
   using Kind = ToolSpeedLimit;
-  T speed;                            ///< [m/s], > 0
-  Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `Ix`, from its origin [m]
+  T speed;                            ///< largest speed of the point [m/s], > 0
+  Xyz<T> point = {T(0), T(0), T(0)};  ///< point along the axes of link `Ix`, from its origin [m]
   T reach;                            ///< largest distance of the point from any joint axis [m]
 };
 

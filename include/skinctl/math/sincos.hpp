@@ -131,7 +131,8 @@ SKINCTL_INLINE void sincos(F angle, T* sin, T* cos) noexcept {
   }
 }
 
-/// The same for a row of joints, each block in a lane of its own size: the results are those of the array.
+/// Sines and cosines of a row of joints, each block in a lane of its own size: the results are those of the
+/// array.
 template <std::size_t N, Real T>
 SKINCTL_INLINE void sincos(const skinctl::detail::Row<N, T>& x, T* sin, T* cos) noexcept {
   using Shape = skinctl::detail::RowShape<N, T>;

@@ -17,10 +17,10 @@ struct BareBase {
   }
 };
 
-/// Pose of a body in another.
+/// Pose of a body in the frame of the body that carries it.
 struct Stand {
-  Rotation<double> R{};     ///< axes of the body
-  double p[3] = {0, 0, 0};  ///< origin of the body [m]
+  Rotation<double> R{};     ///< axes of the body in the carrier's frame
+  double p[3] = {0, 0, 0};  ///< origin of the body in the carrier's frame [m]
 };
 
 /// The tree `B` with its base fixed to link `At` of the tree `A` (-1: its base): the links of `A` keep their

@@ -10,9 +10,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// One row of a table of Denavit and Hartenberg. A revolute joint adds its position to `theta`, a prismatic
 /// one to `d`.
 struct DhRow {
-  double theta = 0;  ///< [rad]
-  double d = 0;      ///< [m]
-  double a = 0;      ///< [m]
+  double theta = 0;  ///< angle about the joint's axis [rad]
+  double d = 0;      ///< offset along the joint's axis [m]
+  double a = 0;      ///< length of the common normal [m]
   Angle alpha{};     ///< `Angle::quarter(k)` keeps right angles exact, and a static model folds them
 };
 

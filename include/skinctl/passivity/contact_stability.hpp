@@ -13,11 +13,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What touches a robot, and the path of its force to the law.
+/// A body that touches a robot, and the path of its force to the law.
 template <Real T = double>
 struct ContactEnvironment {
-  T stiffness = T(0);        ///< of the stiffest contact [N/m], > 0
-  T cover = T(0);            ///< of the skin's cover, in series [N/m]; 0: rigid
+  T stiffness = T(0);        ///< stiffness of the stiffest contact [N/m], > 0
+  T cover = T(0);            ///< stiffness of the skin's cover, in series [N/m]; 0: rigid
   T body = T(0);             ///< mass behind the contact [kg], that nothing else holds; 0: a wall
   T force_gain = T(1);       ///< w_f: newtons at the law per newton at the cell, > 0
   Nanoseconds skin_delay{};  ///< t_skin: age of a push when a cycle uses it, >= 0

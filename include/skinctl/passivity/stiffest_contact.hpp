@@ -35,8 +35,8 @@ struct StiffestContact {
   using RobotPart = detail::StiffestContactPart;
   static constexpr bool of_virtual_robot = true;
   static constexpr bool repeats = true;  ///< a robot may declare several
-  double stiffness = 0;                  ///< of the environment [N/m], > 0
-  double cover = 0;                      ///< of the skin's cover, in series [N/m]; 0: rigid
+  double stiffness = 0;                  ///< stiffness of the environment [N/m], > 0
+  double cover = 0;                      ///< stiffness of the skin's cover, in series [N/m]; 0: rigid
   double body = 0;  ///< mass behind the contact [kg], as of a hand that holds it; 0: a wall
   /// Loss factor of the cover and of what it touches, the tangent of the loss angle, 0 to 1: rubber and foam 0.1,
   /// tissue more. Default: 0.1 before a body, 0 before a wall.
@@ -46,12 +46,12 @@ struct StiffestContact {
   /// Required gain margin of one contact, >= 1. Default: 2 before a wall; 1 before a body, where the loop errs on the
   /// safe side.
   std::optional<double> margin = {};
-  /// The same of two at once. Default: 1.5 before walls, 1 before bodies.
+  /// Required gain margin of two contacts at once, >= 1. Default: 1.5 before walls, 1 before bodies.
   std::optional<double> margin_of_two = {};
   int poses = 8;  ///< 1 to 10 000
 
-  /// How many times heavier the virtual robot has to be felt so that all contacts have the required margins;
-  /// less than 1 where it may be lighter. At least 1/64.
+  /// The factor by which the virtual robot has to be felt heavier, so that all contacts have the required
+  /// margins; less than 1 where it may be lighter. At least 1/64.
   template <DescribedRobot R, class Skin>
   [[nodiscard]] SKINCTL_COLD double heavier(const R& robot, const Skin& skin) const {
     const auto all = contacts(robot, skin);

@@ -42,7 +42,7 @@ class CycleBytes {
     std::vector<WrenchSample> wrenches;
     TaxelStore<typename C::Sensed> taxels;
   };
-  /// Where a scene starts: at a measured state, perhaps told to be elsewhere.
+  /// The start of a scene: at a measured state, perhaps told to be elsewhere.
   struct Beginning {
     State measured;
     bool has_told = false;
@@ -133,7 +133,7 @@ class CycleBytes {
     if (begin.has_told) read_numbers(in, begin.told);
     return begin;
   }
-  /// Which kind of scene writes such bytes: its first number tells byte orders apart, the others kinds of
+  /// The kind of scene that writes such bytes: the first number tells byte orders apart, the others kinds of
   /// input and of cells, joints, scalars and goals.
   [[nodiscard]] static std::array<std::uint32_t, 5> kind() noexcept {
     return {0x01020304,

@@ -15,12 +15,12 @@ SKINCTL_BEGIN_NAMESPACE
 template <class C>
 struct CycleRecord {
   using Output = typename C::Output;
-  std::uint32_t number = 0;  ///< of the cycle, from 0; a gap: cycles that found no room
+  std::uint32_t number = 0;  ///< number of the cycle, from 0; a gap: cycles that found no room
   typename C::Input input;
   typename CycleBytes<C>::Command command;
   Status status;
   decltype(Output::shares) shares{};             ///< torque of each law [N m]
-  std::array<Nanoseconds, stage_count> times{};  ///< of the stages
+  std::array<Nanoseconds, stage_count> times{};  ///< times of the stages
   std::span<const unsigned char> bytes;          ///< the cycle as `CycleBytes` has it
 };
 

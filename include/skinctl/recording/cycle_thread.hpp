@@ -12,8 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What is done with cycles beside the loop: written, streamed, published. Called by one thread; may take its time, at
-/// the cost of dropped cycles when the ring is full.
+/// A consumer of cycles beside the loop, which writes, streams or publishes them. Called by one thread; may
+/// take its time, at the cost of dropped cycles when the ring is full.
 template <class C>
 class CycleConsumer {
  public:

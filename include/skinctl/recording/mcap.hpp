@@ -14,16 +14,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where bytes go. `write` takes all of them and returns true, or none and returns false.
+/// A sink for bytes. `write` takes all of them and returns true, or none and returns false.
 template <class S>
 concept McapSink = requires(S& sink, std::span<const unsigned char> bytes) {
   { sink.write(bytes) } -> std::same_as<bool>;
 };
 
-/// When a writer closes a chunk, and what the file says that it is for.
+/// The size and time of a chunk, and the profile of the file.
 struct McapOptions {
-  std::size_t chunk_size = std::size_t(1) << 20;  ///< bytes of records
-  Nanoseconds chunk_time = 1s;                    ///< between its first message and the next one
+  std::size_t chunk_size = std::size_t(1) << 20;  ///< size of the records at which a chunk is closed [bytes]
+  Nanoseconds chunk_time = 1s;                    ///< time from a chunk's first message at which it is closed
   std::string profile = "ros2";
 };
 
@@ -84,7 +84,7 @@ class McapWriter {
   bool write(McapChannel channel, Nanoseconds time, std::span<const unsigned char> bytes) {
     return write(channel, time, bytes, sequence_[channel.id - 1u]);
   }
-  /// The same with a number of its own: a gap says that messages are missing.
+  /// A message with a sequence number of the caller's: a gap says that messages are missing.
   bool write(McapChannel channel, Nanoseconds time, std::span<const unsigned char> bytes,
              std::uint32_t sequence) {
     using namespace detail::mcap;

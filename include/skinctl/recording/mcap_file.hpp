@@ -84,11 +84,11 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
-/// What `recover` did.
+/// The result of `recover`.
 struct Recovered {
   bool was_whole = false;  ///< nothing was to be done
   std::uint64_t messages = 0;
-  std::uint64_t cut = 0;  ///< bytes behind the last whole chunk that went
+  std::uint64_t cut = 0;  ///< bytes removed behind the last whole chunk
   std::string left_out;   ///< messages that were not counted, in words: they stay; empty: none
 };
 

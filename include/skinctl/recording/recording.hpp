@@ -40,7 +40,7 @@ class Recording {
     Format::write(bytes_, input, command);
     ++cycles_;
   }
-  /// The same as `run_loop` hands a cycle over.
+  /// Records a cycle as `run_loop` hands it over.
   template <class Output, class Watch>
   void operator()(const Input& input, const Output& output, const Watch&) noexcept {
     add(input, output.planned);
@@ -164,11 +164,12 @@ class Recording {
 struct Replayed {
   std::uint64_t cycles = 0;
   std::uint64_t different = 0;        ///< number of cycles whose command is not the same to the bit
-  std::uint64_t first_different = 0;  ///< the first of them
+  std::uint64_t first_different = 0;  ///< number of the first cycle whose command differs
   Nanoseconds started_at{};           ///< stamp of the recorded start
   Nanoseconds first_state_at{};       ///< stamp of the first cycle's measured state
-  double first_step = 0;              ///< largest distance of a joint between these two states [rad] or [m]
-  std::size_t first_step_joint = 0;   ///< joint of that distance, counted from 1; 0: the states are the same
+  /// Largest distance of a joint between the recorded start and the first state [rad] or [m].
+  double first_step = 0;
+  std::size_t first_step_joint = 0;  ///< joint with the distance `first_step`, counted from 1; 0: none
 };
 
 /// A sentence about a replay: the number of commands that differ, and then how the recorded start and the first state

@@ -68,7 +68,7 @@ class RunMessages {
     if (!picture_) return {};
     return encoded(contact_cloud(r.now, run_.base, picture_->find(r.now, places(r))));
   }
-  /// Where the links are in this cycle, by the measured positions; empty where the run does not tell.
+  /// Poses of the links in this cycle, by the measured positions; empty where the run does not tell.
   const std::vector<LinkPlace>& places(const CycleNumbers& r) {
     if (!run_.places) return places_;
     q_.assign(r.q.begin(), r.q.end());

@@ -24,7 +24,8 @@ struct UniversalRobot : Chain<6> {
   static constexpr double gravity[3] = {0, 0, -9.81};
   static constexpr std::array<LinkParameters<double>, 6> links =
       links_from_standard_dh<6>(Table::rows, Table::inertias);
-  static constexpr double flange[3] = {0, 0, Table::rows[5].d};  ///< in link 5's frame, axes alike [m]
+  /// Origin of the flange in link 5's frame, axes alike [m].
+  static constexpr double flange[3] = {0, 0, Table::rows[5].d};
 
   static constexpr std::array<double, 6> lower = {-6.283185307179586, -6.283185307179586, -3.141592653589793,
                                                   -6.283185307179586, -6.283185307179586, -6.283185307179586};

@@ -26,10 +26,10 @@ class Bit {
   };
   /// Trivially copyable; `Memory{}` is down and has seen no sample.
   struct Memory {
-    Nanoseconds time{};     ///< of the newest sample
-    Nanoseconds since{};    ///< when the signal crossed the threshold of the present value
-    Nanoseconds crossed{};  ///< while `pending`: when it crossed the other threshold
-    T value{};              ///< of the newest sample
+    Nanoseconds time{};     ///< time of the newest sample
+    Nanoseconds since{};    ///< time at which the signal crossed the threshold of the present value
+    Nanoseconds crossed{};  ///< while `pending`: time at which the signal crossed the other threshold
+    T value{};              ///< value of the newest sample
     bool on = false;
     bool pending = false;
     bool started = false;

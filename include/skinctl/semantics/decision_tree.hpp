@@ -14,7 +14,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `A` numbers, and the class that they shall give.
+/// `A` numbers, and the label of their class.
 template <std::size_t A>
 struct Example {
   std::array<double, A> x{};
@@ -23,7 +23,7 @@ struct Example {
 
 /// Numbers of the learning.
 struct TreeSettings {
-  double confidence = 0.25;  ///< of the pessimistic pruning; smaller: prunes more
+  double confidence = 0.25;  ///< confidence of the pessimistic pruning; smaller: prunes more
   std::size_t min_leaf = 0;  ///< examples on each side of a split; 0: max(5, n / 400)
   std::size_t deepest = 24;  ///< levels; `classify` visits no more
 };
@@ -46,7 +46,7 @@ class DecisionTree {
   struct Node {
     double threshold = 0;
     std::uint32_t above = 0;  ///< node where the number exceeds the threshold; the other one is the next node
-    float share = 1;          ///< of its examples with the node's label
+    float share = 1;          ///< share of the node's examples that have its label
     std::uint8_t attribute = 0;
     std::uint8_t label = 0;
   };

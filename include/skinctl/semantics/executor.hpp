@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Why a step has failed.
+/// The reason for which a step has failed.
 enum class StepFailure : std::uint8_t {
   none,
   skill,         ///< the skill reported a failure, see `SkillReport::failure`
@@ -31,7 +31,7 @@ enum class StepFailure : std::uint8_t {
   return i < std::size(texts) ? texts[i] : "";
 }
 
-/// What an executor wants of a robot.
+/// A request of an executor to a robot.
 struct StepRequest {
   enum class Kind : std::uint8_t {
     wait,     ///< nothing, until the place is granted
@@ -49,12 +49,12 @@ struct StepRequest {
   const ActivityRule* does = nullptr;  ///< the activity; `activity::Reverse` on the way back
 };
 
-/// What an executor is told in a cycle.
+/// The input of an executor in a cycle.
 struct StepInput {
   Nanoseconds now{};
   Observed seen{};
   SkillReport skill{};
-  bool answer = true;   ///< of a finished skill that decides something: yes or no
+  bool answer = true;   ///< answer of a finished skill that decides something: yes or no
   bool granted = true;  ///< the place of the step is free for this robot
   bool resume = false;  ///< a person has looked: begin anew with the step that follows the failure
 };
@@ -83,9 +83,9 @@ class Executor {
   enum class Phase : std::uint8_t { begin, run, confirm, begin_reverse, reverse, ask, finished };
   struct Memory {
     Nanoseconds since{};       ///< start of the phase
-    Facts facts{};             ///< that hold by what has been done
-    std::uint32_t unseen = 0;  ///< how long a needed fact has not been seen [us]
-    std::uint16_t ticket = 0;  ///< of the last request
+    Facts facts{};             ///< facts that hold by what has been done
+    std::uint32_t unseen = 0;  ///< time for which a needed fact has not been seen [us]
+    std::uint16_t ticket = 0;  ///< number of the last request
     std::uint8_t step = 0;
     Phase phase : 4 = Phase::begin;
     StepFailure why : 4 = StepFailure::none;
@@ -118,12 +118,12 @@ class Executor {
     return m;
   }
 
-  /// The same memory, its ways back counted from none: for a failure that the world has explained.
+  /// `m` with no ways back counted: for a failure that the world has explained.
   [[nodiscard]] static Memory forgiven(Memory m) noexcept {
     m.reverses = 0;
     return m;
   }
-  /// The same memory, calling a person from `now` on; the answer leads on as from a failure of its step.
+  /// `m` calling a person from `now` on; the answer leads on as from a failure of its step.
   [[nodiscard]] static Memory asking(Memory m, Nanoseconds now) noexcept {
     to(m, now, Phase::ask);
     return m;

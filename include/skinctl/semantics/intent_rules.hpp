@@ -11,8 +11,8 @@ struct IntentSettings {
   double pause_holding = 0.2;  ///< a hand that holds something and stands for less is on its way still [s]
   double pause_empty = 0.4;    ///< longest pause of an empty hand [s]
   double about = 0.1;          ///< a tool at work stays so near to where it was slow last [m]
-  double near = 0.25;          ///< and another object is nearer than this [m]
-  double brought = 0.2;        ///< and it is further than this from where it was taken [m]
+  double near = 0.25;          ///< another object is nearer to a tool at work than this [m]
+  double brought = 0.2;        ///< a tool at work is further than this from where it was taken [m]
 };
 
 /// What a person means by what the hand does: `Rules` say what it does now.

@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// Numbers of learning.
 struct LearnSettings {
   DeedSettings deeds{};
-  double min_gap = 1.25;     ///< between what was felt on both sides of a border, as a ratio
+  double min_gap = 1.25;     ///< smallest ratio of the stiffnesses that were felt on both sides of a border
   double same_place = 0.15;  ///< places in the world that are nearer than this are one [m]
   double closer = 3;         ///< another frame is taken if places lie closer in it by this factor, ...
   double unclear = 1.5;      ///< ... and the person is asked if by this one
@@ -35,7 +35,7 @@ struct Learnt {
   TaughtTask<C> task{};
   Refusal why = Refusal::none;
   Nanoseconds at{};               ///< instant of what is refused, in its demonstration
-  std::size_t demonstration = 0;  ///< number of that demonstration
+  std::size_t demonstration = 0;  ///< number of the demonstration that is refused
 };
 
 namespace detail {

@@ -20,22 +20,22 @@ template <std::size_t N, std::size_t F>
 struct LedFingersSample {
   Nanoseconds time{};
   JointPosition<N> q;             ///< [rad]
-  std::array<double, F> touch{};  ///< of each fingertip on what is between them [N]
+  std::array<double, F> touch{};  ///< force of each fingertip on the object [N]
 };
 
-/// What the fingers were led to do.
+/// A step that the fingers were led through.
 template <std::size_t N, std::size_t F>
 struct TaughtFingers {
   Activity activity = Activity::unknown;  ///< take or release
-  Nanoseconds time{};                     ///< when they closed on it, or let it go
-  JointPosition<N> before;                ///< how they stood before that [rad]
-  JointPosition<N> q;                     ///< how they stood then [rad]
-  std::array<double, F> force{};          ///< of each fingertip, as they stood then [N]
+  Nanoseconds time{};                     ///< time at which the fingers closed, or opened
+  JointPosition<N> before;                ///< posture before `time` [rad]
+  JointPosition<N> q;                     ///< posture after `time` [rad]
+  std::array<double, F> force{};          ///< force of each fingertip in the posture `q` [N]
 };
 
 /// Numbers of a `LedFingersReader`.
 struct LedFingersSettings {
-  /// Of the force of the fingertip that presses second most [N]: above it, the hand holds something.
+  /// Thresholds of the second largest force of a fingertip [N]: above them the hand holds something.
   Bit<>::Settings holds{0.5, 0.25, 16ms, 32ms};
   double within = 0.02;          ///< fingers stand while no joint moves by more than this [rad], ...
   Nanoseconds min_rest = 200ms;  ///< ... for at least this long

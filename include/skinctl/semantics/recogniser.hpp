@@ -9,8 +9,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// An activity as recognised.
 struct Recognised {
   Activity activity = Activity::unknown;
-  Nanoseconds
-      since{};        ///< when it began: the stamp of the change of a bit that decided, else of the decision
+  /// Beginning of the activity: the stamp of the change of a bit that decided, else of the decision.
+  Nanoseconds since{};
   bool sure = false;  ///< the activity has stood for `settle` since it was first said
   friend bool operator==(const Recognised&, const Recognised&) noexcept = default;
 };
@@ -24,7 +24,7 @@ class Recogniser {
  public:
   struct Memory {
     Recognised said{};
-    Nanoseconds decided{};  ///< when the word was first said
+    Nanoseconds decided{};  ///< time at which the word was first said
     Nanoseconds event{};    ///< newest change of a bit
     bool started = false;
   };

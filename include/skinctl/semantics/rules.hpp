@@ -6,7 +6,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a hand does, in the words of the rules.
+/// The activity of a hand by the rules.
 enum class Activity : std::uint8_t { unknown, idle, reach, take, hold, put, squeeze, use, release };
 inline constexpr std::size_t activities = 9;
 

@@ -16,12 +16,12 @@ template <Frame W = World>
 struct ShownSample {
   Nanoseconds time{};
   Transform<W, Tool> X_WH{};
-  double force = 0;  ///< of the fingers on what is between them [N]
-  double opening =
-      std::numeric_limits<double>::quiet_NaN();  ///< of the fingers [m]; NaN: nothing measures it
+  double force = 0;  ///< force of the fingers on the object [N]
+  /// Opening of the fingers [m]; NaN: nothing measures it.
+  double opening = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What is in hand is pressed harder for a while, and the hand stands.
+/// A squeeze: the object in hand is pressed harder for a while, and the hand stands.
 struct ShownSqueeze {
   Span span{};
   double felt =
@@ -39,7 +39,7 @@ struct Segments {
   std::vector<Xyz<double>> p;  ///< smoothed positions of the hand [m]; one per sample
   double smoothing = 0;        ///< deviation of the Gaussian [s]
   double fast = 0;             ///< 90 % quantile of the speed [m/s]
-  double noise = 0;            ///< of the speed [m/s]
+  double noise = 0;            ///< standard deviation of the speed [m/s]
   double grip = 0;             ///< typical force while something is in hand [N]
   double force_noise = 0;      ///< deviation of the force from sample to sample [N]
   double stands = 0;           ///< largest speed where fingers close or open, median [m/s]

@@ -23,13 +23,14 @@ class SpeedEstimate {
  public:
   struct Settings {
     Nanoseconds time_constant = 20ms;  ///< T_v
-    Nanoseconds longest = 200ms;       ///< after a longer gap it begins anew, with velocity 0
+    /// Longest gap between samples; after a longer one the velocity begins anew at 0.
+    Nanoseconds longest = 200ms;
   };
   /// Trivially copyable; `Memory{}` has seen no sample.
   struct Memory {
     Nanoseconds time{};
     Xyz<T> p{T(0), T(0), T(0)};  ///< filtered position [m]
-    Xyz<T> v{T(0), T(0), T(0)};  ///< [m/s]
+    Xyz<T> v{T(0), T(0), T(0)};  ///< velocity [m/s]
     bool started = false;
   };
 

@@ -35,12 +35,12 @@ struct Detection {
   Nanoseconds time{};
 };
 
-/// What is known of an object.
+/// The state of an object as far as it is known.
 template <Frame W = World>
 struct Object {
   ObjectPose<W> X_WO{};
   double sigma = 0;    ///< deviation of the position along each axis [m]
-  Nanoseconds time{};  ///< of the newest detection
+  Nanoseconds time{};  ///< time of the newest detection
   ObjectClass kind = 0;
   std::uint8_t misses = 0;  ///< detections in a row that were far from where it was thought to be
   bool known = false;       ///< the object has a place
@@ -158,7 +158,7 @@ class ObjectWorld {
   /// The known object nearest to the point `p_W` other than `except`; `no_object` if there is none within `reach` [m].
   struct Near {
     std::uint8_t object = no_object;
-    double distance = 1e9;  ///< [m]
+    double distance = 1e9;  ///< distance of the object's origin from the point [m]
   };
   [[nodiscard]] Near nearest(const Memory& m, const Xyz<double>& p_W, double reach = 1e9,
                              std::uint8_t except = no_object) const noexcept {

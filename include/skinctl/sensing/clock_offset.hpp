@@ -34,13 +34,13 @@ class ClockOffset {
   struct Settings {
     Nanoseconds min_delay =
         0ns;  ///< the time that the fastest message takes; what is not declared stays in the stamps
-    Nanoseconds gather = 100ms;  ///< messages of this time are heard before the first stamp
+    Nanoseconds gather = 100ms;  ///< time for which messages are heard before the first stamp
     Nanoseconds ahead = 1ms, overtaken = 20ms, late = 5ms;  ///< see the class
   };
   static constexpr std::size_t window = 30;  ///< seconds
   static constexpr double max_rate = 200e-6, slew = 500e-6;
 
-  /// What became of a message.
+  /// The result of a message.
   enum class Heard : unsigned char {
     refused,    ///< a time beyond +-73 years: not taken
     gathering,  ///< no stamps yet
@@ -54,19 +54,19 @@ class ClockOffset {
   /// The map from `at` on: `offset + rate t + error`, whose error goes to 0 at `slew`.
   struct Piece {
     Nanoseconds at{}, offset{};
-    double rate = 0, error = 0;  ///< [s/s], [ns]
+    double rate = 0, error = 0;  ///< rate of the offset [s/s]; error at `at` [ns], which goes to 0
   };
   /// Trivially copyable; `Memory{}` has heard nothing.
   struct Memory {
     std::array<Point, window + 1> points{};  ///< one a second, the newest last, and the present second's
     std::size_t count = 0;
-    std::size_t messages = 0;       ///< in the present second
+    std::size_t messages = 0;       ///< messages in the present second
     std::array<Piece, 4> pieces{};  ///< the newest first
     std::size_t pieces_count = 0;   ///< 0: no stamps yet
-    Nanoseconds began{};            ///< of the present second
-    Nanoseconds newest{};           ///< sent last
-    bool near = false;              ///< whether one of this second came within `late`
-    std::size_t leaps = 0;          ///< since the start
+    Nanoseconds began{};            ///< beginning of the present second
+    Nanoseconds newest{};           ///< time at which the newest message was sent
+    bool near = false;              ///< a message of the present second came within `late` of the line
+    std::size_t leaps = 0;          ///< leaps since the start
   };
 
   ClockOffset() : ClockOffset(Settings{}) {}

@@ -28,8 +28,8 @@ class JointHistory {
   };
   /// The joints at a time.
   struct At {
-    State<N, T> state;   ///< with the time asked for, or the nearest for which the joints are known
-    bool known = false;  ///< whether that is the time asked for
+    State<N, T> state;  ///< state at the time asked for, or at the nearest one for which the joints are known
+    bool known = false;  ///< the state is of the time asked for
   };
 
   /// Throws `ConfigurationError` unless `period` is in (0, 1] s.

@@ -14,9 +14,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Why the noise of a cell was not taken, in the order in which they are looked for.
+/// Reasons for which the noise of a cell was not taken, in the order of their checks.
 enum class NoiseFinding : unsigned char {
-  good,    ///< taken
+  good,    ///< the noise was taken
   silent,  ///< no sample, or only one
   near,    ///< something was near: proximity above `NoiseSettings::near`, or NaN
   offset,  ///< pressed all the time: the mean is above the file's threshold
@@ -32,14 +32,14 @@ constexpr const char* describe(NoiseFinding f) noexcept {
 /// Rest level and threshold of a cell, in units of its reading.
 struct CellNoise {
   double rest = 0;    ///< reading of the untouched cell
-  double margin = 0;  ///< of a touch above it
-  double sigma = 0;   ///< standard deviation, that of rounding included
+  double margin = 0;  ///< margin of a touch above the rest level
+  double sigma = 0;   ///< standard deviation of the reading, rounding included
   NoiseFinding finding = NoiseFinding::good;
   [[nodiscard]] constexpr double threshold() const noexcept { return rest + margin; }
 };
 
 struct NoiseSettings {
-  double step = 1.0 / 1024;  ///< of the reading (LSB), > 0
+  double step = 1.0 / 1024;  ///< step of the reading (LSB), > 0
   double near = 0.05;        ///< proximity from which the cell is not alone, in (0, 1]
   /// Throws `ConfigurationError` for a number out of its range.
   void check() const {

@@ -16,13 +16,13 @@ SKINCTL_BEGIN_NAMESPACE
 /// Times of a rest level. The defaults are for capacitive skins at room temperature.
 struct RestSettings {
   Nanoseconds smooth = 100ms;       ///< time constant of the smoothed reading m
-  Nanoseconds follow = 20s;         ///< of b within +-kappa
-  Nanoseconds fall = 500ms;         ///< of b when r has been below -kappa for `low_for`
+  Nanoseconds follow = 20s;         ///< time constant of b within +-kappa
+  Nanoseconds fall = 500ms;         ///< time constant of b when r has been below -kappa for `low_for`
   Nanoseconds low_for = 500ms;      ///< nothing pulls at a cell: then the rest level is wrong
   Nanoseconds quiet_for = 1s;       ///< r below kappa/2 for so long: not frozen any more
   Nanoseconds fast_within = 600ms;  ///< half the threshold so soon after freezing: rather a touch
-  Nanoseconds release = 5s;         ///< of b while evidence says that a frozen cell drifts
-  Nanoseconds weigh = 2s;           ///< of the evidence
+  Nanoseconds release = 5s;         ///< time constant of b while evidence says that a frozen cell drifts
+  Nanoseconds weigh = 2s;           ///< time constant of the evidence
   Nanoseconds ramp = 6ms;           ///< longest duration of a change of reading before its sample
   Nanoseconds longest = 1s;         ///< a longer gap between two readings counts as this
 };

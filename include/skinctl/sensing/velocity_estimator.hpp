@@ -38,9 +38,10 @@ class VelocityEstimator {
   static constexpr std::size_t window = K;
   using scalar = T;
   struct Settings {
-    Nanoseconds period = 3ms;    ///< planned time between two samples
-    Nanoseconds longest = 50ms;  ///< after a longer gap the window begins anew, with velocity 0
-    T step = T(0);               ///< of the encoders [rad], for `noise`; 0: none
+    Nanoseconds period = 3ms;  ///< planned time between two samples
+    /// Longest gap between samples; after a longer one the velocity begins anew at 0.
+    Nanoseconds longest = 50ms;
+    T step = T(0);  ///< step of the encoders [rad], for `noise`; 0: none
   };
   struct Memory {
     std::size_t count = 0;  ///< samples in the window

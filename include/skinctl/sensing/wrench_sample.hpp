@@ -15,8 +15,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// sign: negate all six numbers where the sample is made.
 struct WrenchSample {
   Nanoseconds time{};              ///< time of the measurement
-  std::array<double, 3> force{};   ///< [N]
-  std::array<double, 3> moment{};  ///< [N m]
+  std::array<double, 3> force{};   ///< force on the robot, along the sensor's axes [N]
+  std::array<double, 3> moment{};  ///< moment on the robot about the sensor's origin, along its axes [N m]
 };
 
 /// Empty if the sample is valid; `sample_not_finite` if a number is NaN or infinite; `sample_out_of_range` if

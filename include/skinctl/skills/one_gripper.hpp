@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What skills with a gripper add to the input of a scene, and to its output.
+/// The additions of skills with a gripper to the input of a scene, and to its output.
 struct GripperInput {
   GripperState gripper{};  ///< last report of the gripper
 
@@ -26,7 +26,7 @@ class OneGripper {
   struct Memory {
     GripperCommand command{};
     GripperState state{};
-    Nanoseconds asked{};    ///< when the goal was first there
+    Nanoseconds asked{};    ///< time at which the newest goal was first there
     bool answered = false;  ///< the state is newer than the goal
     bool dated = false;     ///< `asked` is known
   };

@@ -84,8 +84,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
   /// The commanded values of the discrete controls.
   [[nodiscard]] static const SkillSwitches& commanded(const Memory& m) noexcept { return m.commanded; }
 
-  /// What has become of the request with this number. One that nothing is known of (not received, waiting for the end
-  /// of a change, replaced by a later one) gives a report with the number 0.
+  /// The report on the request with this number. One that nothing is known of (not received, waiting for the
+  /// end of a change, replaced by a later one) gives a report with the number 0.
   ///
   /// The numbers of a sequence of skills and of a fallback are those of the request that began them: a failure stays
   /// reported, with its reason, while the fallback runs, until another request begins.
@@ -95,8 +95,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
     return m.refused.ticket == ticket ? m.refused : SkillReport{};
   }
 
-  /// What the scene says before each evaluation: the contacts of a touch that finds them, and the gripper's
-  /// state.
+  /// The input that skills read before each evaluation: the contacts of a touch that finds them, and the
+  /// gripper's state.
   using Input = detail::Together<std::conditional_t<has_gripper, GripperInput, NothingAdded>,
                                  typename Loop::Blend::Input>;
   using Output = detail::Together<std::conditional_t<has_gripper, GripperOutput, NothingAdded>,

@@ -11,10 +11,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How long an end tries before it takes the link for cut.
+/// The numbers of tries and missed beacons before an end takes the link for cut.
 struct LinkSettings {
-  int tries = 12;  ///< of one message, 2 to 200
-  int missed = 3;  ///< beacons in a row, 2 to 200
+  int tries = 12;  ///< tries of one message, 2 to 200
+  int missed = 3;  ///< beacons missed in a row, 2 to 200
 
   /// For links that lose this share of their frames, 0 to 0.5: so many tries and beacons that a healthy link is taken for
   /// cut about once in 1e9 messages or beacons. Three beacons are right up to 0.1 % only: at 10 % a skin of 10 000 cells would

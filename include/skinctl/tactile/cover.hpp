@@ -21,8 +21,8 @@ struct HexagonalCell {
   double scale = 1;  ///< 1: size of TUM's cell
 
   static constexpr double edge = 0.014;                ///< [m], at scale 1
-  static constexpr double port_x = 0.012;              ///< [m]
-  static constexpr double port_y = 0.007;              ///< [m]
+  static constexpr double port_x = 0.012;              ///< distance of a port from the centre along x [m]
+  static constexpr double port_y = 0.007;              ///< distance of a port from the centre along y [m]
   static constexpr double flat_pitch = 0.02778488798;  ///< [m], 2 sqrt(port_x^2 + port_y^2)
 };
 
@@ -31,7 +31,8 @@ struct CylinderSurface {
   double radius;
   double length;
 };
-/// The same with a half sphere at both ends; `length` is the length of the cylinder between them.
+/// A cylinder's lateral surface with a half sphere at both ends; `length` is that of the cylinder between
+/// them [m].
 struct CapsuleSurface {
   double radius;
   double length;

@@ -109,8 +109,8 @@ class FillIn {
     const auto one = [&](std::size_t j) { return std::array{static_cast<double>(reading(j))}; };
     return filled_with(i, counts, [&](std::size_t j) { return read_as(j, one, counts); })[0];
   }
-  /// The same of `K` readings of each cell at once. `value(j)` is `read_as(j, ...)`, which a caller may keep: it is asked
-  /// for from each cell that j is around of.
+  /// `s_i` of `K` readings of each cell at once. `value(j)` is `read_as(j, ...)`, which a caller may keep: it
+  /// is asked for from each cell that j is around of.
   template <class Counts, class Value>
   [[nodiscard]] auto filled_with(std::size_t i, const Counts& counts, const Value& value) const noexcept {
     using Values = std::remove_cvref_t<decltype(value(i))>;
@@ -140,8 +140,8 @@ class FillIn {
     }
     return out;
   }
-  /// What cell `j` is taken to read while others are filled in: its readings, an array, if it counts, else the means of those of
-  /// its neighbours that count, NaN if none does.
+  /// The readings by which cell `j` fills in others: its own, an array, if it counts, else the means of those
+  /// of its neighbours that count, NaN if none does.
   template <class Readings, class Counts>
   [[nodiscard]] auto read_as(std::size_t j, const Readings& readings, const Counts& counts) const noexcept {
     using Values = std::remove_cvref_t<decltype(readings(j))>;

@@ -67,7 +67,7 @@ template <RobotModel M, Real T>
   }
   return out;
 }
-/// The same for a described robot, by the Coulomb friction of its configuration.
+/// F_1 of each cell [N] on a described robot: tau_c is the `coulomb_friction` of its configuration.
 template <class R>
 [[nodiscard]] SKINCTL_COLD std::vector<double> lone_forces(const R& robot, std::span<const CellPlace> cells,
                                                            double share = 0.9) {

@@ -16,7 +16,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The time for which a motor torque is reported.
 enum class MotorSampling : unsigned char {
-  instant,  ///< at the time of the state
+  instant,  ///< torque at the time of the state
   mean      ///< the mean since the state before: what a servo does between two samples is not missed
 };
 
@@ -44,16 +44,16 @@ class MomentumObserver {
   struct Settings {
     T rate = T(25);                         ///< K [1/s], > 0, <= 1e4
     RotorInertia<joints, T> rotors = {};    ///< reflected inertia of the motors
-    std::optional<Friction> friction = {};  ///< taken off the motor torques
+    std::optional<Friction> friction = {};  ///< friction that is taken off the motor torques
     MotorSampling motors = MotorSampling::instant;
     Nanoseconds longest = 100ms;  ///< a longer gap between samples starts anew, with r = 0
   };
   struct Memory {
     bool started = false;
-    Nanoseconds stamp{};                ///< of the last sample
-    JointMomentum<joints, T> momentum;  ///< at it
-    JointTorque<joints, T> drive;       ///< b at it, without motors where they are a mean
-    JointTorque<joints, T> residual;    ///< r
+    Nanoseconds stamp{};                ///< stamp of the last sample
+    JointMomentum<joints, T> momentum;  ///< generalised momentum at `stamp`
+    JointTorque<joints, T> drive;       ///< b at `stamp`, without motors where they are a mean [N m]
+    JointTorque<joints, T> residual;    ///< r, the residual [N m]
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 

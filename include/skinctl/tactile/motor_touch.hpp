@@ -16,7 +16,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `MotorTouch` adds to the input of a cycle: the motors' torque at the joints at the time of the
+/// The addition of `MotorTouch` to the input of a cycle: the motors' torque at the joints at the time of the
 /// measured state [N m], `current * torque constant * gear ratio`. For a robot that finds the torque of the
 /// world itself (`RobotObserver`) that torque stands here.
 template <std::size_t N, Scalar T = double>
@@ -49,9 +49,9 @@ struct MotorTouchSettings {
   /// Per joint, standard deviation of the residual's mean over 8 ms [N m]: with all of them known, what friction
   /// or a payload that is told wrong leaves does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
   std::array<double, M::joints> noise = {};
-  LifeSettings life = {};       ///< of the contact that stands for the unknown one: see `assumed_lever`
+  LifeSettings life = {};       ///< life of the contact that stands for the unknown one: see `assumed_lever`
   Nanoseconds max_age = 100ms;  ///< age of the last state from which nothing is felt
-  Nanoseconds fade = 50ms;      ///< in the last part of `max_age` the torque goes linearly to 0
+  Nanoseconds fade = 50ms;      ///< last part of `max_age`, in which the torque goes linearly to 0
 };
 
 /// The momentum observer's residual as touch, in place of a skin or beside one:
@@ -82,14 +82,15 @@ class MotorTouch : public sensor_sums::Summand {
   using Wrenches = JointTouch<M, T>;
   using Sensed = MotorInput<joints, T>;
   using Settings = MotorTouchSettings<M, T, Observer>;
-  static constexpr std::size_t sizes = joints < 16 ? joints : 16;  ///< that are looked at for life
+  /// Number of the push's sizes that are looked at for life.
+  static constexpr std::size_t sizes = joints < 16 ? joints : 16;
   using Watch = PushWatch<joints, sizes>;
   static constexpr LinkMask links = 0;
   struct Memory {
     typename Observer::Memory observer;
     detail::SampledRow<joints, T> row;  ///< the torque behind the gates [N m]
-    typename Watch::Memory watch;       ///< of residuals
-    State<joints, T> followed;          ///< how the robot stood when its way was last counted
+    typename Watch::Memory watch;       ///< watch for residuals without life
+    State<joints, T> followed;          ///< robot's state when its way was last counted
     LinkMask open = 0;                  ///< joints whose gates are open
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
@@ -162,9 +163,9 @@ class MotorTouch : public sensor_sums::Summand {
   /// Newtons that laws see per newton anywhere on the robot: the motors feel all links.
   [[nodiscard]] double gain_everywhere() const noexcept { return static_cast<double>(s_.gain); }
 
-  /// What of `found` is not explained by the contacts that another source feels: per joint, the rest in the
-  /// direction of `found`. So a push on the skin counts once, with the larger of the two torques, and what the
-  /// skin overstates does not turn the residual round.
+  /// The part of `found` that is not explained by the contacts that another source feels: per joint, the rest
+  /// in the direction of `found`. So a push on the skin counts once, with the larger of the two torques, and
+  /// what the skin overstates does not turn the residual round.
   template <class Contact>
   [[nodiscard]] Wrenches beyond(Wrenches found, const JointPosition<joints, T>& q,
                                 const Contact& contact) const noexcept {
@@ -224,7 +225,7 @@ class MotorTouch : public sensor_sums::Summand {
   Watch watch_;
 };
 
-/// The same gate for all joints of a model.
+/// `gate` for each joint of a model.
 template <RobotModel M, Real T = double>
 [[nodiscard]] std::array<EventGate<T>, M::joints> same_gate(const M&, const EventGate<T>& gate) {
   std::array<EventGate<T>, M::joints> all;

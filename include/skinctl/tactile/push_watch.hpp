@@ -34,8 +34,8 @@ class PushWatch {
   static_assert(Sizes >= 1 && Sizes <= 16, "one row of sizes");
 
  public:
-  static constexpr double min_push = 1e-9;  ///< of which a way is counted [N]
-  static constexpr std::uint32_t span = 6;  ///< over which a mean of 80 ms changes: 0.48 s
+  static constexpr double min_push = 1e-9;  ///< smallest push of which a way is counted [N]
+  static constexpr std::uint32_t span = 6;  ///< 80 ms means over which a change is taken: 0.48 s
   using Values = std::array<double, N>;
   /// `Memory{}`: nothing has been read.
   struct Memory {
@@ -45,13 +45,13 @@ class PushWatch {
     Values bias{};  ///< reading of rest, beyond the one declared
     std::uint32_t fast_count = 0, slow_count = 0;
     std::array<std::array<double, Sizes>, span + 1> past{};  ///< the last means of 80 ms
-    std::uint32_t slot = 0;                                  ///< of the newest of them
-    std::uint32_t pushing = 0;                               ///< number of them since the push began
-    std::uint16_t pressed = 0;                               ///< sizes that push
+    std::uint32_t slot = 0;                                  ///< index of the newest mean in `past`
+    std::uint32_t pushing = 0;                               ///< means since the push began
+    std::uint16_t pressed = 0;                               ///< bit k: size k pushes
     bool alive = false, quiet = false;
     std::uint32_t tares = 0;  ///< number of quiet pushes that became the reading of rest
-    double way = 0;           ///< that the arm has given to the push without life [m]
-    double speed = 0;         ///< of the arm along the push [m/s]
+    double way = 0;           ///< way that the arm has given to the push without life [m]
+    double speed = 0;         ///< speed of the arm along the push [m/s]
     double lifeless = 0;      ///< time of pushing without life [s]
     double unpressed = 0;     ///< time without a push [s]
     double rested = 0;        ///< time for which the arm has stood still [s]

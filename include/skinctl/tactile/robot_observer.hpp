@@ -18,8 +18,8 @@ class RobotObserver {
   struct Settings {};
   struct Memory {
     bool started = false;
-    Nanoseconds stamp{};              ///< of the last sample
-    JointTorque<joints, T> residual;  ///< torque of contacts at it [N m]
+    Nanoseconds stamp{};              ///< stamp of the last sample
+    JointTorque<joints, T> residual;  ///< torque of contacts at `stamp` [N m]
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 

@@ -12,16 +12,17 @@ SKINCTL_BEGIN_NAMESPACE
 /// The link of a cell where it is known at run time only.
 using SomeLink = detail::AnyLink;
 
-/// A cell of a `ChannelPatch`: its id in the samples, its pose on the link, and what it has of its own.
+/// A cell of a `ChannelPatch`: its id in the samples, its pose on the link, and gains, gates and a mask of
+/// its own where they differ from those of patch and skin.
 template <SensorKind Kind = Hexagon>
 struct ChannelCell {
   std::uint32_t id = 0;
   Transform<SomeLink, Cell> X_LC;        ///< z is the outward normal
-  std::optional<GainsOf<Kind>> gains{};  ///< none: those of its patch
-  /// Of each channel that pushes, in its order: of a hexagon the sum of its forces, and its proximity. None: that
-  /// of the skin's settings.
+  std::optional<GainsOf<Kind>> gains{};  ///< gains of the cell; none: those of its patch
+  /// Gate of each channel that pushes, in its order: of a hexagon the sum of its forces, and its proximity.
+  /// None: the gate of the skin's settings.
   std::array<std::optional<EventGate<>>, KindTable<Kind>::pushing> gate{};
-  bool masked = false;  ///< cells that are no part of what feels, whatever they send
+  bool masked = false;  ///< the cell is no part of what feels, whatever it sends
 
   /// The gates in the order of the channels.
   [[nodiscard]] auto gates(const SettingsOf<Kind>& s) const {

@@ -33,7 +33,7 @@ class Squeeze {
   /// `known` is false while too few points are there; a body stiffer than can be told is `infinity`.
   struct Result {
     bool known = false;
-    T stiffness = T(0);  ///< [N/m]
+    T stiffness = T(0);  ///< stiffness of the body [N/m]
   };
 
   /// Throws `ConfigurationError` unless `0 <= from < to`, `own > 0`, `0 < swing <= 1e4`,

@@ -56,10 +56,10 @@ concept TouchSource = detail::HasTouchTypes<S> && requires(const S& s, const typ
   { s.wrenches(m) } -> std::convertible_to<typename S::Wrenches>;
 };
 
-/// What a touch receives in a cycle.
+/// The input of a touch in a cycle.
 template <class Sensed, class State>
 struct TouchGiven {
-  std::span<const CellSample> samples;  ///< of cells
+  std::span<const CellSample> samples;  ///< samples of cells
   const Sensed& sensed;                 ///< readings of other sensors
   const State& measured;                ///< newest good state of the robot
   Nanoseconds from, to;                 ///< interval
@@ -80,7 +80,8 @@ struct TouchTable {
   static constexpr bool tells_apart = detail::HasTouch<S>;
   static constexpr bool finds_contacts = detail::HasContacts<S>;
   static constexpr bool has_cells = detail::HasCells<S>;
-  /// It takes the samples of a cycle's input: its cells are hexagons, or do not say what they are.
+  /// Whether the touch takes the `CellSample`s of a cycle's input: its cells are hexagons, or their kind is
+  /// not stated.
   static constexpr bool takes_hexagons = detail::TakesHexagons<S>::value;
   static constexpr bool has_coverage = detail::HasCoverage<S>;
   static constexpr bool has_noticed = detail::HasNoticed<S>;
@@ -211,7 +212,8 @@ struct TouchTable {
   }
 };
 
-/// What the input of a scene holds beside cells, by the `Sensed` of its touch.
+/// Readings in the input of a scene beside those of cells, by the `Sensed` of its touch: wrenches, torques of
+/// motors, weights of patches.
 template <class Sensed>
 concept SensesWrenches = requires(const Sensed& sensed) { sensed.wrenches; };
 template <class Sensed>

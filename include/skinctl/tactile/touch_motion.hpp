@@ -43,19 +43,20 @@ template <Real T = double>
 class TouchMotion {
  public:
   struct Settings {
-    T impact = T(1);            ///< [m/s^2], > 0
-    T slip = T(6);              ///< > 1
-    Nanoseconds window = 40ms;  ///< > 0
-    Nanoseconds learn = 10s;    ///< > window
+    T impact = T(1);            ///< difference from the predicted acceleration that is an impact [m/s^2], > 0
+    T slip = T(6);              ///< squared second differences, over their calm level, that are a slip, > 1
+    Nanoseconds window = 40ms;  ///< time constant of the mean of squared second differences, > 0
+    Nanoseconds learn = 10s;    ///< time constant of the calm level, > `window`
     T noise = T(0.05);  ///< expected standard deviation of an axis, where learning begins [m/s^2], > 0
   };
   /// Trivially copyable; `Memory{}` has heard nothing.
   struct Memory {
-    Xyz<T> last = {T(0), T(0), T(0)}, before = {T(0), T(0), T(0)};  ///< residuals
+    /// Residual accelerations of the last sample and of the one before [m/s^2].
+    Xyz<T> last = {T(0), T(0), T(0)}, before = {T(0), T(0), T(0)};
     Nanoseconds time = Nanoseconds::min();
-    T step = T(0);                 ///< between the last two [s]
+    T step = T(0);                 ///< time between the last two samples [s]
     T energy = T(0), calm = T(0);  ///< mean squares of second differences: of the window, when calm
-    int samples = 0;               ///< since the last gap, at most 3
+    int samples = 0;               ///< samples since the last gap, at most 3
     bool slipping = false;
   };
   struct Felt {

@@ -148,7 +148,7 @@ class TrustedSkin : public detail::TrustCore<S> {
     }
     return T(most < 1 ? most : 1.0f);
   }
-  /// How much of the skin feels: cells that are heard and not masked.
+  /// The share of the skin that feels: cells that are heard and not masked.
   [[nodiscard]] Coverage coverage(const Memory& m) const noexcept {
     Coverage out;
     for (std::size_t k = 0; k + 1 < this->first_.size(); ++k) {
@@ -171,7 +171,7 @@ class TrustedSkin : public detail::TrustCore<S> {
   [[nodiscard]] float mask(const Memory& m, std::size_t i) const noexcept {
     return cell_[i].masked ? 1.0f : Health::mask(m.health, i);
   }
-  /// What is found of cell `i`, silence included; empty: healthy.
+  /// The faults found of cell `i`, silence included; empty: healthy.
   [[nodiscard]] CellFaults faults(const Memory& m, std::size_t i) const noexcept {
     CellFaults f = Health::faults(m.health, i);
     if (!m.hears(i)) f |= CellFault::unheard;
@@ -179,8 +179,8 @@ class TrustedSkin : public detail::TrustCore<S> {
       if (RestLevel::cell(rest[i / 16], i % 16).below < 0) f |= CellFault::discharge;
     return f;
   }
-  /// The rest level of the `p`-th pressure of cell `i`: what it reads while untouched, of a hexagon the sum
-  /// of three forces.
+  /// Rest level of the `p`-th pressure of cell `i` of the skin: its reading while untouched, in the reading's
+  /// unit. Of a hexagon (p = 0) it is the sum of three forces.
   [[nodiscard]] double rest(const Memory& m, std::size_t i, std::size_t p = 0) const noexcept {
     return this->s_.health.step * Table::full(this->pressure_[p]) *
            static_cast<double>(m.rest[p][i / 16].whole[i % 16]);

@@ -26,7 +26,7 @@ struct PatchWeights {
   }
 };
 
-/// What a `WeightedSkin` adds to the input of a cycle.
+/// The addition of a `WeightedSkin` to the input of a cycle.
 template <std::size_t Count>
 struct WeightInput {
   PatchWeights<Count> patch_weights;

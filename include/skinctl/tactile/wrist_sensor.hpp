@@ -22,7 +22,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a wrist sensor adds to the input of a cycle.
+/// The addition of a wrist sensor to the input of a cycle.
 struct WristInput {
   SampleSpan<WrenchSample> wrenches;  ///< arrived since the last cycle, in the order of their stamps
 };
@@ -64,10 +64,10 @@ class WristSensor : public sensor_sums::Summand {
 
   /// Trivially copyable; only the sensor reads and writes its members.
   struct Memory {
-    detail::SampledRow<6, T> row;         ///< on the link, about its origin [N], [N m]
+    detail::SampledRow<6, T> row;         ///< wrench on the link, about the link's origin [N], [N m]
     bool pushed = false, turned = false;  ///< whether the gates of force and moment are open
-    typename Watch::Memory watch;         ///< of forces, then moments, along the sensor's axes
-    State<M::joints, T> followed;         ///< how the robot stood when its way was last counted
+    typename Watch::Memory watch;         ///< watch for pushes without life, along the sensor's axes
+    State<M::joints, T> followed;         ///< robot's state when the way given to a push was last counted
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 

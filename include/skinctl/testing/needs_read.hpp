@@ -108,9 +108,10 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
           .middle = asked.middle && !read.middle};
 }
 
-/// What `law` reads of the quantities it asks for, while it runs so many cycles from each of so many random states of a robot
-/// that is touched on all links, goes to `goal`s (if the law takes them and some are given), and is opposed now and then.
-/// A tracking law asks for G only where it is alone: the scene that adds it reads it.
+/// The quantities that `law` reads of those it asks for, while it runs so many cycles from each of so many
+/// random states of a robot that is touched on all links, goes to `goal`s (if the law takes them and some are
+/// given), and is opposed now and then. A tracking law asks for G only where it is alone: the scene that adds
+/// it reads it.
 template <RobotModel M, class L, class... Goal>
 [[nodiscard]] Needs needs_read(const M& model, const L& law, int states, int cycles, const Goal&... goal) {
   constexpr LinkMask all = (LinkMask(2) << (M::joints - 1)) - 1;

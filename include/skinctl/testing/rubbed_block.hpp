@@ -34,9 +34,9 @@ struct Bristle {
 
 /// A block of `mass` on one contact, pulled along it by a load.
 struct RubbedBlock {
-  double mass = 0.25;  ///< [kg]
+  double mass = 0.25;  ///< mass of the block [kg]
   Bristle bristle{};
-  double x = 0, v = 0, friction = 0;  ///< [m], [m/s], [N]
+  double x = 0, v = 0, friction = 0;  ///< position [m], velocity [m/s], and friction that acts against it [N]
 
   /// `dt` [s] in steps of 20 us at most.
   void advance(double dt, double load, double f_n) {
@@ -48,9 +48,9 @@ struct RubbedBlock {
       x += h * v;
     }
   }
-  /// How fast it slides on the skin [m/s].
+  /// The block's speed on the skin [m/s].
   [[nodiscard]] double sliding() const { return v - bristle.z_rate; }
-  /// How far it has slid [m].
+  /// The block's way on the skin [m].
   [[nodiscard]] double slid() const { return x - bristle.z; }
 };
 

@@ -27,7 +27,7 @@ namespace skinctl::testing {
   return deviation * Eigen::Vector3d(x, y, z);
 }
 
-/// Where a cell truly is, and its accelerometer.
+/// The true pose of a cell, and its accelerometer.
 struct CellAtRest {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
@@ -36,12 +36,12 @@ struct CellAtRest {
 };
 struct PatchAtRest {
   PatchGraph graph;
-  std::vector<CellAtRest> cells;  ///< in the order of `graph.ids`
+  std::vector<CellAtRest> cells;  ///< cells in the order of `graph.ids`
 };
 
 /// The accelerometer of a BMA250, as it is in a cell.
 struct SimulatedAccelerometer {
-  double noise = 9e-3;  ///< of a sample [g]
+  double noise = 9e-3;  ///< standard deviation of a sample [g]
   double step = 1.0 / 256;
   double cross_axis = 3e-3;
   AccelerometerPrior prior{};
@@ -127,7 +127,7 @@ struct SimulatedAccelerometer {
   return out;
 }
 
-/// How far a reconstruction is from the truth once it is aligned as a whole, over the cells that it says it knows.
+/// The errors of a reconstruction once it is aligned as a whole, over the cells that it says it knows.
 struct ShapeError {
   double place = 0, turn = 0;  ///< rms [m], [rad]
   double worst_place = 0, worst_turn = 0;

@@ -13,7 +13,7 @@ template <std::size_t N, Real T = double>
 struct FrictionLearningSettings {
   /// g [1/s^2], > 0 and at most `lambda^2 / 4`: beyond it the answer to a step of friction oscillates.
   T rate = T(100);
-  JointTorque<N, T> bound;  ///< of the learnt torque [N m]: the friction that is left over, with a margin
+  JointTorque<N, T> bound;  ///< largest learnt torque [N m]: the friction that is left over, with a margin
   /// e_0 [rad]: a joint that rests within this of its target is left alone. Above the encoder's noise, and above
   /// half of the slip that stiction makes.
   T dead_zone = T(0.0008);

@@ -19,7 +19,7 @@ struct SingularRest {
 
   static constexpr double zone = 0.03;    ///< singular value below which a direction counts as singular
   static constexpr double still = 0.001;  ///< a goal below this speed stands [m/s, rad/s]
-  static constexpr double lag = 0.03;     ///< [s]
+  static constexpr double lag = 0.03;     ///< time constant of `r` [s]
 
   /// Whether the goal is reached: within half the tolerances, then until it is out of them.
   /// @param distance_squared  of the goal, over the square of its tolerance.

@@ -16,7 +16,7 @@ struct SplinePlan {
   using Settings = typename Space::Settings;
   using Where = typename Space::Where;
   static constexpr bool streams = false, reacts = false, is_movable = false;
-  static constexpr const char* name = Space::spline_name;  ///< of the law
+  static constexpr const char* name = Space::spline_name;  ///< name of the law
   /// The slowest pace of a plan that waits: one that its joints' droop holds back ends all the same.
   static constexpr double slowest = 0.1;
 
