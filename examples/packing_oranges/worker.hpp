@@ -40,7 +40,7 @@ class Worker {
         grip_(settings.hold, settings.max_hold),
         squeeze_({.from = settings.judge_from,
                   .to = settings.judge_to,
-                  .own = 1e9,
+                  .finger_stiffness = 1e9,
                   .swing = 3,
                   .min_span = settings.judge_span}),
         objects_([] {

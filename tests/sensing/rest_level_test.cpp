@@ -243,7 +243,7 @@ TEST_CASE("RestLevel: a contact of an hour, from 0.05 thresholds on, loses less 
     const RestCell<> cell = RestLevel::cell(row, i);
     CHECK(std::abs(level(cell) - 200) < 0.01 * contact(i).size);
     CHECK(std::abs(cell.frozen) == 64);
-    CHECK(unexplained(cell));
+    CHECK(is_unexplained(cell));
   }
 }
 
@@ -273,10 +273,10 @@ TEST_CASE("RestLevel: a drift taken for a contact is released by evidence, and n
     if (i < 4) {
       CHECK(released[i] < 5 + 60);
       CHECK(level(cell) == doctest::Approx(350).epsilon(0.02));
-      CHECK_FALSE(unexplained(cell));
+      CHECK_FALSE(is_unexplained(cell));
     } else {
       CHECK(level(cell) == doctest::Approx(200).epsilon(0.002));
-      CHECK(unexplained(cell) == (i < 8 || i >= 12));
+      CHECK(is_unexplained(cell) == (i < 8 || i >= 12));
       CHECK((cell.frozen < 0) == (i >= 12));
     }
   }
@@ -437,7 +437,7 @@ TEST_CASE("RestLevel: a cell that is being released is not named as unexplained,
   const auto named = [](double frozen, double below, double evidence) {
     RestCell<double> cell{};
     cell.frozen = frozen, cell.below = below, cell.evidence = evidence;
-    return unexplained(cell);
+    return is_unexplained(cell);
   };
   for (const double sign : {1.0, -1.0}) {
     CHECK(named(sign * 60, 0, 0));

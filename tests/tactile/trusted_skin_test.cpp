@@ -424,7 +424,7 @@ TEST_CASE("TrustedSkin: without a fault, a drift and a lone cell, it is the skin
   CHECK(same);
   CHECK(most > 10);
   CHECK(trusted.coverage(b).usable == 260);
-  CHECK(trusted.nearest<2>(b) <= base.nearest<2>(a) + 0.01);
+  CHECK(trusted.max_proximity<2>(b) <= base.max_proximity<2>(a) + 0.01);
 }
 
 TEST_CASE("TrustedSkin: replayed from any memory it is the same, and it allocates nothing") {

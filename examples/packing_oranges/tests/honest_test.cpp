@@ -24,7 +24,7 @@ RunSettings six(std::uint64_t seed) {
   s.supply.oranges = 6;
   s.seed = seed;
   s.touch_every = 0;
-  s.work.executor.place = 2s;
+  s.work.executor.max_place_wait = 2s;
   s.honest = true;
   return s;
 }

@@ -43,7 +43,7 @@ RunSettings few(int oranges, std::uint64_t seed = 3) {
   s.supply.oranges = oranges;
   s.seed = seed;
   s.touch_every = 0;
-  s.work.executor.place = 2s;
+  s.work.executor.max_place_wait = 2s;
   return s;
 }
 int failures(const Outcome& o, skinctl::StepFailure why) {
@@ -246,7 +246,7 @@ TEST_CASE(
   RunSettings s = few(4);
   s.supply.share = 1;
   s.touch_every = 0;
-  s.work.executor.place = std::chrono::seconds(4);
+  s.work.executor.max_place_wait = std::chrono::seconds(4);
   s.fault = Fault::box_blocked;
   s.fault_at = 0;
   s.fault_lasts = 30;

@@ -50,7 +50,7 @@ namespace detail {
 [[nodiscard]] Urdf read_urdf(const std::string& path, const UrdfOptions& options = {});
 
 /// The links of a model, in the order of `urdf.joints`. Their frames are those of `urdf.frames`' carriers: z
-/// on the joint's axis, turned about it by `turn` against `UrdfJoint::placed`, as in `CanonicalLinks`. Throws
+/// on the joint's axis, turned about it by `turn` against `UrdfJoint::placed`, as in `TurnedLinks`. Throws
 /// `ConfigurationError` for a link that cannot exist.
 struct UrdfLinks {
   std::vector<LinkParameters<double>> links;

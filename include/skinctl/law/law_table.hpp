@@ -144,9 +144,9 @@ struct LawTable {
       return {};
     }
   }
-  [[nodiscard]] static bool waits_for_contacts(const L& law) noexcept {
+  [[nodiscard]] static bool needs_contacts(const L& law) noexcept {
     if constexpr (detail::TellsWaits<L>) {
-      return law.waits_for_contacts();
+      return law.needs_contacts();
     } else {
       return false;
     }

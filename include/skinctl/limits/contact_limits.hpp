@@ -98,7 +98,7 @@ class ContactLimits {
   [[nodiscard]] SKINCTL_INLINE SpeedShare<T> share(Memory& memory, const Going& going, const Seen& seen,
                                                    const JointVelocity<joints, T>& u) const noexcept {
     const auto verdict = judge(memory, going.measured, u, seen.pressed(),
-                               distances({seen.template nearest<Ix>()...}), going.passed);
+                               distances({seen.template max_proximity<Ix>()...}), going.passed);
     return {verdict.scale, verdict.status};
   }
 

@@ -56,7 +56,7 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   /// @param hold  the torque that holds the joints by torque: gravity compensation, with friction if it has
   ///               some; without what brakes them.
   /// @param seen  the touch of this cycle: `pressed()` (`PressedAreas`, or wrenches on the links),
-  ///              `nearest<Ix>()` (the strongest proximity reading of a link) and `coverage()`, as far as
+  ///              `max_proximity<Ix>()` (the strongest proximity reading of a link) and `coverage()`, as far as
   ///              limits ask.
   ///
   /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.

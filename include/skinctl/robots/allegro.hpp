@@ -154,7 +154,7 @@ template <Scalar T = double>
 template <std::size_t W, Real T = double>
 [[nodiscard]] auto fingers_of(Side side, std::size_t first = 0) {
   using L = std::conditional_t<W == 1, T, Lane<T, W>>;
-  std::array<CanonicalLinks<Chain<4>>, W> fingers;
+  std::array<TurnedLinks<Chain<4>>, W> fingers;
   for (std::size_t k = 0; k < W; ++k)
     fingers[k] = canonical_links<Chain<4>>(finger_links((first + k) % 4, side));
   typename CalibratedModel<Finger, L>::Links links;

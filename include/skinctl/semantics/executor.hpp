@@ -64,8 +64,8 @@ struct ExecutorSettings {
   Nanoseconds lost = 50ms;  ///< a needed fact that is not seen to hold for this long is lost
   Nanoseconds confirm =
       300ms;  ///< longest time after the end of a skill until its added and removed facts are seen
-  Nanoseconds place = 30s;    ///< longest wait for a place
-  std::uint8_t reverses = 3;  ///< a task goes back this often; then it asks
+  Nanoseconds max_place_wait = 30s;  ///< longest wait for a place
+  std::uint8_t reverses = 3;         ///< a task goes back this often; then it asks
 };
 
 /// Executes a task. Immutable; `step` is a pure function from a memory of 24 bytes to a request and the next memory.
@@ -106,7 +106,8 @@ class Executor {
     require(s.lost >= 0ns && s.lost <= 10s, "Executor: lost", milliseconds(s.lost), "0 to 1e4 ms");
     require(s.confirm >= 0ns && s.confirm <= 10s, "Executor: confirm", milliseconds(s.confirm),
             "0 to 1e4 ms");
-    require(s.place >= 0ns && s.place <= 1000s, "Executor: place", milliseconds(s.place), "0 to 1e6 ms");
+    require(s.max_place_wait >= 0ns && s.max_place_wait <= 1000s, "Executor: max_place_wait",
+            milliseconds(s.max_place_wait), "0 to 1e6 ms");
   }
   [[nodiscard]] const TaughtTask<N>& task() const noexcept { return task_; }
   /// The memory with which it begins, at the instant `now`. Tickets count on from `ticket`.
@@ -218,7 +219,7 @@ class Executor {
       return;
     }
     if (task_.steps[m.step].place != no_place && !in.granted) {
-      if (in.now - m.since >= s_.place) fail(m, in, StepFailure::place, false);
+      if (in.now - m.since >= s_.max_place_wait) fail(m, in, StepFailure::place, false);
       return;
     }
     number(m);

@@ -65,7 +65,7 @@ struct alignas(64) RestLevelsRow {
 /// A touch so recognised is over when r falls below touch/2, and t begins anew. t is the time since freezing, up to
 /// 64 s, and the evidence (sensing/evidence.hpp) smoothed over `weigh`.
 /// So a cell is frozen by a contact, also one far below the threshold of a touch, and without evidence it stays
-/// so: `unexplained` names it after 60 s.
+/// so: `is_unexplained` names it after 60 s.
 ///
 /// **Rates.** x is linear between samples, or held and then linear over the last `ramp`; a step of any duration
 /// is exact for the smoothing and, between changes of state, for b. Changes of state count within a step.
@@ -237,7 +237,7 @@ template <Real T>
 /// Whether a cell has been frozen for 60 s or more, is not being released, and nothing says that it is touched:
 /// a drift that nobody could tell from a contact, or a contact that nobody else sees. To be named in a report.
 template <Real T>
-[[nodiscard]] constexpr bool unexplained(const RestCell<T>& cell) noexcept {
+[[nodiscard]] constexpr bool is_unexplained(const RestCell<T>& cell) noexcept {
   return (cell.frozen >= T(60) || cell.frozen <= T(-60)) && !(cell.below < T(0)) && cell.evidence > T(-1);
 }
 

@@ -117,8 +117,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
   }
 
   /// Whether a skill waits for contacts: its scene then needs a skin that has them.
-  [[nodiscard]] bool waits_for_contacts() const noexcept {
-    bool waits = blend_.waits_for_contacts();
+  [[nodiscard]] bool needs_contacts() const noexcept {
+    bool waits = blend_.needs_contacts();
     for (const auto& s : skills_)
       waits = waits || s.conditions.finish == SkillFinish::touched ||
               s.conditions.finish == SkillFinish::released;

@@ -80,7 +80,7 @@ SKINCTL_COLD void add_patches(SkinTables<Kind, T>& tables, const SettingsOf<Kind
 /// rounded. One that is masked, or has no gain, neither pushes nor counts as `usable`: it does not feel.
 ///
 /// The memory is sized for `Capacity`, 17 bytes a cell, and 96 bytes a patch, whatever is used of it. A
-/// robot's link without cells has a wrench of zero, and `nearest` on it is 1: nothing is known of it.
+/// robot's link without cells has a wrench of zero, and `max_proximity` on it is 1: nothing is known of it.
 template <Topology M, Real T, std::size_t Capacity, std::size_t Patches = 32,
           LinkMask Links = all_links(M::joints), SensorKind Kind = Hexagon>
 class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, Kind> {

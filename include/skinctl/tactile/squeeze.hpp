@@ -19,10 +19,10 @@ template <Real T = double>
 class Squeeze {
  public:
   struct Settings {
-    T from = T(0.5), to = T(4);  ///< range of forces [N]
-    T own = T(5000);             ///< stiffness of skin and fingers in series, > 0 [N/m]
-    T swing = T(0.5);            ///< fall of the force that begins anew [N]
-    T min_span = T(1.5);         ///< smallest range of forces from which a result is given [N]
+    T from = T(0.5), to = T(4);    ///< range of forces [N]
+    T finger_stiffness = T(5000);  ///< stiffness of skin and fingers in series, > 0 [N/m]
+    T swing = T(0.5);              ///< fall of the force that begins anew [N]
+    T min_span = T(1.5);           ///< smallest range of forces from which a result is given [N]
   };
   /// Sums over the points of the present squeeze. Trivially copyable; `Memory{}` has seen none.
   struct Memory {
@@ -36,13 +36,14 @@ class Squeeze {
     T stiffness = T(0);  ///< stiffness of the body [N/m]
   };
 
-  /// Throws `ConfigurationError` unless `0 <= from < to`, `own > 0`, `0 < swing <= 1e4`,
+  /// Throws `ConfigurationError` unless `0 <= from < to`, `finger_stiffness > 0`, `0 < swing <= 1e4`,
   /// `0 < min_span <= to - from`.
   SKINCTL_COLD explicit Squeeze(const Settings& s = {}) : s_(s) {
     const auto number = [](const T& x) { return static_cast<double>(x); };
     require(s.from >= T(0) && s.from < s.to, "Squeeze: from", number(s.from), ">= 0, < to N");
     require(s.to <= T(1e4), "Squeeze: to", number(s.to), "<= 1e4 N");
-    require(s.own > T(0) && s.own <= T(1e9), "Squeeze: own stiffness", number(s.own), "> 0, <= 1e9 N/m");
+    require(s.finger_stiffness > T(0) && s.finger_stiffness <= T(1e9), "Squeeze: stiffness of the fingers",
+            number(s.finger_stiffness), "> 0, <= 1e9 N/m");
     require(s.swing > T(0) && s.swing <= T(1e4), "Squeeze: swing", number(s.swing), "> 0, <= 1e4 N");
     require(s.min_span > T(0) && s.min_span <= s.to - s.from, "Squeeze: least span", number(s.min_span),
             "> 0, <= to - from N");
@@ -67,7 +68,7 @@ class Squeeze {
   }
   [[nodiscard]] Result result(const Memory& m) const noexcept {
     if (!(m.high - m.low >= s_.min_span) || !(m.square > T(0))) return {};
-    const T give = m.product / m.square - T(1) / s_.own;
+    const T give = m.product / m.square - T(1) / s_.finger_stiffness;
     return {true, give > T(0) ? T(T(1) / give) : std::numeric_limits<T>::infinity()};
   }
 

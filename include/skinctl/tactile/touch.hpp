@@ -43,7 +43,7 @@ struct NoSensors {};
 /// | `contacts(memory)` | the contacts that skills wait for, each a `Found` | none are found | both |
 /// | `coverage(memory)` | how much of it feels | no cells | together |
 /// | `noticed(memory, i)` | least reading of a push on its `i`-th cell that somebody notices | infinite | b's behind a's |
-/// | `nearest<Ix>(memory)` | bound of proximity on link `Ix` | 1: somebody may be there | greatest of those that tell |
+/// | `max_proximity<Ix>(memory)` | bound of proximity on link `Ix` | 1: somebody may be there | greatest of those that tell |
 /// | `index(id)`, `size()` | place of a cell; `size()`: not its own | no cells | b's behind a's |
 /// | `each_cell(f, most)` | unit wrenches of cells, for checks of stability | none | both |
 /// | `each_point(f)` | the same for a sensor | none | both |
@@ -91,7 +91,7 @@ struct TouchTable {
   template <class T>
   static constexpr bool knows_pressed = detail::HasPressed<S, T>;
   template <std::size_t Ix>
-  static constexpr bool tells_nearest = detail::TellsNearest<S, Ix>;
+  static constexpr bool tells_max_proximity = detail::TellsMaxProximity<S, Ix>;
 
   /// See `Skin::receive`; what comes behind `means` are front ends.
   template <class Given, class Means, class... Front>
@@ -146,9 +146,9 @@ struct TouchTable {
     }
   }
   template <std::size_t Ix, class W = typename S::Wrenches>
-  [[nodiscard]] static SKINCTL_INLINE typename W::scalar nearest(const S& s, const Memory& m) noexcept {
-    if constexpr (tells_nearest<Ix>) {
-      return s.template nearest<Ix>(m);
+  [[nodiscard]] static SKINCTL_INLINE typename W::scalar max_proximity(const S& s, const Memory& m) noexcept {
+    if constexpr (tells_max_proximity<Ix>) {
+      return s.template max_proximity<Ix>(m);
     } else {
       return typename W::scalar(1);
     }

@@ -129,10 +129,10 @@ class TrustedSkin : public detail::TrustCore<S> {
       if (const T push = filled_in(i, share); push > T(0)) f(i, push);
     });
   }
-  /// See `Skin::nearest`. What a masked cell sees is left to its neighbours, if one of them is heard and not
+  /// See `Skin::max_proximity`. What a masked cell sees is left to its neighbours, if one of them is heard and not
   /// masked.
   template <std::size_t Ix>
-  [[nodiscard]] T nearest(const Memory& m) const noexcept {
+  [[nodiscard]] T max_proximity(const Memory& m) const noexcept {
     if constexpr (!Table::sees) return T(1);
     float most = static_cast<float>(this->wrapped().settings().gates()[this->seen_].opens_at() /
                                     Kind::channels[this->seen_].greatest);
@@ -187,8 +187,9 @@ class TrustedSkin : public detail::TrustCore<S> {
   }
   /// Whether cell `i` has read something for a minute that nobody can tell from a contact: see `unexplained`.
   [[nodiscard]] bool is_unexplained(const Memory& m, std::size_t i) const noexcept {
-    return std::any_of(m.rest.begin(), m.rest.end(),
-                       [&](const auto& rest) { return unexplained(RestLevel::cell(rest[i / 16], i % 16)); });
+    return std::any_of(m.rest.begin(), m.rest.end(), [&](const auto& rest) {
+      return is_unexplained(RestLevel::cell(rest[i / 16], i % 16));
+    });
   }
   /// The id, link and place of each cell, for reports.
   [[nodiscard]] std::span<const detail::TrustCell<Kind>> table() const noexcept { return cell_; }

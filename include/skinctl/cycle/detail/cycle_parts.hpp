@@ -87,8 +87,8 @@ class CycleParts {
                              JerkTerms<scalar>{jerk.template set<typename Resolver::Stiff>().longest_rise()});
     }
     if constexpr (!TouchTable<Skin>::finds_contacts)
-      require(!LawTable<L>::waits_for_contacts(law),
-              "skills that wait for contacts, on a skin that finds none", 1, "a ContactSkin");
+      require(!LawTable<L>::needs_contacts(law), "skills that wait for contacts, on a skin that finds none",
+              1, "a ContactSkin");
     governor_.check(resolver_);
   }
   /// The planned interval [s], for the laws that start or take goals between two evaluations.

@@ -90,8 +90,8 @@ struct Seen {
   }
   /// The strongest proximity reading of link `Ix`, in [0, 1].
   template <std::size_t Ix>
-  [[nodiscard]] SKINCTL_INLINE auto nearest() const noexcept {
-    return TouchTable<Skin>::template nearest<Ix>(skin, memory);
+  [[nodiscard]] SKINCTL_INLINE auto max_proximity() const noexcept {
+    return TouchTable<Skin>::template max_proximity<Ix>(skin, memory);
   }
   [[nodiscard]] SKINCTL_INLINE Coverage coverage() const noexcept {
     return TouchTable<Skin>::coverage(skin, memory);

@@ -34,9 +34,9 @@ struct SeeingLaws {
     });
     return out;
   }
-  [[nodiscard]] bool waits_for_contacts() const noexcept {
+  [[nodiscard]] bool needs_contacts() const noexcept {
     bool waits = false;
-    std::apply([&](const L&... law) { waits = (LawTable<L>::waits_for_contacts(law) || ...); }, own().laws());
+    std::apply([&](const L&... law) { waits = (LawTable<L>::needs_contacts(law) || ...); }, own().laws());
     return waits;
   }
 

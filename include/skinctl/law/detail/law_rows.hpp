@@ -162,7 +162,7 @@ concept SeesScene = requires(const L& law, typename L::Memory& m, const In& inpu
 };
 template <class L>
 concept TellsWaits = requires(const L& law) {
-  { law.waits_for_contacts() } -> std::same_as<bool>;
+  { law.needs_contacts() } -> std::same_as<bool>;
 };
 
 // For speed.
@@ -180,7 +180,7 @@ concept HasEvaluate =
 struct NamesOfALaw {
   int start, torque, parts, advance, receive, follow, status, settled, distance, check_for, now, evaluate,
       name, presses, compensates_friction, starts_blank, gravity_laws, complete_sum, terms, roles, see,
-      output, waits_for_contacts;
+      output, needs_contacts;
 };
 SKINCTL_NAMES(NamesStart, NamesOfALaw, start);
 SKINCTL_NAMES(NamesTorque, NamesOfALaw, torque);
@@ -204,7 +204,7 @@ SKINCTL_NAMES(NamesTerms, NamesOfALaw, terms);
 SKINCTL_NAMES(NamesRoles, NamesOfALaw, roles);
 SKINCTL_NAMES(NamesLawSee, NamesOfALaw, see);
 SKINCTL_NAMES(NamesOutput, NamesOfALaw, output);
-SKINCTL_NAMES(NamesWaits, NamesOfALaw, waits_for_contacts);
+SKINCTL_NAMES(NamesWaits, NamesOfALaw, needs_contacts);
 /// A torque that is weighted by its parts contains G(q) where no gravity law is loaded.
 template <class L>
 concept MayHaveParts = !CanBeAsked<L> || NamesParts<L>;

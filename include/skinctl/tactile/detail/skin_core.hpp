@@ -206,7 +206,7 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   /// reading unknown, if there is none, or if this kind of cell sees nothing. A link that cannot have a cell
   /// does not compile.
   template <std::size_t Ix>
-  [[nodiscard]] T nearest(const Memory& memory) const noexcept {
+  [[nodiscard]] T max_proximity(const Memory& memory) const noexcept {
     static_assert((Links >> Ix) & 1u, "no skin on this link: it sees nothing");
     bool known = false;
     PerChannel<Kind, std::int32_t> most{};
