@@ -71,6 +71,7 @@ enum class Reason : std::uint8_t {
   start_refused,
   push_without_life,
   interval_too_short,
+  memory_refused,
   count
 };
 

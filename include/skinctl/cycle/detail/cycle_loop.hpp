@@ -2,6 +2,7 @@
 // What runs in every cycle of a scene.
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "skinctl/core/real_time.hpp"
@@ -51,6 +52,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   using Parts::governor_;
   using Parts::guard_;
   using Parts::law_;
+  using Parts::mark_;
   using Parts::parts_;
   using Parts::pauses;
   using Parts::period;
@@ -68,6 +70,8 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     const RealTimeScope real_time;
     watch.begin();
     Status status;
+    if (m.mark != mark_) [[unlikely]]
+      status |= refuse_memory(m);
     if (input.request == CycleRequest::stop) resolver_.stop(m.robot);
     if (input.request == CycleRequest::resume) {
       if (guard_.refuses_start(m.guard)) [[unlikely]] {
@@ -165,6 +169,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
 
   /// All but the robot.
   SKINCTL_COLD void start_rest(Memory& m, const State<joints, scalar>& measured) const noexcept {
+    m.mark = mark_;
     m.skin = skin_.start(measured.time);
     m.guard = guard_.start(m.robot.command(), measured);
     m.governor = {};
@@ -176,6 +181,13 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
       const Wrenches touch = skin_.wrenches(m.skin);
       m.law = law_.start(resolver_.template known<L>(state, period(), touch));
     }
+  }
+  /// Of another scene: it tells where another robot was told to be. It becomes one whose start was refused.
+  SKINCTL_COLD Status refuse_memory(Memory& m) const noexcept {
+    State<joints, scalar> nowhere;
+    for (scalar& q : nowhere.q) q = std::numeric_limits<scalar>::quiet_NaN();
+    start(m, nowhere);
+    return Reason::memory_refused;
   }
   /// A robot that was told to be elsewhere by a gap still is.
   SKINCTL_COLD void start_anew(Memory& m, const Input& input) const noexcept {
@@ -215,7 +227,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   // For `Configurations`: whether another one may take over now; the law's start at the robot's state; the
   // difference of torque between the old configuration and this one.
   [[nodiscard]] bool may_change(const Memory& m, const Input& input) const noexcept {
-    if (guard_.refuses_start(m.guard)) return false;
+    if (m.mark != mark_ || guard_.refuses_start(m.guard)) return false;
     auto robot = m.robot;
     if (input.request == CycleRequest::stop) resolver_.stop(robot);
     if (input.request == CycleRequest::resume) resolver_.resume(robot);
