@@ -84,12 +84,12 @@ TEST_CASE("Interval: equal parts that leave out and repeat nothing") {
     CHECK((most <= 2ms || interval.substeps == max_substeps));
     CHECK_FALSE(interval.status.any());
   }
-  CHECK(robot.interval(m, 5s).status == Reason::interval_empty);
+  CHECK(robot.interval(m, 5s).status == Status(Reason::interval_empty));
   CHECK(robot.interval(m, 5s).substeps == 0);
-  CHECK(robot.interval(m, 5s - 1ns).status == Reason::time_backwards);
-  CHECK(robot.interval(m, Nanoseconds::min()).status == Reason::time_backwards);
-  CHECK(robot.interval(m, Nanoseconds::max()).status == Reason::time_backwards);
+  CHECK(robot.interval(m, 5s - 1ns).status == Status(Reason::time_backwards));
+  CHECK(robot.interval(m, Nanoseconds::min()).status == Status(Reason::time_backwards));
+  CHECK(robot.interval(m, Nanoseconds::max()).status == Status(Reason::time_backwards));
   const auto late = robot.interval(m, 7s);
-  CHECK(late.status == Reason::interval_too_long);
+  CHECK(late.status == Status(Reason::interval_too_long));
   CHECK(late.from == 7s - 40ms);
 }

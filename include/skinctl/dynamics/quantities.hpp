@@ -44,6 +44,7 @@ struct Computed {
 };
 template <class V>
 struct Computed<false, V> {
+  static const V value;  ///< never defined: it is named only after the error that says so
   template <class F>
   SKINCTL_INLINE explicit Computed(F&&) noexcept {}
 };

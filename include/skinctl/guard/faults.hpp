@@ -157,6 +157,10 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
     {Reason::interval_too_short, "interval_too_short", FaultFinder::resolver, Reaction::report,
      Reaction::report, WayBack::by_itself,
      "cycles last less than 1 % of the period: are stamps nanoseconds?"},
+    {Reason::memory_refused, "memory_refused", FaultFinder::guard, Reaction::stop, Reaction::stop,
+     WayBack::on_request, "the memory is of another scene, or of none: nothing is commanded"},
+    {Reason::touch_unanswered, "touch_unanswered", FaultFinder::law, Reaction::report, Reaction::report,
+     WayBack::by_itself, "the skin is touched, and no law or limit of the scene answers touch"},
 }};
 static_assert(
     [] {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <charconv>
 #include <concepts>
 #include <map>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/time.hpp"
+#include "skinctl/io/detail/from_chars.hpp"
 #include "skinctl/io/detail/read_text.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -93,7 +93,7 @@ class SceneNumbers {
     for (text = trimmed(text.substr(equals + 1)); !text.empty(); text = trimmed(text)) {
       const std::string word(text.substr(0, text.find_first_of(" \t\r")));
       double value = 0;
-      const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+      const auto result = detail::from_chars(word.data(), word.data() + word.size(), value);
       if (result.ec != std::errc() || result.ptr != word.data() + word.size() || value - value != 0)
         fail(line, name + ": \"" + word + "\" is no finite number");
       entry.values.push_back(value);

@@ -4,10 +4,10 @@
 
 #include <tinyxml2.h>
 
-#include <charconv>
 #include <cstring>
 #include <optional>
 
+#include "skinctl/io/detail/from_chars.hpp"
 #include "skinctl/io/detail/read_text.hpp"
 #include "skinctl/io/skin_contents.hpp"
 
@@ -61,7 +61,7 @@ class SkinXmlReader {
     while (!s.empty() && std::strchr(" \t\r\n", s.front()) != nullptr) s.remove_prefix(1);
     while (!s.empty() && std::strchr(" \t\r\n", s.back()) != nullptr) s.remove_suffix(1);
     T x{};
-    const auto [end, error] = std::from_chars(s.data(), s.data() + s.size(), x);
+    const auto [end, error] = detail::from_chars(s.data(), s.data() + s.size(), x);
     if (s.empty() || error != std::errc() || end != s.data() + s.size() || !(x - x == T(0)))
       fail(at, what + " = " + skin_quoted(s) +
                    ", allowed: " + (std::is_integral_v<T> ? "a whole number" : "a finite number"));

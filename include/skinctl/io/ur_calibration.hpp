@@ -2,13 +2,13 @@
 // The factory calibration of a Universal Robot from its calibration.conf.
 #pragma once
 
-#include <charconv>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <string>
 #include <string_view>
 
+#include "skinctl/io/detail/from_chars.hpp"
 #include "skinctl/model/dh.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -82,7 +82,7 @@ class UrCalibrationReader {
       if ((comma == std::string_view::npos) != (i == 5)) fail(name + " has not six numbers");
       const std::string_view item = trimmed(value.substr(0, comma));
       double& x = (*row.numbers)[i];
-      const auto [end, error] = std::from_chars(item.data(), item.data() + item.size(), x);
+      const auto [end, error] = detail::from_chars(item.data(), item.data() + item.size(), x);
       if (error != std::errc() || end != item.data() + item.size() || item.empty())
         fail(name + ": number " + std::to_string(i + 1) + " is none");
       if (!(x >= -row.largest && x <= row.largest))

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -13,6 +12,7 @@
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/xml_text.hpp"
 #include "skinctl/frames/rotation.hpp"
+#include "skinctl/io/detail/from_chars.hpp"
 #include "skinctl/io/formatted.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/model/named_links.hpp"
@@ -112,7 +112,7 @@ class UrdfBuilder {
       for (int n = 6; n <= 17; ++n) {
         digits = formatted("%.*g", n, v == 0 ? 0.0 : v);
         double again = 0;
-        std::from_chars(digits.data(), digits.data() + digits.size(), again);
+        detail::from_chars(digits.data(), digits.data() + digits.size(), again);
         if (again == v) break;
       }
       out += (out.empty() ? "" : " ") + digits;

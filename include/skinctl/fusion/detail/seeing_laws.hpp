@@ -17,6 +17,9 @@ template <class Own, class... L>
 struct SeeingLaws {
   using Input = Together<typename LawTable<L>::Input...>;
   using Output = Together<typename LawTable<L>::Output...>;
+  /// Whether one of them sees.
+  template <class In, class Seen>
+  static constexpr bool one_sees = (sees<L, In, Seen> || ...);
 
   template <class Memory, class In, class Seen>
   SKINCTL_INLINE Status see(Memory& memory, const In& input, const Seen& seen) const noexcept {

@@ -160,6 +160,12 @@ template <class L, class In, class Seen>
 concept SeesScene = requires(const L& law, typename L::Memory& m, const In& input, const Seen& seen) {
   { law.see(m, input, seen) } -> std::same_as<Status>;
 };
+/// Whether a law sees its scene: a sum tells whether one of its laws does.
+template <class L, class In, class Seen>
+inline constexpr bool sees = SeesScene<L, In, Seen>;
+template <class L, class In, class Seen>
+  requires requires { L::template one_sees<In, Seen>; }
+inline constexpr bool sees<L, In, Seen> = L::template one_sees<In, Seen>;
 template <class L>
 concept TellsWaits = requires(const L& law) {
   { law.needs_contacts() } -> std::same_as<bool>;
