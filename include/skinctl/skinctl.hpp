@@ -71,6 +71,7 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/kinematics/singular_directions.hpp"
 #include "skinctl/kinematics/singularity_damping.hpp"
+#include "skinctl/kinematics/summed_motion.hpp"
 #include "skinctl/kinematics/zyz.hpp"
 
 #include "skinctl/dynamics/energy.hpp"
