@@ -4,6 +4,7 @@
 
 #include "skinctl/clearance/surroundings.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/kinematics/summed_motion.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -18,7 +19,7 @@ struct Clearance {
   std::vector<LinkCapsule> capsules = {};
   std::vector<CapsulePair> pairs = {};
   double margin = 0.02;  ///< smallest distance of the surfaces that is kept [m]
-  double reach = 1.5;    ///< largest distance of a capsule's point from any joint axis before it [m]
+  double reach = 1.5;    ///< largest distance of a capsule's point from any axis that turns it [m]
 };
 
 /// A `Clearance` whose robot also stays clear of up to `Most` obstacles that the cycle's input names anew each time:
@@ -164,7 +165,7 @@ class Clearances {
     }
   }
   /// Capsules, one for each exposed one, within which these stay while no joint `i` is further than `half[i]` from `q`:
-  /// a point moves by `sum half_i |c_i| + reach (sum half_i)^2 / 2` at most.
+  /// a point moves by `sum half_i |c_i|` and half of `SummedMotion::bend` at most.
   SKINCTL_NOINLINE void sweep(const Position& q, const Position& half, const T& reach,
                               Surroundings<max_exposed_capsules, Base, T>& out) const noexcept {
     using std::sqrt;
@@ -173,18 +174,19 @@ class Clearances {
     columns_at(placed, columns);
     for (const Exposed& e : exposed_) {
       Obstacle<Base, T> o{placed(e.link, e.shape), T(0)};
-      T most(0), sum(0);
+      T most(0);
+      SummedMotion<M, T> sum;
       for (const Xyz<T>& end : {o.shape.from, o.shape.to}) {
         T way(0);
-        sum = T(0);
+        sum = {};
         for (std::size_t j = 0; j < joints; ++j) {
           if (((e.between >> j) & 1u) == 0) continue;
           const Xyz<T> c = moved(columns[e.link], j, end - placed.pose[e.link].origin());
-          way = way + half[j] * sqrt(dot(c, c)), sum = sum + half[j];
+          way = way + half[j] * sqrt(dot(c, c)), sum.add(j, half[j]);
         }
         most = way > most ? way : most;
       }
-      o.shape.radius = o.shape.radius + most + T(0.5) * reach * sum * sum;
+      o.shape.radius = o.shape.radius + most + T(0.5) * sum.bend(reach);
       out.add(o);
     }
   }

@@ -20,8 +20,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// A velocity is kept only if the robot can stop from it with all clearances above the margin, either along the
 /// way on which all joints brake alike, at the rate of the weakest, if they stop before their ends, or along the
 /// one on which each joint brakes as it likes. The distances are computed at `looks` places of that way, x
-/// apart, and must exceed the margin there by `reach (sum |x_i|)^2` over the joints between the two: what they
-/// can fall short in between. What is nearer than the margin may only get farther.
+/// apart, and must exceed the margin there by what they can fall short in between: `reach (sum |x_i|)^2` over the
+/// joints between the two, and more where joints slide (`SummedMotion`). What is nearer than the margin may only get
+/// farther.
 ///
 /// A velocity that would come too close loses the part that closes, and at the margin gains a little that opens; what is
 /// left, mixed with braking as far as needed, is kept. So an arm slides along, and whatever leads away passes.
@@ -48,6 +49,7 @@ class ClearanceLimits {
   static constexpr Reason reason = Reason::clearance_kept;
   using Velocity = JointVelocity<joints, T>;
   using Position = JointPosition<joints, T>;
+  using Sum = SummedMotion<M, T>;
   using Near = typename Clearances<M, T, Around>::Near;
   using Here = detail::ClearanceWays<ClearanceLimits>;  ///< the distances at a position, for several queries
   /// The robot's deviation from its commands. Trivially copyable.
@@ -116,10 +118,11 @@ class ClearanceLimits {
   }
   /// The robot is `off` its commands: measured less expected positions. No number counts as nothing.
   SKINCTL_INLINE void stand_off(Memory& m, const Position& off) const noexcept {
-    T sum(0);
-    for (std::size_t i = 0; i < joints; ++i) sum = sum + Here::size(off[i]);
+    Sum sum;
+    for (std::size_t i = 0; i < joints; ++i) sum.add(i, off[i]);
+    const T way = sum.way(reach_);
     m.off = off;
-    m.is_off = reach_ * sum > T(off_from) * margin_ && sum - sum == T(0);
+    m.is_off = way > T(off_from) * margin_ && way - way == T(0);
   }
   /// The space that exposed capsules may fill from now until the robot stands, if it brakes: from `measured`
   /// to the last command, and on to where all joints are at rest, however they brake together.

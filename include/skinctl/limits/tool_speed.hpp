@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/kinematics/summed_motion.hpp"
 #include "skinctl/limits/detail/towards.hpp"
 #include "skinctl/limits/limit.hpp"
 #include "skinctl/robot/joint_limits.hpp"
@@ -21,9 +22,9 @@ struct ToolSpeedLimit {};
 /// along which the point stays below it and every joint stops before its end:
 /// - either each joint brakes as it likes: `sum |u_i| |J_i|`, with columns that grow on the way, is below the
 ///   limit;
-/// - or all joints brake alike, at the rate of the weakest. With `v = |J u|`, growth `K = R (sum |u_i|)^2` and
-///   rate `a = min A_i / |u_i|` the largest speed is v if `K <= a v`, else at most `2/3 v + K/(3 a)`, and joint
-///   i covers `|u_i| / (2 a)`.
+/// - or all joints brake alike, at the rate of the weakest. With `v = |J u|`, growth `K = R w^2 + 2 w s` of the
+///   joints that turn by w in sum and those that slide by s (`SummedMotion`), and rate `a = min A_i / |u_i|` the
+///   largest speed is v if `K <= a v`, else at most `2/3 v + K/(3 a)`, and joint i covers `|u_i| / (2 a)`.
 template <RobotModel M, std::size_t Ix, Real T = double>
 class ToolSpeed {
  public:
@@ -38,7 +39,7 @@ class ToolSpeed {
   struct Values {
     T speed;                            ///< largest speed of the point [m/s], > 0
     Xyz<T> point = {T(0), T(0), T(0)};  ///< point along the axes of link `Ix`, from its origin [m]
-    T reach;                            ///< R: largest distance of the point from any joint axis [m]
+    T reach;                            ///< R: largest distance of the point from any axis that turns it [m]
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
@@ -76,18 +77,17 @@ class ToolSpeed {
       using std::sqrt;
       const auto size = [](const T& x) SKINCTL_INLINE_LAMBDA { return x < T(0) ? T(-x) : x; };
       const T R = of_.values_.reach, most = of_.limit();
-      T sum(0), rate = std::numeric_limits<T>::infinity(), path(0), stop(0);
+      T rate = std::numeric_limits<T>::infinity();
+      SummedMotion<M, T> sum, path, stop;
       for (std::size_t i = 0; i < joints; ++i) {
         const T w = size(u[i]), brake = of_.brake(i);
-        sum = sum + w;
-        path = path + size(moved[i]);
-        stop = stop + w * w / (T(2) * brake);
+        sum.add(i, w), path.add(i, moved[i]), stop.add(i, w * w / (T(2) * brake));
         if (w * rate > brake) rate = brake / w;
       }
-      T alone = R * (path + stop) * sum;
+      T alone = (path + stop).bend(R, sum);
       for (std::size_t i = 0; i < joints; ++i) alone = alone + size(u[i]) * sqrt(dot(column_[i], column_[i]));
       if (alone <= most) return true;
-      const T v = speed(u) + R * path * sum, growth = R * sum * sum;
+      const T v = speed(u) + path.bend(R, sum), growth = sum.bend(R);
       if (!(growth <= rate * v ? v <= most : T(2) * v + growth / rate <= T(3) * most)) return false;
       return stops_inside(u, moved, room, T(T(1) / rate));
     }
@@ -126,9 +126,9 @@ class ToolSpeed {
   [[nodiscard]] SKINCTL_NOINLINE T share(const JointPosition<joints, T>& q, const JointVelocity<joints, T>& u,
                                          const T& time) const noexcept {
     using std::sqrt;
-    T sum(0);
-    for (std::size_t i = 0; i < joints; ++i) sum = sum + (u[i] < T(0) ? T(-u[i]) : u[i]);
-    const T v = at(q).speed(u), growth = values_.reach * sum * sum * time, most = limit();
+    SummedMotion<M, T> sum;
+    for (std::size_t i = 0; i < joints; ++i) sum.add(i, u[i]);
+    const T v = at(q).speed(u), growth = sum.bend(values_.reach) * time, most = limit();
     if (v + growth <= most) [[likely]]
       return T(1);
     const T s = T(2) * most / (v + sqrt(v * v + T(4) * growth * most));
@@ -240,7 +240,7 @@ struct MaxToolSpeed {
   using Kind = ToolSpeedLimit;
   T speed;                            ///< largest speed of the point [m/s], > 0
   Xyz<T> point = {T(0), T(0), T(0)};  ///< point along the axes of link `Ix`, from its origin [m]
-  T reach;                            ///< largest distance of the point from any joint axis [m]
+  T reach;                            ///< largest distance of the point from any axis that turns it [m]
 };
 
 /// The limit of a robot that it makes.
