@@ -52,7 +52,6 @@
 #include "skinctl/frames/wrench.hpp"
 
 #include "skinctl/model/attached.hpp"
-#include "skinctl/model/batch.hpp"
 #include "skinctl/model/dh.hpp"
 #include "skinctl/model/link.hpp"
 #include "skinctl/model/loaded.hpp"
