@@ -96,11 +96,6 @@ TEST_CASE_TEMPLATE("extremes: vectors, frames and inertias", T, float, double) {
          s.q[1] = x;
          return Results<T>(AnyState{}.believes(s) ? 1 : 0);
        }},
-      {"unit_mass_at", 2, shows, shows, [](T x) { return Results<T>(unit_mass_at(along(x))); }},
-      {"rotated", 1, shows, shows,
-       [](T x) { return Results<T>(rotated(turned<T>(), Symmetric<T>{x, x, x, x, x, x})); }},
-      {"as_symmetric", 1, shows, shows,
-       [](T x) { return Results<T>(as_symmetric(Eigen::Matrix<T, 3, 3>::Constant(x).eval())); }},
       {"transformed: a pose", 1, shows, shows,
        [](T x) {
          return Results<T>(transformed(pose<T>(), Transform<B, C, T>(turned<T>(), along(x))).origin());
