@@ -20,6 +20,7 @@
 #include <type_traits>
 
 #include "bench/studies/attack/common.hpp"
+#include "skinctl/dynamics/energy.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

@@ -82,7 +82,7 @@
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/dynamics/mass_ratio.hpp"
 #include "skinctl/dynamics/momentum_rate.hpp"
-#include "skinctl/dynamics/operational_inertia.hpp"
+#include "skinctl/dynamics/operational_mobility.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/dynamics/rotor_inertia.hpp"

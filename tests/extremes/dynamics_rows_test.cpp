@@ -168,16 +168,6 @@ TEST_CASE_TEMPLATE("extremes: an arm's dynamics", T, float, double) {
          return Results<T>(mobility_at_home<T>().along({x, T(0), T(0)}) /
                            (std::abs(x) > T(1) ? std::abs(x) : T(1)));
        }},
-      {"effective_mass of a direction", 0, safe, safe,
-       [](T x) { return Results<T>(effective_mass(mobility_at_home<T>(), Xyz<T>{x, T(0), T(0)}, T(50))); }},
-      {"OperationalInertia", 1, shows, shows,
-       [](T x) {
-         const OperationalInertia<std::remove_cvref_t<decltype(jacobian_at_home<T>())>, T> inertia(
-             mobility_at_home<T>(), T(0.01));
-         typename std::remove_cvref_t<decltype(mobility_at_home<T>())>::BodyAcceleration a;
-         a.linear = {x, T(0), x};
-         return Results<T>(inertia * a);
-       }},
       {"Quantities of a speed", 2, shows, shows,
        [](T x) {
          State<6, T> s;

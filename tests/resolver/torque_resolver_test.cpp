@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "skinctl/dynamics/energy.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "tests/support/closed_loop.hpp"
