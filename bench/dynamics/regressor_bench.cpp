@@ -32,8 +32,6 @@ void rows() {
                    [model](const auto& s) { return regressor(model, s.q, s.dq, s.dq_r, s.ddq); });
   bench::row<6, T>("dynamics/kinetic-energy" + end,
                    [model](const auto& s) { return kinetic_energy(model, s.q, s.dq); });
-  bench::row<6, T>("dynamics/generalised-momentum" + end,
-                   [model](const auto& s) { return generalised_momentum(model, s.q, s.dq); });
 }
 
 void floor_rows() {

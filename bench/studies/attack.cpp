@@ -17,7 +17,6 @@
 #include <optional>
 #include <random>
 #include <type_traits>
-#include <vector>
 
 #include "bench/studies/attack/common.hpp"
 

@@ -20,7 +20,6 @@
 #include <optional>
 #include <random>
 #include <type_traits>
-#include <vector>
 
 #include "bench/studies/attack/common.hpp"
 #include "skinctl/testing/plant.hpp"

@@ -18,9 +18,9 @@
 #include <optional>
 #include <random>
 #include <type_traits>
-#include <vector>
 
 #include "bench/studies/attack/common.hpp"
+#include "skinctl/dynamics/energy.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;

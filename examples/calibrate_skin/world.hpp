@@ -92,7 +92,6 @@ class World {
   /// As a person would put the marker: 30 mm and 15 deg off.
   [[nodiscard]] skinctl::FitPose placed_by_hand(std::uint16_t root) const;
   [[nodiscard]] skinctl::FitPose camera_by_hand() const;
-  [[nodiscard]] const skinctl::FitPose& true_camera() const noexcept { return X_BaseCam_; }
 
  private:
   std::uint64_t seed_;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "examples/support/program.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/passivity/detail/contact_modes.hpp"
 
@@ -144,11 +145,7 @@ int main(int argc, char** argv) try {
       ->capture_default_str();
   app.add_option("--plot", plot, "SVG of the least mass over the delay");
   app.footer("Exit codes: 0 said, 1 the picture cannot be written, 2 an option is wrong");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   print_table(loop, skins, body, friction);
   return plot.empty() || plotting::write_svg(plot, picture(loop, skins, body, friction)) ? 0 : 1;
 } catch (const std::exception& e) {

@@ -10,6 +10,7 @@
 
 #include "examples/adapters/dds/skin.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/io/ros_messages.hpp"
 #include "skinctl/skinctl.hpp"
 
@@ -174,11 +175,7 @@ int run(int argc, char** argv) {
   send_command->add_option("--rate", rate, "frames a second")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1000.0));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const job::StopSignals signals;
   job::Progress progress(quiet);
   return job::code(*send_command ? send(options, rate, seconds_long, signals.asked(), progress)

@@ -18,6 +18,7 @@
 
 #include "examples/fault_table/row.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 
 namespace fault_table {
 
@@ -49,11 +50,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 32));
   app.add_flag("--simulate", simulate, "simulated devices (there are no others)");
   app.add_flag("--quiet", quiet, "no progress");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const job::StopSignals signals;
   job::Progress progress(quiet, 0.5);
   const auto wanted = [&](const char* name) {

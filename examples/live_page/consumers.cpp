@@ -12,6 +12,7 @@
 #include "examples/adapters/live/live_view.hpp"
 #include "examples/live_page/page.hpp"
 #include "examples/live_page/tests/byte_client.hpp"
+#include "examples/support/program.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/recording/mcap_recorder.hpp"
 #include "skinctl/skinctl.hpp"
@@ -297,11 +298,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.2, 1e4));
   app.add_option("--rounds", rounds, "of all rows")->capture_default_str()->check(CLI::Range(1, 10000));
   app.add_option("--picture", picture, "SVG file of the distributions");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   try {
     return work(seconds_long, rounds, picture);
   } catch (const std::exception& e) {

@@ -19,6 +19,7 @@
 #include "examples/packing_oranges/teach.hpp"
 #include "examples/packing_oranges/ur10e.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 #include "examples/support/svg_plot.hpp"
 
 namespace {
@@ -248,11 +249,7 @@ int main(int argc, char** argv) {
   app.add_flag("--allow-control", live.control, "whoever sees the page may let the arms go on after a stop");
   app.add_option("--report", page, "writes a page with pictures to this file");
   app.add_flag("--quiet", quiet, "no progress");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : code(Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   try {
     if (grasps) return show_grasps(s.seed, page);
     if (!task.empty() && (taught || taught_lessons > 0 || faults))

@@ -655,10 +655,6 @@ Xyz<double> World::hand(std::size_t arm) const {
   };
   return {at(0), at(1), at(2)};
 }
-Xyz<double> World::link_origin(std::size_t arm, std::size_t link) const {
-  const double* p = b_->data->xpos + 3 * b_->arm[arm].body[link];
-  return {p[0], p[1], p[2]};
-}
 const ArmRecord& World::record(std::size_t arm) const {
   return b_->arm[arm].record;
 }

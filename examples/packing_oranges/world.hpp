@@ -94,7 +94,6 @@ class World {
   [[nodiscard]] const std::array<double, 4>& true_tips(std::size_t arm) const;
   /// The point between the fingers, where it really is.
   [[nodiscard]] skinctl::Xyz<double> hand(std::size_t arm) const;
-  [[nodiscard]] skinctl::Xyz<double> link_origin(std::size_t arm, std::size_t link) const;
   [[nodiscard]] const ArmRecord& record(std::size_t arm) const;
   void clear_shake(std::size_t arm);
 

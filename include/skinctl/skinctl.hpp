@@ -52,7 +52,6 @@
 #include "skinctl/frames/wrench.hpp"
 
 #include "skinctl/model/attached.hpp"
-#include "skinctl/model/batch.hpp"
 #include "skinctl/model/dh.hpp"
 #include "skinctl/model/link.hpp"
 #include "skinctl/model/loaded.hpp"
@@ -86,7 +85,7 @@
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/dynamics/mass_ratio.hpp"
 #include "skinctl/dynamics/momentum_rate.hpp"
-#include "skinctl/dynamics/operational_inertia.hpp"
+#include "skinctl/dynamics/operational_mobility.hpp"
 #include "skinctl/dynamics/quantities.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/dynamics/rotor_inertia.hpp"

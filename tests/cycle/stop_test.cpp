@@ -13,7 +13,6 @@
 #include <cmath>
 #include <memory>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "skinctl/control/gravity_control.hpp"

@@ -20,6 +20,7 @@
 #include <memory>
 #include <random>
 
+#include "skinctl/dynamics/energy.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "tests/support/torque_loop.hpp"
 

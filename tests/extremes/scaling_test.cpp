@@ -102,7 +102,6 @@ std::vector<Row<T>> rows() {
       {"reduced_mass", 1, 1, Beyond::number,
        [](T s) { return std::vector<T>{reduced_mass(T(T(40) * s), T(T(7) * s))}; }},
       {"C dq", 2, 2, Beyond::nan_too, [=](T s) { return list(coriolis_torque(arm, angles, dq(s))); }},
-      {"M dq", 1, 1, Beyond::nan_too, [=](T s) { return list(generalised_momentum(arm, angles, dq(s))); }},
       {"kinetic energy", 2, 2, Beyond::number,
        [=](T s) { return std::vector<T>{kinetic_energy(arm, angles, dq(s))}; }},
       {"twist of the tool", 1, 1, Beyond::nan_too,

@@ -10,6 +10,7 @@
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "tests/support/guard_alone.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -116,12 +117,7 @@ TEST_CASE("Guard: refuses configurations that cannot work, with the number and t
     auto c = configuration<double>();
     GuardSettings<1> settings;
     change(c, settings);
-    try {
-      const GuardAlone<Interface::position, 1> guard(c, settings);
-    } catch (const ConfigurationError& e) {
-      return e.what();
-    }
-    return "";
+    return complaint_of([&] { const GuardAlone<Interface::position, 1> guard(c, settings); });
   };
   CHECK(refusal([](auto&, auto&) {}).empty());
   CHECK(refusal([](auto& c, auto&) { c.period = 0ns; }) == "skinctl: period = 0, allowed: 0.1 to 1000 ms");

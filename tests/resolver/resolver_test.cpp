@@ -3,7 +3,6 @@
 
 #include <bit>
 #include <cmath>
-#include <string>
 #include <type_traits>
 
 #include "skinctl/guard/guard.hpp"

@@ -6,8 +6,10 @@
 
 #include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/robots/ur5.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
+using skinctl::testing::complaint_of;
 
 namespace {
 
@@ -30,12 +32,7 @@ TEST_CASE("RobotConfiguration: refuses that cannot work, with the number and the
   const auto refusal = [](auto&& change) -> std::string {
     auto c = configuration();
     change(c);
-    try {
-      const Joints joints(c);
-    } catch (const ConfigurationError& e) {
-      return e.what();
-    }
-    return "";
+    return complaint_of([&] { const Joints joints(c); });
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(refusal([](auto&) {}).empty());

@@ -2,6 +2,8 @@
 // The distances of a robot's links from each other and from known objects.
 #pragma once
 
+#include <vector>
+
 #include "skinctl/clearance/surroundings.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/kinematics/summed_motion.hpp"

@@ -2,9 +2,16 @@
 // Generalised momentum and its rate without torques, in one pass: what collision observers compare.
 #pragma once
 
-#include "skinctl/dynamics/energy.hpp"
+#include "skinctl/dynamics/gravity.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+
+namespace kind {
+struct Momentum {};  ///< generalised momentum [N m s], [N s]
+}  // namespace kind
+
+template <std::size_t N, Scalar T = double>
+using JointMomentum = JointVector<kind::Momentum, N, T>;
 
 /// `p = M dq` [N m s] and `drift = C' dq - G` [N m], so that `dp/dt = tau + drift` with the torques `tau` of
 /// motors and contacts together.

@@ -4,9 +4,9 @@
 #pragma once
 
 #include "skinctl/dynamics/detail/bias_beside.hpp"
-#include "skinctl/dynamics/energy.hpp"
-#include "skinctl/dynamics/operational_inertia.hpp"
-#include "skinctl/kinematics/centre_of_mass.hpp"
+#include "skinctl/dynamics/forward_dynamics.hpp"
+#include "skinctl/dynamics/gravity.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/jacobian_rate.hpp"
 #include "skinctl/law/law.hpp"
 
@@ -21,7 +21,6 @@ template <Topology M>
 constexpr Needs complete(Needs needs) noexcept {
   needs.jacobians |= needs.jacobian_rates;
   needs.poses |= closure<M>(needs.jacobians);
-  if (needs.centre_of_mass) needs.poses = all_links(M::joints);
   needs.mass = needs.mass || needs.mass_factors;
   needs.angles = needs.angles || needs.poses != 0 || needs.any_mass() || needs.touch;
   return needs;
@@ -110,12 +109,7 @@ class Quantities {
           return m;
         }),
         factors_([&](auto) SKINCTL_INLINE_LAMBDA { return MassFactors<M, T>(mass()); }),
-        coriolis_([&](auto) SKINCTL_INLINE_LAMBDA { return coriolis_torque(model_, angles(), state_.dq); }),
-        momentum_([&](auto)
-                      SKINCTL_INLINE_LAMBDA { return generalised_momentum(model_, angles(), state_.dq); }),
-        energy_([&](auto)
-                    SKINCTL_INLINE_LAMBDA { return skinctl::kinetic_energy(model_, angles(), state_.dq); }),
-        centre_([&](auto) SKINCTL_INLINE_LAMBDA { return skinctl::centre_of_mass(model_, poses()); }) {}
+        coriolis_([&](auto) SKINCTL_INLINE_LAMBDA { return coriolis_torque(model_, angles(), state_.dq); }) {}
 
   [[nodiscard]] SKINCTL_INLINE const M& model() const noexcept { return model_; }
   [[nodiscard]] SKINCTL_INLINE const State<joints, T>& state() const noexcept { return state_; }
@@ -196,30 +190,10 @@ class Quantities {
     static_assert(needs.mass_factors, "not asked for: set needs.mass_factors");
     return factors_.value;
   }
-  /// Mobility of the frame at `X_LP` on link `Ix`, `J M^-1 J'`; see `OperationalMobility`.
-  template <std::size_t Ix, class... X>
-  [[nodiscard]] SKINCTL_INLINE auto mobility(const X&... X_LP) const noexcept {
-    return operational_mobility(jacobian<Ix>(X_LP...), mass_factors());
-  }
   /// C(q, dq) dq [N m].
   [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& coriolis() const noexcept {
     static_assert(needs.coriolis, "not asked for: set needs.coriolis");
     return coriolis_.value;
-  }
-  /// M(q) dq [N m s].
-  [[nodiscard]] SKINCTL_INLINE const JointMomentum<joints, T>& momentum() const noexcept {
-    static_assert(needs.momentum, "not asked for: set needs.momentum");
-    return momentum_.value;
-  }
-  /// 1/2 dq' M(q) dq [J].
-  [[nodiscard]] SKINCTL_INLINE const T& kinetic_energy() const noexcept {
-    static_assert(needs.kinetic_energy, "not asked for: set needs.kinetic_energy");
-    return energy_.value;
-  }
-  /// The centre of mass and its Jacobian.
-  [[nodiscard]] SKINCTL_INLINE const CentreOfMass<joints, T>& centre_of_mass() const noexcept {
-    static_assert(needs.centre_of_mass, "not asked for: set needs.centre_of_mass");
-    return centre_.value;
   }
 
  private:
@@ -247,9 +221,6 @@ class Quantities {
   [[no_unique_address]] detail::Computed<needs.mass, MassMatrix<joints, T>> mass_;
   [[no_unique_address]] detail::Computed<needs.mass_factors, MassFactors<M, T>> factors_;
   [[no_unique_address]] detail::Computed<needs.coriolis, JointTorque<joints, T>> coriolis_;
-  [[no_unique_address]] detail::Computed<needs.momentum, JointMomentum<joints, T>> momentum_;
-  [[no_unique_address]] detail::Computed<needs.kinetic_energy, T> energy_;
-  [[no_unique_address]] detail::Computed<needs.centre_of_mass, CentreOfMass<joints, T>> centre_;
 };
 
 SKINCTL_END_NAMESPACE

@@ -38,16 +38,6 @@ struct UniversalRobot : Chain<6> {
   static constexpr const std::array<LinkInertia, 6>& inertias = Table::inertias;
 };
 
-/// A Universal Robot with its own factory calibration, the `delta_*` of its calibration.conf. See
-/// `calibrated_dh`, which also gives the pose of its flange.
-template <class Description, Scalar T = double>
-[[nodiscard]] CalibratedModel<Description, T> calibrated_universal_robot(const DhDelta<6>& delta) {
-  const auto exact = calibrated_dh<6>(Description::rows, delta, Description::inertias).links;
-  typename CalibratedModel<Description, T>::Links links;
-  for (std::size_t i = 0; i < 6; ++i) links[i] = exact[i].template cast<T>();
-  return CalibratedModel<Description, T>(links);
-}
-
 namespace detail {
 inline constexpr double turn_per_second = 6.283185307179586;  // 360 degrees/s
 /// The rows of all these arms, which differ in six lengths only.

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "skinctl/dynamics/operational_inertia.hpp"
+#include "skinctl/dynamics/operational_mobility.hpp"
 #include "skinctl/tactile/cell_place.hpp"
 
 SKINCTL_BEGIN_NAMESPACE

@@ -39,23 +39,6 @@ class FillIn {
       end();
     }
   }
-  /// With these weights, cell by cell in the order of its neighbours: >= 0, of a sum of 1 at most for each cell. They
-  /// are rounded down to multiples of 2^-24. See `learnt_fill_in`.
-  SKINCTL_COLD FillIn(const CellGraph& graph, std::span<const double> weights) : graph_(graph) {
-    require(weights.size() == 2 * graph.edges(), "FillIn: number of weights", double(weights.size()),
-            "one for each neighbour of each cell");
-    auto w = weights.begin();
-    for (std::size_t i = 0; i < graph.size(); ++i) {
-      double sum = 0;
-      for (const CellGraph::Index j : graph.neighbours(i)) {
-        require(*w >= 0 && *w <= 1, "FillIn: weight", *w, "0 to 1");
-        sum += *w;
-        add(j, *w++);
-      }
-      require(sum <= 1 + 1e-9, "FillIn: sum of a cell's weights", sum, "at most 1");
-      end();
-    }
-  }
   /// From the neighbours and theirs that face to the same side, the best linear guess for a random field with the
   /// correlation `(1 + x) exp(-x)`, `x = sqrt(3) d / 2p` (Matern 3/2), where readings are off by a tenth of it:
   /// `(K + 0.01 I) w_i = k_i`. d is the distance of two cells, p the mean distance of cell i from its neighbours.

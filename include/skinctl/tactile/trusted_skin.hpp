@@ -48,7 +48,7 @@ class TrustedSkin : public detail::TrustCore<S> {
   static constexpr std::size_t patches = Core::patches, cells = Core::cells;
 
   /// Of a `Skin`, a `SkinOf`, or a skin that wraps one.
-  /// @param fill  from `FillIn(graph, places)` or learnt; its graph says which cells are neighbours.
+  /// @param fill  from `FillIn(graph, places)`; its graph says which cells are neighbours.
   /// Throws `ConfigurationError` for settings out of their range, and a graph of another number of cells.
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill)
       : Core(skin, settings, fill) {}

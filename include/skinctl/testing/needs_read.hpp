@@ -40,24 +40,12 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
     read_.jacobians |= link_bit<Ix>;
     return read_.jacobian_rates |= link_bit<Ix>, Of::template jacobian_rate<Ix>(X_LP...);
   }
-  template <std::size_t Ix, class... X>
-  [[nodiscard]] auto mobility(const X&... X_LP) const noexcept {
-    read_.jacobians |= link_bit<Ix>;
-    return read_.mass_factors = true, Of::template mobility<Ix>(X_LP...);
-  }
   [[nodiscard]] decltype(auto) gravity() const noexcept { return read_.gravity = true, Of::gravity(); }
   [[nodiscard]] decltype(auto) mass() const noexcept { return read_.mass = true, Of::mass(); }
   [[nodiscard]] decltype(auto) mass_factors() const noexcept {
     return read_.mass_factors = true, Of::mass_factors();
   }
   [[nodiscard]] decltype(auto) coriolis() const noexcept { return read_.coriolis = true, Of::coriolis(); }
-  [[nodiscard]] decltype(auto) momentum() const noexcept { return read_.momentum = true, Of::momentum(); }
-  [[nodiscard]] decltype(auto) kinetic_energy() const noexcept {
-    return read_.kinetic_energy = true, Of::kinetic_energy();
-  }
-  [[nodiscard]] decltype(auto) centre_of_mass() const noexcept {
-    return read_.centre_of_mass = true, Of::centre_of_mass();
-  }
 
  private:
   Needs& read_;
@@ -79,9 +67,6 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
                                                 {n.mass, "M"},
                                                 {n.mass_factors, "factors of M"},
                                                 {n.coriolis, "C dq"},
-                                                {n.momentum, "M dq"},
-                                                {n.kinetic_energy, "kinetic energy"},
-                                                {n.centre_of_mass, "centre of mass"},
                                                 {n.touch, "touch"},
                                                 {n.middle, "angles half a step ahead"}};
   for (const auto& [wanted, name] : flags)
@@ -93,7 +78,7 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
 /// M with its factors, and any of them with the angles.
 [[nodiscard]] constexpr Needs unread(const Needs& asked, const Needs& read) noexcept {
   const bool by_angles = read.angles || read.any_mass() || read.poses != 0 || read.jacobians != 0;
-  return {.poses = asked.poses & ~(read.poses | read.jacobians | (read.centre_of_mass ? ~LinkMask(0) : 0)),
+  return {.poses = asked.poses & ~(read.poses | read.jacobians),
           .jacobians = asked.jacobians & ~read.jacobians,
           .jacobian_rates = asked.jacobian_rates & ~read.jacobian_rates,
           .angles = asked.angles && !by_angles,
@@ -101,9 +86,6 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
           .mass = asked.mass && !read.mass && !read.mass_factors,
           .mass_factors = asked.mass_factors && !read.mass_factors,
           .coriolis = asked.coriolis && !read.coriolis,
-          .momentum = asked.momentum && !read.momentum,
-          .kinetic_energy = asked.kinetic_energy && !read.kinetic_energy,
-          .centre_of_mass = asked.centre_of_mass && !read.centre_of_mass,
           .touch = asked.touch && !read.touch,
           .middle = asked.middle && !read.middle};
 }

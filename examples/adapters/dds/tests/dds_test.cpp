@@ -7,7 +7,6 @@
 #include <dds/dds.h>
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <cstring>
 #include <thread>
 

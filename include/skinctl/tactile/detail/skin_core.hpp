@@ -255,8 +255,6 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
     return i < size() ? i : size();
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
-  /// Bytes of the tables, which do not change: beside those of a `Memory` [B].
-  [[nodiscard]] std::size_t table_bytes() const noexcept { return tables_.bytes(); }
   /// Whether another skin has the same cells at the same places: it then understands this one's memory,
   /// whatever its gains and gates.
   [[nodiscard]] bool understands(const SkinCore& other) const noexcept {
