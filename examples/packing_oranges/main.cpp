@@ -202,6 +202,10 @@ int main(int argc, char** argv) {
   app.add_option("--bias", bias, "the detector is off by this, in some direction [mm]")
       ->check(CLI::Range(0.0, 50.0))
       ->capture_default_str();
+  app.add_option("--move-box", s.move_box,
+                 "honest: a person moves the box by this, up to three times [m]; an arm finds it again")
+      ->check(CLI::Range(0.0, 0.12))
+      ->capture_default_str();
   app.add_option("--obstacle", s.obstacle,
                  "something moves through the room at this speed [m/s]: the arms' skin sees it and they give "
                  "way; 0: nothing does")
@@ -257,6 +261,7 @@ int main(int argc, char** argv) {
     s.fault = fault_named(fault);
     s.honest = world == "honest";
     s.detector.bias = 1e-3 * bias;
+    if (!s.honest && s.move_box > 0) throw std::runtime_error("--move-box: --world honest");
     if (!s.honest && s.detector.ghosts > 0) throw std::runtime_error("--ghosts: --world honest");
     if (onto && (gripper.rfind("hand", 0) != 0 || (!taught && taught_lessons == 0)))
       throw std::runtime_error("--onto: a lesson with hands: --teach or --lessons, and --gripper hand");
