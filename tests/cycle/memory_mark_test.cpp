@@ -1,4 +1,4 @@
-// Promise: the memory of another scene commands nothing: limits, times, mounting, places of cells tell them apart
+// Promise: the memory of another scene commands nothing: limits, times, mounting, cells tell them apart
 // Tried: two arms whose memories are swapped while they run, by position, velocity and torque; gains may differ
 
 #include <doctest/doctest.h>
@@ -22,9 +22,10 @@ using Arm = Mounted<ur5::Model>;
 struct Setting {
   Nanoseconds period = 8ms, delay = 8ms;
   double torque = 1, velocity = 1, force = 20,
-         weight = 1;  ///< limits as shares of the UR5's; gains of the skin
-  double tilt = 0;    ///< of the base about x [rad]
-  double shift = 0;   ///< of the cells along their link [m]
+         weight = 1;     ///< limits as shares of the UR5's; gains of the skin
+  double tilt = 0;       ///< of the base about x [rad]
+  double shift = 0;      ///< of the cells along their link [m]
+  std::uint32_t id = 1;  ///< of the cell
 };
 
 template <Interface I>
@@ -37,7 +38,7 @@ auto scene_of(const Setting& s) {
                                 .delay = s.delay,
                                 .virtual_damping = I == Interface::torque ? 0.0 : 4.0};
   const Arm model(ur5::Model{}, exp_so3(Xyz<double>{s.tilt, 0, 0}));
-  const Patch<5, 1> patch({{1, Transform<Link<5>, Cell>::translation_xyz(0, s.shift, 0.1)}},
+  const Patch<5, 1> patch({{s.id, Transform<Link<5>, Cell>::translation_xyz(0, s.shift, 0.1)}},
                           {.force = s.force});
   const Skin<Arm, double, Patch<5, 1>> skin(patch);
   const auto law = s.weight * SkinJointControl{} + GravityControl{};
@@ -113,6 +114,7 @@ TEST_CASE_TEMPLATE("Memory: of another scene it commands nothing until the user 
   swapped<I>(one, {.velocity = 0.99});
   swapped<I>(one, {.tilt = 0.5});
   swapped<I>(one, {.shift = 0.01});
+  swapped<I>(one, {.id = 2});
 }
 
 TEST_CASE("Memory: a scene with other gains goes on with it") {

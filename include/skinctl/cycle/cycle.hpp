@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// is immutable configuration; the state is a `Memory`. A cycle is a function of memory and input alone, so it can be
 /// recorded, replayed bit for bit, started at any state and run as fast as the machine can.
 ///
-/// A memory carries the mark of its scene (limits and times of the robot, gravity in its base, places of its
-/// cells; not gains, payload or tool). A scene with another mark commands nothing with it: `memory_refused`,
+/// A memory carries the mark of its scene (limits and times of the robot, gravity in its base, ids and places
+/// of its cells; not gains, payload or tool). A scene with another mark commands nothing with it: `memory_refused`,
 /// and from then on `start_refused`, as after a refused start. Scenes with the same mark cannot tell their
 /// memories apart.
 ///

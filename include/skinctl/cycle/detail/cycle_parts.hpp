@@ -65,7 +65,7 @@ class CycleParts {
   [[nodiscard]] const Governor& governor() const noexcept { return governor_; }
   /// The list of its parts.
   [[nodiscard]] const Parts& parts() const noexcept { return parts_; }
-  /// The mark of its memories: a digest of limits, times, gravity in the base and places of cells.
+  /// The mark of its memories: a digest of limits, times, gravity in the base, ids and places of cells.
   [[nodiscard]] std::uint64_t mark() const noexcept { return mark_; }
 
  protected:

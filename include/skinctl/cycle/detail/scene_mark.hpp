@@ -38,7 +38,7 @@ SKINCTL_COLD void each_fact_of_memory(const Robot& robot, F&& f) {
 }
 
 /// The mark of a scene: a digest of the numbers that a memory depends on, of gravity in the base, and of the
-/// places of cells. Never 0, that of a memory which no scene has started.
+/// ids and places of cells. Never 0, that of a memory which no scene has started.
 template <class Robot, class Skin>
 [[nodiscard]] SKINCTL_COLD std::uint64_t scene_mark(const Robot& robot, const Skin& skin) {
   std::uint64_t mark = 0xcbf29ce484222325;  // FNV-1a, a number at a time
@@ -52,6 +52,14 @@ template <class Robot, class Skin>
   for (const double x :
        {static_cast<double>(T(g.x)), static_cast<double>(T(g.y)), static_cast<double>(T(g.z))})
     add(x);
+  const std::size_t cells = TouchTable<Skin>::size(skin);
+  std::size_t found = 0;
+  for (std::uint32_t id = 0; found < cells && id < (1u << 20); ++id) {  // a skin has no greater ones
+    const std::size_t i = TouchTable<Skin>::index(skin, id);
+    if (i >= cells) continue;
+    ++found;
+    add(static_cast<double>(id) + static_cast<double>(i) * 0x1p20);
+  }
   TouchTable<Skin>::each_cell(
       skin,
       [&](std::size_t link, const auto& force, const auto& moment, double) {
