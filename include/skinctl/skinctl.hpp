@@ -58,6 +58,7 @@
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/model/mounted.hpp"
+#include "skinctl/model/moving_base.hpp"
 #include "skinctl/model/named_links.hpp"
 #include "skinctl/model/placement.hpp"
 #include "skinctl/model/topology.hpp"
@@ -74,6 +75,7 @@
 #include "skinctl/kinematics/summed_motion.hpp"
 #include "skinctl/kinematics/zyz.hpp"
 
+#include "skinctl/dynamics/base_motion.hpp"
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/friction.hpp"

@@ -52,6 +52,8 @@ struct AttachedTree {
 template <class A, int At, RobotModel B, Scalar T = double>
 class Attached : public AttachedTree<A, At, B> {
   using Tree = AttachedTree<A, At, B>;
+  static_assert(!detail::SaysMovingBase<A> && !detail::SaysMovingBase<B>,
+                "OnMovingBase goes outside: OnMovingBase(attach<5>(arm, hand))");
 
  public:
   using scalar = T;

@@ -46,6 +46,9 @@ template <detail::ModelInScalar M, class T>
 inline constexpr bool computes_in<M, T> = std::is_same_v<typename M::scalar, T>;
 
 namespace detail {
+/// A model that says that its base moves: see `OnMovingBase`.
+template <class M>
+concept SaysMovingBase = requires { M::on_moving_base; };
 /// A model, and a description, that say whether their masses are assumed.
 template <class M>
 concept SaysMassesAssumed = requires(const M& model) { model.masses_assumed(); };

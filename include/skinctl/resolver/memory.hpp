@@ -7,6 +7,7 @@
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/passivity/passivity.hpp"
+#include "skinctl/resolver/detail/believed_base.hpp"
 #include "skinctl/resolver/detail/running_sum.hpp"
 #include "skinctl/resolver/detail/torque_rate.hpp"
 #include "skinctl/resolver/interval.hpp"

@@ -163,7 +163,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     if (!m.started || interval.substeps == 0) [[unlikely]] {
       m.odd = detail::odd_time_of(interval);
       // Even if the clock is wrong, gravity is compensated at the measured position.
-      if (m.started) out.fallback = this->held(detail::believed(measured, m.measured(), check));
+      if (m.started) out.fallback = this->held(m, detail::believed(measured, m.measured(), check));
       return out;
     }
     SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
@@ -238,7 +238,10 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
       const auto sent_by = [&](const auto& who) {
         const Knows<L, Touch> known =
             who.robot.template known<L>(seen, seconds<T>(this->period()), who.touch);
-        return Driven::of(torque_of(who.law, who.memory, known)) - who.robot.resistance(newest).friction;
+        DrivenTorque sends =
+            Driven::of(torque_of(who.law, who.memory, known)) - who.robot.resistance(newest).friction;
+        if constexpr (base_moves<M>) sends += Driven::of(who.robot.torque_of_base(m, newest));
+        return sends;
       };
       Driven::put(sent_by(before) - sent_by(next), lacks);
     }

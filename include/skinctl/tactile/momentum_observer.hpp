@@ -66,6 +66,12 @@ class MomentumObserver {
             "> 0 ms, <= 10 s");
   }
   [[nodiscard]] const M& model() const noexcept { return model_; }
+  /// The torque that the motors would need on a base at rest [N m].
+  /// @param adds  what they bear of the motion of the base, see `base_torque` [N m].
+  [[nodiscard]] static JointTorque<joints, T> at_rest(const JointTorque<joints, T>& motor,
+                                                      const JointTorque<joints, T>& adds) noexcept {
+    return motor - adds;
+  }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
   /// Takes a measured state and the motors' torque at the joints at that time (current times torque constant

@@ -7,6 +7,7 @@
 
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
+#include "skinctl/tactile/detail/base_seen.hpp"
 #include "skinctl/tactile/detail/sampled_row.hpp"
 #include "skinctl/tactile/detail/touch_rows.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
@@ -85,12 +86,14 @@ class MotorTouch : public sensor_sums::Summand {
   static constexpr std::size_t sizes = joints < 16 ? joints : 16;  ///< that are looked at for life
   using Watch = PushWatch<joints, sizes>;
   static constexpr LinkMask links = 0;
+  using OnBase = detail::BaseSeen<M, T>;
   struct Memory {
     typename Observer::Memory observer;
     detail::SampledRow<joints, T> row;  ///< the torque behind the gates [N m]
     typename Watch::Memory watch;       ///< of residuals
     State<joints, T> followed;          ///< how the robot stood when its way was last counted
     LinkMask open = 0;                  ///< joints whose gates are open
+    [[no_unique_address]] OnBase base;  ///< motion of a base that moves
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
@@ -110,12 +113,14 @@ class MotorTouch : public sensor_sums::Summand {
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
     Memory memory;
     memory.row.begin = now;
+    memory.base = OnBase::start(observer_.model());
     return memory;
   }
 
   /// Counts the way that the arm gives to a push; called by a scene.
   template <class Model, class State>
-  void follow_robot(Memory& m, const Model&, const State& state) const noexcept {
+  void follow_robot(Memory& m, const Model& model, const State& state) const noexcept {
+    m.base.take(model);
     watch_.follow_robot(m.watch, m.followed, state, [&] {
       const double force = force_of(m.row.held);
       double work = 0;
@@ -139,9 +144,10 @@ class MotorTouch : public sensor_sums::Summand {
     if (memory.observer.started && memory.observer.stamp > to)
       memory.observer = {};  // the clock was set back
     if (!memory.observer.started || now.time != memory.observer.stamp) {
-      const Status seen = can_be(input.motor_torque)
-                              ? observer_.observe(memory.observer, now, input.motor_torque)
-                              : Status{Reason::sample_out_of_range};
+      const Status seen =
+          can_be(input.motor_torque)
+              ? observer_.observe(memory.observer, now, at_rest(memory, now, input.motor_torque))
+              : Status{Reason::sample_out_of_range};
       status |= seen;
       if (!seen.any() && !interval.admits(to).any()) {
         T value[joints];
@@ -186,6 +192,17 @@ class MotorTouch : public sensor_sums::Summand {
     for (std::size_t i = 0; i < joints; ++i)
       if (torque[i] > T(s_.max_torque[i]) || torque[i] < T(-s_.max_torque[i])) return false;
     return true;
+  }
+  /// `torque` without what the motion of the base adds.
+  [[nodiscard]] JointTorque<joints, T> at_rest([[maybe_unused]] const Memory& m,
+                                               [[maybe_unused]] const State<joints, T>& now,
+                                               const JointTorque<joints, T>& torque) const noexcept {
+    if constexpr (base_moves<M>) {
+      return Observer::at_rest(torque,
+                               base_torque(observer_.model().at_rest(), now.q, now.dq, m.base.motion));
+    } else {
+      return torque;
+    }
   }
   /// Of the contact that stands for the unknown one [N].
   [[nodiscard]] static double force_of(const T (&torque)[joints]) noexcept {

@@ -83,12 +83,12 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     const Interval interval = resolver_.interval(m.robot, input.now);
     Unwritten<Touch, max_substeps> touches;
     const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
-    status |= interval.status;
+    status |= interval.status | resolver_.see_base(m.robot, input, interval.to);
     const auto measured = [&]() SKINCTL_INLINE_LAMBDA -> const State<joints, scalar>& {
       return believed(input.measured, m.robot.measured(), guard_);
     };
-    TouchTable<std::remove_cvref_t<decltype(skin_)>>::follow_robot(skin_, m.skin, resolver_.model(),
-                                                                   resolver_.state(m.robot));
+    TouchTable<std::remove_cvref_t<decltype(skin_)>>::follow_robot(
+        skin_, m.skin, resolver_.model_seen(m.robot), resolver_.state(m.robot));
     status |= receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
     const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
     const Seen<typename Parts::Skin, std::remove_cvref_t<decltype(pressed)>> seen{skin_, m.skin, pressed,

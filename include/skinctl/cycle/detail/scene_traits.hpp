@@ -8,6 +8,7 @@
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/scene_parts.hpp"
 #include "skinctl/limits/detail/limit_fault.hpp"
+#include "skinctl/model/moving_base.hpp"
 #include "skinctl/tactile/detail/touch_fault.hpp"
 #include "skinctl/tactile/force_lead.hpp"
 
@@ -151,12 +152,16 @@ template <LimitWithInput Limit>
 struct LimitInput<Limit> {
   using type = typename Limit::Input;
 };
-/// What law and limits add to the input of a cycle, as a tuple: each once.
+/// What the robot adds to the input: the state of a base that moves.
+template <RobotModel M, Real T>
+using RobotInput = std::conditional_t<base_moves<M>, BaseInput<T>, NothingAdded>;
+/// What robot, law and limits add to the input of a cycle, as a tuple: each once.
 template <class L, class Governor>
 struct AddedInputsOf;
 template <class L, RobotModel M, Real T, class Sets, class... Limits>
 struct AddedInputsOf<L, Governor<M, T, Sets, Limits...>>
-    : EachOnce<std::tuple<>, typename LawTable<L>::Input, typename LimitInput<Limits>::type...> {};
+    : EachOnce<std::tuple<>, typename LawTable<L>::Input, typename LimitInput<Limits>::type...,
+               RobotInput<M, T>> {};
 template <class L, class Governor>
 using AddedInputs = typename AddedInputsOf<L, Governor>::type;
 /// Takes what was sensed in an interval, and gives the mean touch over each of its parts. `measured()` is the

@@ -188,23 +188,30 @@ SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, cons
   }
 }
 
-/// Runs the recursion from the base over links with the given inertias; `a0` is the acceleration of the base
-/// (minus gravity, or typed zeros).
+/// Runs the recursion from the motion of the base (a `ReferenceMotion`, along its axes, with minus gravity in
+/// `a`) over links with the given inertias.
+template <Scalar T, RobotModel M, class Bodies, class Angles, class V, class R, class A, class Motion>
+SKINCTL_INLINE constexpr void run_recursion_from(const M& model, const Bodies& bodies, const Angles& angles,
+                                                 const V& dq, const R& dq_r, const A& ddq_r,
+                                                 const Motion& base, T* tau) noexcept {
+  const Recursion<M, Bodies, Angles, V, R, A, T> c{model, bodies, angles, dq, dq_r, ddq_r, tau};
+  const auto spin = make_spin(base.w, base.w_r, base.alpha);
+  constexpr auto roots = children<M, -1>;
+  if constexpr (roots.size() == 1) {
+    static_cast<void>(subtree_wrench<roots[0]>(c, base.w, base.w_r, base.alpha, spin, base.a));
+  } else {
+    for_each_link<roots>([&](auto child) SKINCTL_INLINE_LAMBDA {
+      static_cast<void>(subtree_wrench<child.value>(c, base.w, base.w_r, base.alpha, spin, base.a));
+    });
+  }
+}
+/// The same from a base that does not turn; `a0` is its acceleration (minus gravity, or typed zeros).
 template <Scalar T, RobotModel M, class Bodies, class Angles, class V, class R, class A, class L>
 SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& bodies, const Angles& angles,
                                                  const V& dq, const R& dq_r, const A& ddq_r, const L& a0,
                                                  T* tau) noexcept {
-  const Recursion<M, Bodies, Angles, V, R, A, T> c{model, bodies, angles, dq, dq_r, ddq_r, tau};
   const ZeroTriple zero{};
-  const auto spin = make_spin(zero, zero, zero);
-  constexpr auto roots = children<M, -1>;
-  if constexpr (roots.size() == 1) {
-    static_cast<void>(subtree_wrench<roots[0]>(c, zero, zero, zero, spin, a0));
-  } else {
-    for_each_link<roots>([&](auto child) SKINCTL_INLINE_LAMBDA {
-      static_cast<void>(subtree_wrench<child.value>(c, zero, zero, zero, spin, a0));
-    });
-  }
+  run_recursion_from<T>(model, bodies, angles, dq, dq_r, ddq_r, ReferenceMotion{zero, zero, zero, a0}, tau);
 }
 /// The same with the model's own links.
 template <Scalar T, RobotModel M, class Angles, class V, class R, class A, class L>
