@@ -113,7 +113,7 @@ TEST_CASE_TEMPLATE("Resolver for torques: laws and friction know the motors, whi
   const State<6, T> s = at<T>(0ns);
   const auto drag = held_drag(c.viscous_friction, s, c.virtual_inertia);
   const auto gravity = gravity_torque(ur5::Model{}, s.q);
-  const auto held = robot.held(s), too_little = light.held(s);
+  const auto held = robot.held({}, s), too_little = light.held({}, s);
   for (std::size_t i = 0; i < 6; ++i)
     CHECK(double(held[i]) ==
           doctest::Approx(double(gravity[i]) - drag.brakes[static_cast<Eigen::Index>(i)]).epsilon(1e-5));
