@@ -45,7 +45,6 @@
 #include "skinctl/frames/acceleration.hpp"
 #include "skinctl/frames/frame.hpp"
 #include "skinctl/frames/named_frame.hpp"
-#include "skinctl/frames/point.hpp"
 #include "skinctl/frames/rotation.hpp"
 #include "skinctl/frames/symmetric.hpp"
 #include "skinctl/frames/twist.hpp"

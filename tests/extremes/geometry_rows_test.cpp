@@ -100,12 +100,6 @@ TEST_CASE_TEMPLATE("extremes: vectors, frames and inertias", T, float, double) {
        [](T x) {
          return Results<T>(transformed(pose<T>(), Transform<B, C, T>(turned<T>(), along(x))).origin());
        }},
-      {"Point", 1, shows, shows,
-       [](T x) { return Results<T>(transformed(pose<T>(), Point<B, T>{along(x)}).xyz); }},
-      {"FreeVector", 1, shows, shows,
-       [](T x) { return Results<T>(transformed(pose<T>(), FreeVector<B, T>{along(x)}).xyz); }},
-      {"Offset", 1, shows, shows,
-       [](T x) { return Results<T>(transformed(pose<T>(), Offset<A, B, B, T>{along(x)}).xyz); }},
       {"Twist: its numbers", 1, shows, shows,
        [](T x) {
          return Results<T>(transformed(pose<T>(), Twist<B, A, B, B, T>::from_eigen(Six::Constant(x).eval())));

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "skinctl/core/time.hpp"
-#include "skinctl/frames/point.hpp"
+#include "skinctl/core/triple.hpp"
 #include "skinctl/testing/random.hpp"
 
 namespace skinctl::testing {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "skinctl/core/contract.hpp"
-#include "skinctl/frames/point.hpp"
+#include "skinctl/core/triple.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
