@@ -244,11 +244,9 @@ constexpr void check_holders() {
 /// Compares the law's settings with the robot's description; throws `ConfigurationError` with both numbers.
 template <class Robot, class L>
 SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
-  if constexpr (requires { robot.virtual_dynamics(); }) {
-    const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics(),
-                                                                robot.loop_delay()};
-    LawTable<L>::check_for(law, terms);
-  }
+  const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics(),
+                                                              robot.loop_delay()};
+  LawTable<L>::check_for(law, terms);
 }
 /// Checks that the stiffest contact that a description names comes to rest on this skin.
 template <class Robot, class Skin>

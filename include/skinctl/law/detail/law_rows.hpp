@@ -164,7 +164,9 @@ concept SeesScene = requires(const L& law, typename L::Memory& m, const In& inpu
 template <class L, class In, class Seen>
 inline constexpr bool sees = SeesScene<L, In, Seen>;
 template <class L, class In, class Seen>
-  requires requires { L::template one_sees<In, Seen>; }
+concept TellsIfOneSees = requires { L::template one_sees<In, Seen>; };
+template <class L, class In, class Seen>
+  requires TellsIfOneSees<L, In, Seen>
 inline constexpr bool sees<L, In, Seen> = L::template one_sees<In, Seen>;
 template <class L>
 concept TellsWaits = requires(const L& law) {
