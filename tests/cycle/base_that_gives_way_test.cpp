@@ -1,6 +1,6 @@
 // Promise: a base that gives way is joints like others: metres and radians keep their limits side by side
-// Tried: a base by velocity under an arm by position, pushed by up to 400 N, with NaN states and silences: base, arm
-// and the tool in the world keep their limits, a wall is kept clear, runs replay bit for bit
+// Tried: a base by velocity under an arm by position, pushed by up to 400 N, with NaN states and silences: base,
+// arm and the tool in the world keep their limits, a wall is kept clear, runs replay bit for bit
 
 #include <doctest/doctest.h>
 
@@ -86,7 +86,7 @@ Course push(const Scene& pushed, const Spoil& spoil, const Record& record) {
   std::deque<JointVelocity<4>> late(6);
   CellSample samples[4];
   Xyz<double> force{0, 0, 0};
-  JointVelocity<4> before, sent_before;
+  JointVelocity<4> sent_before;
   for (int k = 1; k <= 6000; ++k) {
     real.time = k * 4ms;
     if (k % 300 == 1) {  // somebody pushes along another direction, or not

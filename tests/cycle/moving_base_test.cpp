@@ -15,6 +15,7 @@
 #include "skinctl/math/ldlt.hpp"
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/recording/recording.hpp"
+#include "skinctl/robot/spring.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 
@@ -378,5 +379,28 @@ TEST_CASE(
     in.now = other.now = in.measured.time = other.measured.time = k * 1ms;
     in.measured.q = other.measured.q = a.robot.command().position;
     REQUIRE(moving.step(a, in).command.position == still.step(b, other).command.position);
+  }
+}
+
+TEST_CASE(
+    "Moving base: beside positions on springs goes what the base adds to a weight that the robot bears "
+    "itself") {
+  RobotConfiguration<6> c{.limits = limits_of<ur5::Description>(15.0), .period = 2ms, .delay = 4ms};
+  c.stiffness = JointTorque<6>::constant(300), c.virtual_damping = 2;
+  const auto scene = Cycle(by_impedance(OnMovingBase(ur5::Model{}), c), GravityControl{});
+  auto memory = scene.start({0ns, home<double>, {}});
+  for (int k = 1; k <= 1000; ++k) {
+    decltype(scene)::Input input;
+    input.now = input.measured.time = k * 2ms;
+    input.measured.q = home<double>;
+    input.base = Cart::state(0.002 * k);
+    const auto& R = input.base.X_WB.axes();
+    const BaseMotion<double> moves{
+        input.base.V_WB_B.angular, input.base.A_WB_B.angular,
+        input.base.A_WB_B.linear + Xyz<double>(9.81 * Xyz<double>{R.x.z, R.y.z, R.z.z})};
+    const auto adds = base_torque(ur5::Model{}, home<double>, {}, moves);
+    const auto out = scene.step(memory, input);
+    if (k < 20) continue;
+    for (std::size_t i = 0; i < 6; ++i) REQUIRE(std::abs(out.command.torque[i] - adds[i]) < 1e-6);
   }
 }
