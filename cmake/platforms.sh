@@ -7,7 +7,7 @@
 # needed
 # Tried: `skinctl::exact` by GCC and Clang (14, 16, 19) for x86-64, with libc++, for WebAssembly under Node, by GCC
 # for i686, aarch64, armhf, riscv64, s390x under qemu-user; robot files read with libc++; all headers and three
-# examples by GCC for Windows; GCC 11: one error; what is not installed is skipped, loudly
+# examples by GCC for Windows, a scene by Clang 16 and 19; GCC 11: one error; what is not installed is skipped, loudly
 
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -90,6 +90,14 @@ if ! skipped "$windows" ""; then
     compiled "$windows" "" -fsyntax-only "$source" && echo "platforms: $windows compiles $(basename "$source")"
   done
 fi
+
+# A whole scene, which other versions of a compiler see differently than the hash: Clang 16 has errors of its own.
+for compiler in clang++-16 clang++-19; do
+  if ! skipped "$compiler" ""; then
+    compiled "$compiler" "" -O1 -c examples/05_*.cpp -o "$work/scene.o" &&
+      echo "platforms: $compiler compiles a scene"
+  fi
+done
 
 # A robot file and its numbers, with a standard library that reads no floating-point numbers.
 cat >"$work/file.cpp" <<'END'

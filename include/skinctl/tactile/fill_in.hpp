@@ -10,6 +10,7 @@
 #include <span>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "skinctl/core/contract.hpp"
@@ -164,10 +165,10 @@ class FillIn {
     if (from.size() > max_around) {
       const auto far = [&](CellGraph::Index j) {
         const Xyz<double> way = places[j].place - places[i].place;
-        return dot(way, way);
+        return std::pair(dot(way, way), j);
       };
-      std::stable_sort(from.begin(), from.end(),
-                       [&](CellGraph::Index a, CellGraph::Index b) { return far(a) < far(b); });
+      std::sort(from.begin(), from.end(),
+                [&](CellGraph::Index a, CellGraph::Index b) { return far(a) < far(b); });
       from.resize(max_around);
       std::sort(from.begin(), from.end());
     }
