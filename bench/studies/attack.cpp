@@ -14,7 +14,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <optional>
 #include <random>
 #include <type_traits>
 
@@ -138,14 +137,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   std::mt19937_64 rng(seed);
   const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
   const Drawn d(rng);
-  const auto made = [&]() -> std::optional<decltype(scene_of<I, P>(d))> {
-    try {
-      return scene_of<I, P>(d);
-    } catch (const ConfigurationError& e) {
-      if (trace) std::printf("refused: %s\n", e.what());
-      return {};
-    }
-  }();
+  const auto made = unless_refused(trace, [&] { return scene_of<I, P>(d); });
   if (!made) {
     ++found.refused;
     return;

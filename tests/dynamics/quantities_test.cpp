@@ -16,7 +16,7 @@ namespace {
 using M = ur5::Model;
 // The sanitizers take a minute to compile the factors.
 constexpr Needs everything{.poses = 0b111111,
-                           .jacobian_rates = link_bit<5>,
+                           .jacobians = link_bit<5>,
                            .gravity = true,
                            .mass = true,
                            .mass_factors = SKINCTL_MANY_DIGITS,
@@ -26,9 +26,6 @@ constexpr Needs everything{.poses = 0b111111,
 
 static_assert(complete<M>({.jacobians = link_bit<3>}).poses == 0b001111,
               "a Jacobian needs the poses on the way");
-static_assert(complete<M>({.jacobian_rates = link_bit<3>}) ==
-                  complete<M>({.jacobians = link_bit<3>, .jacobian_rates = link_bit<3>}),
-              "the rate of a Jacobian needs the Jacobian");
 static_assert(complete<M>({.gravity = true}).angles && complete<M>({.coriolis = true}).angles);
 static_assert(complete<M>({.mass_factors = true}).mass);
 static_assert(!complete<M>({}).angles, "a scene that needs nothing computes nothing");
@@ -61,9 +58,7 @@ TEST_CASE("quantities: each is what its own function gives") {
     const auto X_LT = Transform<Link<5>, Tool, double>::translation_xyz(0.1, -0.2, 0.3);
     const auto J = jacobian<5>(link_poses(model, at.q), X_LT);
     CHECK(as_eigen(known.jacobian<5>(X_LT)) == as_eigen(J));
-    CHECK(as_eigen(known.jacobian_rate<5>(X_LT)) == as_eigen(jacobian_rate(J, at.dq)));
     CHECK(as_eigen(known.jacobian<5>()) == as_eigen(jacobian<5>(link_poses(model, at.q))));
-    CHECK(as_eigen(known.jacobian_rate<5>()) == as_eigen(jacobian_rate(known.jacobian<5>(), at.dq)));
   }
 }
 

@@ -21,7 +21,7 @@ using Arm = ur5::Model;
 template <class T>
 using Touch = LinkWrenches<Arm, 0b100000, T>;
 /// What any of these laws reads.
-constexpr Needs all{.jacobian_rates = link_bit<5>,
+constexpr Needs all{.jacobians = link_bit<5>,
                     .angles = true,
                     .gravity = true,
                     .mass = true,

@@ -7,7 +7,7 @@
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/kinematics/jacobian_rate.hpp"
+#include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/law/law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -15,11 +15,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// No skin in this scene.
 struct NoTouch {};
 
-/// `needs` with its dependencies: the rate of a Jacobian needs the Jacobian, a Jacobian the poses of the
-/// links on the path, everything the angles.
+/// `needs` with its dependencies: a Jacobian needs the poses of the links on the path, everything the angles.
 template <Topology M>
 constexpr Needs complete(Needs needs) noexcept {
-  needs.jacobians |= needs.jacobian_rates;
   needs.poses |= closure<M>(needs.jacobians);
   needs.mass = needs.mass || needs.mass_factors;
   needs.angles = needs.angles || needs.poses != 0 || needs.any_mass() || needs.touch;
@@ -29,8 +27,7 @@ constexpr Needs complete(Needs needs) noexcept {
 /// The links whose poses, masses or wrenches are in `needs`; joints behind the last of them are not read.
 template <Topology M>
 constexpr LinkMask links_for(const Needs& needs) noexcept {
-  return needs.any_mass() || needs.angles ? all_links(M::joints)
-                                          : closure<M>(needs.poses | needs.jacobians | needs.jacobian_rates);
+  return needs.any_mass() || needs.angles ? all_links(M::joints) : closure<M>(needs.poses | needs.jacobians);
 }
 
 namespace detail {
@@ -167,13 +164,6 @@ class Quantities {
   [[nodiscard]] SKINCTL_INLINE auto jacobian(const X&... X_LP) const noexcept {
     static_assert((needs.jacobians >> Ix) & 1u, "not asked for: set the link's bit in needs.jacobians");
     return skinctl::jacobian<Ix>(poses_.value, X_LP...);
-  }
-  /// `dJ/dt` of `jacobian<Ix>(X_LP)` at this state's dq.
-  template <std::size_t Ix, class... X>
-  [[nodiscard]] SKINCTL_INLINE auto jacobian_rate(const X&... X_LP) const noexcept {
-    static_assert((needs.jacobian_rates >> Ix) & 1u,
-                  "not asked for: set the link's bit in needs.jacobian_rates");
-    return skinctl::jacobian_rate(jacobian<Ix>(X_LP...), state_.dq);
   }
   /// G(q) [N m].
   [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& gravity() const noexcept {

@@ -11,21 +11,19 @@ SKINCTL_BEGIN_NAMESPACE
 /// `a | b` is the union. A law declares its own as `static constexpr Needs needs`; `complete()` adds the
 /// dependencies.
 struct Needs {
-  LinkMask poses = 0;           ///< `X_BaseLink` of these links
-  LinkMask jacobians = 0;       ///< Jacobians of these links, and of frames fixed to them
-  LinkMask jacobian_rates = 0;  ///< time derivatives of these Jacobians
-  bool angles = false;          ///< sines and cosines of the joint angles
-  bool gravity = false;         ///< G(q)
-  bool mass = false;            ///< M(q)
-  bool mass_factors = false;    ///< M(q) factorised: accelerations of torques
-  bool coriolis = false;        ///< C(q, dq) dq
-  bool touch = false;           ///< wrenches of the skin on the links
-  bool middle = false;          ///< sines and cosines half an interval ahead, at `q + dq dt/2`
+  LinkMask poses = 0;         ///< `X_BaseLink` of these links
+  LinkMask jacobians = 0;     ///< Jacobians of these links, and of frames fixed to them
+  bool angles = false;        ///< sines and cosines of the joint angles
+  bool gravity = false;       ///< G(q)
+  bool mass = false;          ///< M(q)
+  bool mass_factors = false;  ///< M(q) factorised: accelerations of torques
+  bool coriolis = false;      ///< C(q, dq) dq
+  bool touch = false;         ///< wrenches of the skin on the links
+  bool middle = false;        ///< sines and cosines half an interval ahead, at `q + dq dt/2`
 
   friend constexpr Needs operator|(const Needs& a, const Needs& b) noexcept {
     return {.poses = a.poses | b.poses,
             .jacobians = a.jacobians | b.jacobians,
-            .jacobian_rates = a.jacobian_rates | b.jacobian_rates,
             .angles = a.angles || b.angles,
             .gravity = a.gravity || b.gravity,
             .mass = a.mass || b.mass,

@@ -35,11 +35,6 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
   [[nodiscard]] auto jacobian(const X&... X_LP) const noexcept {
     return read_.jacobians |= link_bit<Ix>, Of::template jacobian<Ix>(X_LP...);
   }
-  template <std::size_t Ix, class... X>
-  [[nodiscard]] auto jacobian_rate(const X&... X_LP) const noexcept {
-    read_.jacobians |= link_bit<Ix>;
-    return read_.jacobian_rates |= link_bit<Ix>, Of::template jacobian_rate<Ix>(X_LP...);
-  }
   [[nodiscard]] decltype(auto) gravity() const noexcept { return read_.gravity = true, Of::gravity(); }
   [[nodiscard]] decltype(auto) mass() const noexcept { return read_.mass = true, Of::mass(); }
   [[nodiscard]] decltype(auto) mass_factors() const noexcept {
@@ -61,7 +56,7 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
       if ((mask >> i & 1u) != 0) out += " " + std::to_string(i + 1);
     out += ", ";
   };
-  links("poses", n.poses), links("Jacobians", n.jacobians), links("their rates", n.jacobian_rates);
+  links("poses", n.poses), links("Jacobians", n.jacobians);
   const std::pair<bool, const char*> flags[] = {{n.angles, "angles"},
                                                 {n.gravity, "G"},
                                                 {n.mass, "M"},
@@ -74,13 +69,12 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
   return out.empty() ? "-" : out.substr(0, out.size() - 2);
 }
 
-/// The members of `asked` that are not in `read`. A pose is read with the Jacobian of its link, a Jacobian with its rate,
-/// M with its factors, and any of them with the angles.
+/// The members of `asked` that are not in `read`. A pose is read with the Jacobian of its link, M with
+/// its factors, and any of them with the angles.
 [[nodiscard]] constexpr Needs unread(const Needs& asked, const Needs& read) noexcept {
   const bool by_angles = read.angles || read.any_mass() || read.poses != 0 || read.jacobians != 0;
   return {.poses = asked.poses & ~(read.poses | read.jacobians),
           .jacobians = asked.jacobians & ~read.jacobians,
-          .jacobian_rates = asked.jacobian_rates & ~read.jacobian_rates,
           .angles = asked.angles && !by_angles,
           .gravity = asked.gravity && !read.gravity,
           .mass = asked.mass && !read.mass && !read.mass_factors,

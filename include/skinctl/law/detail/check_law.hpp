@@ -91,7 +91,7 @@ consteval LawFault fault_for_robot() {
     return LawFault::other_joints;
   } else if constexpr (!std::same_as<typename LawTable<L>::template scalar_in<T>, T>) {
     return LawFault::other_scalar;
-  } else if constexpr (((needs.poses | needs.jacobians | needs.jacobian_rates) & ~links) != 0) {
+  } else if constexpr (((needs.poses | needs.jacobians) & ~links) != 0) {
     return LawFault::missing_link;
   } else {
     return LawFault::none;
