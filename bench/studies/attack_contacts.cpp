@@ -1,16 +1,15 @@
 // Random scenes that declare what may touch them, gripped, pressed and led by just that. The sister of `attack`.
 //
-//     attack_contacts [SCENES = 400] [SEED = 1]      that many scenes
+//     attack_contacts [CYCLES = 500000] [SEED = 1]   that many cycles
 //     attack_contacts run SEED                       one scene, each twentieth of a second of it
 //
 // The arm is a UR5 by position or velocity in any pose, with delay, lag and period as they come. It declares a body
 // under a cover (`StiffestContact`) and is made as heavy as that asks for; limits, tank, observer and a law that holds
 // its place are in or out. Then a hand as heavy as declared or a lighter one touches a cell or holds the forearm, two
-// hands grip it from both sides, or a thing is moved into a cell and held still. Judged, when nothing has moved for seconds: how far the force still swings,
-// and the speed of the joints. Beside it the same arm without what it declared. Returns 1 if a scene is not at rest.
+// hands grip it from both sides, or a thing is moved into a cell and held still. Judged, when nothing has moved for
+// seconds: how far the force still swings, and the speed of the joints. Beside it the same arm without what it declared.
+// Returns 1 if a scene is not at rest.
 #include <Eigen/Eigenvalues>
-#include <cstdlib>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <random>
@@ -28,16 +27,17 @@ namespace {
 constexpr double rings = 3;        ///< swing of a force at rest that somebody feels [N]
 constexpr double rests = 0.02;     ///< speed of a joint at rest [rad/s]
 constexpr double moves_until = 2;  ///< time in which hands move [s]
-constexpr double watched_from = 6, half_time = 9, ends = 12;  ///< times in which nothing may swing [s]
+constexpr double watched_from = 8, half_time = 14, ends = 20;  ///< times in which nothing may swing [s]
 /// Part of a swing that may be left after `half_time`: a heavy arm on a person's muscles sways for a while.
 constexpr double dies_out = 0.8;
 constexpr double plant_step = 2.5e-4;  ///< [s]
 
 struct Findings {
-  Found ring{"swing of the force at rest [N]", rings},
-      speed{"swing at rest: speed between two turns of a joint [rad/s]", rests};
-  Found bare_ring{"the same of the arm as it was [N]", rings};
+  Found ring{"swing of the force that does not die [N]", rings};
+  Found speed{"speed of a joint between two turns of such a swing [rad/s]", rests};
+  Found bare{"the same of the arm as it was, which declares nothing [N]", rings, false};
   std::uint64_t cycles = 0, scenes = 0, refused = 0;
+  auto all() { return std::array{&ring, &speed, &bare}; }
 };
 
 /// The largest swing of a signal that happens twice: the least of two turns one after the other.
@@ -258,24 +258,23 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   const Drawn d(seed);
   const auto bare = robot_of<P>(d.arm);
   const double heavier = std::max(1.0, 1.05 * d.declared.heavier(bare, skin_of(1)));
-  try {
-    const auto scene = scene_of<P>(d, heavier, d.declared);
-    if (trace)
-      std::printf(
-          "period %.1f, delay %.1f, lag %.1f ms; body %.1f kg under %.0f N/m; %.2f times heavier: %.1f kg\n",
-          1e3 * seconds<double>(d.arm.period), 1e3 * seconds<double>(d.arm.delay),
-          1e3 * seconds<double>(d.arm.lag), d.declared.body, d.declared.stiffness, heavier,
-          heavier * d.declared.lightest(bare, skin_of(1)));
-    const End end = visited<P>(scene, d, trace), as_it_was = visited<P>(scene_of<P>(d, 1), d, false);
-    found.ring.take(end.ring, seed), found.speed.take(end.speed, seed);
-    found.bare_ring.take(as_it_was.ring, seed);
-    found.cycles += end.cycles;
-    ++found.scenes;
-    if (trace) std::printf("swings by %.2f N, as it was by %.2f\n", end.ring, as_it_was.ring);
-  } catch (const ConfigurationError& e) {
+  const auto scene = unless_refused(trace, [&] { return scene_of<P>(d, heavier, d.declared); });
+  if (!scene) {
     ++found.refused;
-    if (trace) std::printf("refused: %s\n", e.what());
+    return;
   }
+  if (trace)
+    std::printf(
+        "period %.1f, delay %.1f, lag %.1f ms; body %.1f kg under %.0f N/m; %.2f times heavier: %.1f kg\n",
+        1e3 * seconds<double>(d.arm.period), 1e3 * seconds<double>(d.arm.delay),
+        1e3 * seconds<double>(d.arm.lag), d.declared.body, d.declared.stiffness, heavier,
+        heavier * d.declared.lightest(bare, skin_of(1)));
+  const End end = visited<P>(*scene, d, trace), as_it_was = visited<P>(scene_of<P>(d, 1), d, false);
+  found.ring.take(end.ring, seed), found.speed.take(end.speed, seed);
+  found.bare.take(as_it_was.ring, seed);
+  found.cycles += end.cycles;
+  ++found.scenes;
+  if (trace) std::printf("swings by %.2f N, as it was by %.2f\n", end.ring, as_it_was.ring);
 }
 
 void run(std::uint64_t seed, Findings& found, bool trace) {
@@ -303,15 +302,5 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Findings found;
-  if (argc > 2 && std::strcmp(argv[1], "run") == 0) {
-    run(std::strtoull(argv[2], nullptr, 10), found, true);
-    return 0;
-  }
-  const std::uint64_t scenes = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 400;
-  const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  for (std::uint64_t seed = first; seed < first + scenes; ++seed) run(seed, found, false);
-  print_table(std::array{&found.ring, &found.speed, &found.bare_ring}, found.scenes, found.cycles,
-              found.refused);
-  return found.ring.scenes == 0 && found.speed.scenes == 0 ? 0 : 1;
+  return attack_main<Findings>(argc, argv, run);
 }
