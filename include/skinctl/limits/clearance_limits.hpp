@@ -20,9 +20,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// A velocity is kept only if the robot can stop from it with all clearances above the margin, either along the
 /// way on which all joints brake alike, at the rate of the weakest, if they stop before their ends, or along the
 /// one on which each joint brakes as it likes. The distances are computed at `looks` places of that way, x
-/// apart, and must exceed the margin there by what they can fall short in between: `reach (sum |x_i|)^2` over the
-/// joints between the two, and more where joints slide (`SummedMotion`). What is nearer than the margin may only get
-/// farther.
+/// apart, and must exceed the margin there by what they can fall short in between, `reach (sum |x_i|)^2` over the joints
+/// between the two where none slides (`SummedMotion`). What is nearer than the margin may only get farther.
 ///
 /// A velocity that would come too close loses the part that closes, and at the margin gains a little that opens; what is
 /// left, mixed with braking as far as needed, is kept. So an arm slides along, and whatever leads away passes.
@@ -143,7 +142,6 @@ class ClearanceLimits {
   }
   /// The distances at `q` beside the obstacles in `seen`, which must outlive the result.
   [[nodiscard]] Here at(const Memory& seen, const Position& q) const noexcept { return Here(*this, seen, q); }
-
   using Kept = KeptVelocity<joints, T>;
   /// As a limit of a scene: motion as far as there is a way to stop, torques as far as they can brake in time. Joints by
   /// torque follow their torques later than the others their commands, so beside them motion is slowed first.
@@ -241,7 +239,6 @@ class ClearanceLimits {
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
   }
-
   /// How long the slowest joint brakes from `u` [s].
   [[nodiscard]] SKINCTL_INLINE T time_to_rest(const Velocity& u) const noexcept {
     T longest(0);
