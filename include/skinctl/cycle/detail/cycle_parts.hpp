@@ -53,7 +53,7 @@ class CycleParts {
     typename L::Memory law;
     typename Guard::Memory guard;
     typename Skin::Memory skin;
-    std::uint64_t mark = 0;  ///< that of the scene by which it was started; another one refuses it
+    std::uint64_t mark = 0;  ///< mark of the scene that started this memory
     [[no_unique_address]] typename Governor::Memory governor;
     [[no_unique_address]] typename Change::Memory touch;
   };
