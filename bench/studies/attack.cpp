@@ -4,10 +4,10 @@
 //     attack [CYCLES = 500000] [SEED = 1]     that many cycles by position, and by velocity
 //     attack run SEED                         one scene, each quarter of a second of it
 //
-// Each scene ends with some time in which nobody does anything, and a stop. Judged in the servo's time, in which a
-// command lasts one period: velocity, acceleration and jerk of each joint, the way of the tool in a period (by
-// velocity that of the real one, while no joint is held), the ends of the joints; swings that are left at rest, and
-// the speed after the stop. Returns 1 if any is passed.
+// Each scene ends with some time in which nobody does anything, and a stop. Judged in the servo's time, in
+// which a command lasts one period: velocity, acceleration and jerk of each joint, the way of the tool in a
+// period (by velocity that of the real one, while no joint is held), the ends of the joints; swings that are
+// left at rest, and the speed after the stop. Returns 1 if any is passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,14 +1,15 @@
-// Random scenes that declare what may touch them, gripped, pressed and led by just that. The sister of `attack`.
+// Random scenes that declare what may touch them, gripped, pressed and led by just that. The sister of
+// `attack`.
 //
 //     attack_contacts [CYCLES = 500000] [SEED = 1]   that many cycles
 //     attack_contacts run SEED                       one scene, each twentieth of a second of it
 //
-// The arm is a UR5 by position or velocity in any pose, with delay, lag and period as they come. It declares a body
-// under a cover (`StiffestContact`) and is made as heavy as that asks for; limits, tank, observer and a law that holds
-// its place are in or out. Then a hand as heavy as declared or a lighter one touches a cell or holds the forearm, two
-// hands grip it from both sides, or a thing is moved into a cell and held still. Judged, when nothing has moved for
-// seconds: how far the force still swings, and the speed of the joints. Beside it the same arm without what it declared.
-// Returns 1 if a scene is not at rest.
+// The arm is a UR5 by position or velocity in any pose, with delay, lag and period as they come. It declares
+// a body under a cover (`StiffestContact`) and is made as heavy as that asks for; limits, tank, observer and
+// a law that holds its place are in or out. Then a hand as heavy as declared or a lighter one touches a cell
+// or holds the forearm, two hands grip it from both sides, or a thing is moved into a cell and held still.
+// Judged, when nothing has moved for seconds: how far the force still swings, and the speed of the joints.
+// Beside it the same arm without what it declared. Returns 1 if a scene is not at rest.
 #include <Eigen/Eigenvalues>
 #include <memory>
 #include <optional>

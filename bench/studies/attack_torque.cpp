@@ -1,13 +1,15 @@
-// Random legal scenes of an arm by torque in a world that keeps what was declared and does all else: pushes, goals,
-// late cycles, joints held fast, stops and resumes in any order. The sister of `attack`, which moves by itself.
+// Random legal scenes of an arm by torque in a world that keeps what was declared and does all else: pushes,
+// goals, late cycles, joints held fast, stops and resumes in any order. The sister of `attack`, which moves
+// by itself.
 //
 //     attack_torque [CYCLES = 500000] [SEED = 1]     that many cycles
 //     attack_torque run SEED                         one scene, each quarter of a second of it
 //
-// The arm is a UR5 that somebody drives by torque: its model, its motors and its delay are as declared, dry friction
-// of its joints is not. Each scene ends with some time in which nobody does anything, and a stop. Judged: torques within
-// their limits, changes within the guard's rate, speeds and ends of the joints while nobody pushes, runaways at any
-// time; swings that are left at rest, and the speed after the stop. Returns 1 if any is passed.
+// The arm is a UR5 that somebody drives by torque: its model, its motors and its delay are as declared, dry
+// friction of its joints is not. Each scene ends with some time in which nobody does anything, and a stop.
+// Judged: torques within their limits, changes within the guard's rate, speeds and ends of the joints while
+// nobody pushes, runaways at any time; swings that are left at rest, and the speed after the stop. Returns 1
+// if any is passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

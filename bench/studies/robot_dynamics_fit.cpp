@@ -23,7 +23,8 @@ namespace {
 using Model = ur5::Calibrated<>;
 using Theta = InertialParameters<6>;
 
-// An arm whose bodies are off by a tenth to a quarter from the maker's numbers, with friction and rotors that the maker does not give.
+// An arm whose bodies are off by a tenth to a quarter from the maker's numbers, with friction and rotors that
+// the maker does not give.
 struct Arm {
   Model model = calibrated_from<ur5::Description>();
   Theta theta;

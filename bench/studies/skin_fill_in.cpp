@@ -1,5 +1,5 @@
-// Filling in masked cells: error of the skin's torque on a UR5 with 383 cells, under one contact anywhere on its upper
-// arm or forearm but for the rims of the patches, with 10 and 30 % of all cells masked at random.
+// Filling in masked cells: error of the skin's torque on a UR5 with 383 cells, under one contact anywhere on
+// its upper arm or forearm but for the rims of the patches, with 10 and 30 % of all cells masked at random.
 #include <array>
 #include <cmath>
 #include <cstdio>

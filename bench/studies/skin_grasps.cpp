@@ -2,8 +2,8 @@
 //
 //   skin_grasps [every n-th recording, 1] [seconds that each grasp is held, 10]
 //
-// The recordings have no proximity and no noise of single samples: both are made up. 2 % of the taxels are blind. A tap
-// of 6 ms on a taxel, that its neighbours feel by 40 %, comes every 2 s.
+// The recordings have no proximity and no noise of single samples: both are made up. 2 % of the taxels are
+// blind. A tap of 6 ms on a taxel, that its neighbours feel by 40 %, comes every 2 s.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,5 @@
-// Study: joints' axes and cells' places from motion, from nothing, over seeds. Baseline: Mittendorfer's method.
+// Study: joints' axes and cells' places from motion, from nothing, over seeds. Baseline: Mittendorfer's
+// method.
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -233,8 +234,8 @@ void signals_at(const PosesAndJoints& motion, const MovedSkinSettings& s, double
            Eigen::Vector3d(s.base.transpose() * Eigen::Vector3d::UnitZ()));
 }
 
-// Mittendorfer's method: the robot's kinematics are given; a cell's turn from means at rest, its place from the single
-// sample of largest acceleration of each pose and joint.
+// Mittendorfer's method: the robot's kinematics are given; a cell's turn from means at rest, its place from
+// the single sample of largest acceleration of each pose and joint.
 double baseline(const std::vector<TrueCell>& cells, const MotionRecording& recording,
                 const PosesAndJoints& motion, const MovedSkinSettings& s) {
   std::vector<Eigen::Vector3d> found(cells.size());

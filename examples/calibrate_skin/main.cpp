@@ -1,4 +1,5 @@
-// Calibrates a skin that was glued on this morning: from cells without names to a skin file, a robot model and a report.
+// Calibrates a skin that was glued on this morning: from cells without names to a skin file, a robot model
+// and a report.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>

@@ -1,5 +1,6 @@
 // compliant_arm: an arm whose controller is the clock gives way at its tool. Stiff by position: KUKA by RSI,
-// ABB by EGM, FANUC by stream motion. On springs, by joint impedance: KUKA's iiwa by FRI, Franka's FR3 by FCI.
+// ABB by EGM, FANUC by stream motion. On springs, by joint impedance: KUKA's iiwa by FRI, Franka's FR3 by
+// FCI.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>

@@ -1,5 +1,5 @@
-// ur5_long_run: hours' worth of cycles of a law, a driver and a simulated UR5 in lock-step: what leaks, what drifts, which state
-// was missed. `ur5_long_run 8` is a working day: 3.6 million cycles at 125 Hz.
+// ur5_long_run: hours' worth of cycles of a law, a driver and a simulated UR5 in lock-step: what leaks, what
+// drifts, which state was missed. `ur5_long_run 8` is a working day: 3.6 million cycles at 125 Hz.
 //
 // Promise: a working day leaks nothing, drifts nowhere, misses nothing
 // Tried: 3.6 million cycles of law, driver and simulated UR5 in lock-step: heap in use 182 kB after ten

@@ -1,5 +1,6 @@
-// What a robot that gives way can be, behind a delay: the least mass and friction with which it rests on a wall and
-// between hands. To be read before a robot and a skin are bought; `StiffestContact` checks a whole scene.
+// What a robot that gives way can be, behind a delay: the least mass and friction with which it rests on a
+// wall and between hands. To be read before a robot and a skin are bought; `StiffestContact` checks a whole
+// scene.
 #include <CLI/CLI.hpp>
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -34,8 +35,8 @@ struct Loop {
     c.force_lead = nanoseconds(lead * seconds<double>(c.delay + c.lag + 3 * c.period / 2));
     return c;
   }
-  /// How many times too stiff a contact of `k` [N/m] is for a mass [kg] and a friction [N s/m]; before a body [kg], of
-  /// which two grip; 0: a wall.
+  /// How many times too stiff a contact of `k` [N/m] is for a mass [kg] and a friction [N s/m]; before a body
+  /// [kg], of which two grip; 0: a wall.
   [[nodiscard]] double lack(double mass, double friction, double k, double body, double lead) const {
     const detail::ContactPath<double> path(robot(lead), nanoseconds(1e-3 * skin_delay));
     MassMatrix<1> M, B;

@@ -1,5 +1,6 @@
-// One skin, several computers: `dds_skin send` stands for the computer at the skin and publishes its cells; `dds_skin
-// control` runs an arm that gives way to a skin which it only knows from DDS. See README.md beside this file.
+// One skin, several computers: `dds_skin send` stands for the computer at the skin and publishes its cells;
+// `dds_skin control` runs an arm that gives way to a skin which it only knows from DDS. See README.md beside
+// this file.
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cmath>

@@ -1,5 +1,5 @@
-// Identifies how an arm answers position commands: delay, lag, stiffness of its servos, gap and resolution of its
-// encoders. Moves a UR5 gently, real or simulated, or reads a log.
+// Identifies how an arm answers position commands: delay, lag, stiffness of its servos, gap and resolution of
+// its encoders. Moves a UR5 gently, real or simulated, or reads a log.
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdio>

@@ -1,6 +1,7 @@
-// What watching costs a loop: a scene of 1260 cells at 250 Hz without a consumer, recorded, streamed to a live view with a
-// client, published over DDS, and all at once, beside a loop that does nothing, alone and with the same consumers at work.
-// Rows take turns, so that a machine that is busy for a while is busy for all of them; how late it woke each one is printed.
+// What watching costs a loop: a scene of 1260 cells at 250 Hz without a consumer, recorded, streamed to a
+// live view with a client, published over DDS, and all at once, beside a loop that does nothing, alone and
+// with the same consumers at work. Rows take turns, so that a machine that is busy for a while is busy for
+// all of them; how late it woke each one is printed.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>

@@ -1,4 +1,5 @@
-// move_gripper: opens or closes a gripper and says what it holds. Without an address a simulated one stands in.
+// move_gripper: opens or closes a gripper and says what it holds. Without an address a simulated one stands
+// in.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>

@@ -1,4 +1,5 @@
-// Skin files: write that of the UR5, check one, draw one, convert TUM's patch files. See README.md beside this file.
+// Skin files: write that of the UR5, check one, draw one, convert TUM's patch files. See README.md beside
+// this file.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>

@@ -1,4 +1,5 @@
-// Recorded runs: what is in a file, an end for one that was cut, a topic as a table. See README.md beside this file.
+// Recorded runs: what is in a file, an end for one that was cut, a topic as a table. See README.md beside
+// this file.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>

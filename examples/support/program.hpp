@@ -12,7 +12,8 @@
 
 namespace examples::job {
 
-/// Reads the options. The exit code of a program that was asked for `--help`, or whose options are wrong; else none.
+/// Reads the options. The exit code of a program that was asked for `--help`, or whose options are wrong;
+/// else none.
 [[nodiscard]] inline std::optional<int> parse(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
@@ -29,8 +30,8 @@ namespace examples::job {
   return code(end);
 }
 
-/// `run(argc, argv)`, which returns an exit code. What it throws is said: `refused` for a wrong number, file or option,
-/// `lost` for all else.
+/// `run(argc, argv)`, which returns an exit code. What it throws is said: `refused` for a wrong number, file
+/// or option, `lost` for all else.
 [[nodiscard]] inline int main_of(const char* program, int (*run)(int, char**), int argc, char** argv) {
   Exit end = Exit::lost;
   try {

@@ -1,4 +1,5 @@
-// Teaches a task by demonstrations: records them, learns a task that people read back, and runs it among other things.
+// Teaches a task by demonstrations: records them, learns a task that people read back, and runs it among
+// other things.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>

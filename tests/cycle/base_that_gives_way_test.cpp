@@ -1,6 +1,6 @@
 // Promise: a base that gives way is joints like others: metres and radians keep their limits side by side
-// Tried: a base by velocity under an arm by position, pushed by up to 400 N, with NaN states and silences: base,
-// arm and the tool in the world keep their limits, a wall is kept clear, runs replay bit for bit
+// Tried: a base by velocity under an arm by position, pushed by up to 400 N, with NaN states and silences:
+// base, arm and the tool in the world keep their limits, a wall is kept clear, runs replay bit for bit
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,6 @@
 // Promise: the memory of another scene commands nothing: limits, times, mounting, cells tell them apart
-// Tried: two arms whose memories are swapped while they run, by position, velocity and torque; gains may differ
+// Tried: two arms whose memories are swapped while they run, by position, velocity and torque; gains may
+// differ
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,5 @@
-// More functions at the ends of what a number holds: each row says what comes of it, exact, bounded or refused.
+// More functions at the ends of what a number holds: each row says what comes of it, exact, bounded or
+// refused.
 //
 // Promise: rotation vectors, ZYZ angles, sums, clocks, blends, a tank's share, allowed speeds, centres of
 // mass, singular directions and small systems of equations at the ends of what a number holds

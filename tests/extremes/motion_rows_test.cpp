@@ -1,4 +1,5 @@
-// References, sliding surfaces, sensors and contacts at the ends of what a number holds: a row each, see rows.hpp.
+// References, sliding surfaces, sensors and contacts at the ends of what a number holds: a row each, see
+// rows.hpp.
 #include <doctest/doctest.h>
 
 #include <vector>

@@ -1,6 +1,6 @@
-// Functions of lengths, speeds, forces and masses over the whole range of a scalar: what is multiplied by a power of two
-// gives the same bits, multiplied by its power. Where that ends is each row's promise; beyond lies no NaN unless the row
-// says so.
+// Functions of lengths, speeds, forces and masses over the whole range of a scalar: what is multiplied by a
+// power of two gives the same bits, multiplied by its power. Where that ends is each row's promise; beyond
+// lies no NaN unless the row says so.
 //
 // Promise: functions of lengths, speeds, forces and masses keep every bit over the whole range of
 // exponents

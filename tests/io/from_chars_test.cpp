@@ -1,4 +1,5 @@
-// Promise: robot and skin files are read where the standard library reads no floating-point numbers (libc++ before 20)
+// Promise: robot and skin files are read where the standard library reads no floating-point numbers (libc++
+// before 20)
 // Tried: 200 000 numbers and broken texts against std::from_chars, bit for bit
 
 #include "skinctl/io/detail/from_chars.hpp"

@@ -532,7 +532,8 @@ TEST_CASE("URDF: the makers' files of the Allegro hand and the UR5") {
   const auto other = read_urdf(folder + "/allegro_model/allegro_hand_description_right.urdf");
   CHECK(other.joints.size() == 16);
 
-  // The palm: all of it is the makers', but for the sign of its height, which their own box of it contradicts.
+  // The palm: all of it is the makers', but for the sign of its height, which their own box of it
+  // contradicts.
   tinyxml2::XMLDocument file;
   REQUIRE(file.LoadFile((folder + "/allegro_model/allegro_right_hand.urdf").c_str()) ==
           tinyxml2::XML_SUCCESS);

@@ -1,8 +1,8 @@
 // Laws that hide state are found; others are not accused.
 //
 // Promise: a Memory with a pointer and a law with a mutable member are refused
-// Tried: pointers among numbers, arrays and structs; copies that are not constexpr, virtual functions, strings,
-// optional, private and derived fields. Not found: what a class with private members hides from GCC
+// Tried: pointers among numbers, arrays and structs; copies that are not constexpr, virtual functions,
+// strings, optional, private and derived fields. Not found: what a class with private members hides from GCC
 
 #include "skinctl/law/detail/hidden_state.hpp"
 

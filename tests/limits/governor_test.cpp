@@ -221,7 +221,8 @@ TEST_CASE("governor: the tool's speed is kept next to the ends of the joints") {
   CHECK(at_ends > (sanitized ? 6000 : 60000));
 }
 
-// A resolver that computes a cycle in substeps may hurry between them: the speed at the end says nothing of that.
+// A resolver that computes a cycle in substeps may hurry between them: the speed at the end says nothing of
+// that.
 TEST_CASE("governor: a motion that is faster on its way than at its end keeps the tool's speed") {
   constexpr double h = 0.014, most = 0.05;
   const auto limits = ur5_test_limits<double>();

@@ -118,7 +118,8 @@ TEST_CASE_TEMPLATE("ToolSpeed: the limit is always kept", T, float, double) {
   MESSAGE("fastest " << fastest << " of the limit, above 0.9 of it in " << near << " of " << 4 * total);
 }
 
-// A joint that nears its end, and moves the tool little, is slowed alone: the others go on as they were asked to.
+// A joint that nears its end, and moves the tool little, is slowed alone: the others go on as they were asked
+// to.
 TEST_CASE("ToolSpeed: a joint beside its end does not hold up the others") {
   for (const double side : {1.0, -1.0})
     for (const double h : {0.002, 0.008}) {

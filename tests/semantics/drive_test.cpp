@@ -1,7 +1,7 @@
 // Promise: a robot that drives between two tables looks again at each, and packs what lies on one into a box
 // on the other
-// Tried: a kinematic world, 6 things, 12 drives of 20 mm and 10 mrad that nobody measures, 40 runs: 240 of 240
-// packed, no take missed; of who does not look again 55; plans without a look behind a drive are refused
+// Tried: a kinematic world, 6 things, 12 drives of 20 mm and 10 mrad that nobody measures, 40 runs: 240 of
+// 240 packed, no take missed; of who does not look again 55; plans without a look behind a drive are refused
 
 #include "skinctl/semantics/drive.hpp"
 

@@ -250,8 +250,8 @@ TEST_CASE("RestLevel: a contact of an hour, from 0.05 thresholds on, loses less 
 TEST_CASE("RestLevel: a drift taken for a contact is released by evidence, and named without") {
   const RestLevel rest;
   RestRow row = at_rest(rest, 200);
-  // Lanes 0 to 3: nothing near; 4 to 7: nothing known; 8 to 11: something near; 12 to 15: nothing near, but a touch
-  // that proximity does not see, and fast.
+  // Lanes 0 to 3: nothing near; 4 to 7: nothing known; 8 to 11: something near; 12 to 15: nothing near, but a
+  // touch that proximity does not see, and fast.
   const auto drift = [](std::size_t i) {
     return SkinDrift{SkinDrift::Kind::cell, 5, 150, 4 + 2 * double(i % 4)};
   };
@@ -286,8 +286,8 @@ TEST_CASE("RestLevel: in float, at 1 kHz, b follows to less than a thousandth of
   const RestLevel rest;
   for (const float b : {0.f, 3.f, 1000.f, 60000.f, 1048000.f}) {
     CAPTURE(b);
-    // 0.8 steps off: r falls as exp(-t/20 s) until an increment is half a unit in the last place of `fraction`:
-    // r/20000 = 2^-25, r = 6e-4.
+    // 0.8 steps off: r falls as exp(-t/20 s) until an increment is half a unit in the last place of
+    // `fraction`: r/20000 = 2^-25, r = 6e-4.
     RestRow row = at_rest(rest, b);
     double worst = 0;
     bool stalled = false;

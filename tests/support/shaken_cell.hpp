@@ -1,4 +1,5 @@
-// What the accelerometer of a cell reads on an arm that moves, is hit, and on which something slips: a generator.
+// What the accelerometer of a cell reads on an arm that moves, is hit, and on which something slips: a
+// generator.
 #pragma once
 
 #include <cmath>

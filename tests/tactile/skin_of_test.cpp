@@ -272,8 +272,8 @@ TEST_CASE("SkinOf: its sums differ from the exact ones by 0, with 20 000 cells a
   }
   CHECK(skin.recomputed(*memory) == *memory);
   CHECK(skin.silent(*memory) < skin.size());
-  // The exact sums in whole steps, of 2^-24 for forces and of 2^-24 times the next power of two of the largest
-  // moment of the patch. Gains make one count 1/4 and 1/8 N, so that nothing is rounded.
+  // The exact sums in whole steps, of 2^-24 for forces and of 2^-24 times the next power of two of the
+  // largest moment of the patch. Gains make one count 1/4 and 1/8 N, so that nothing is rounded.
   std::size_t i = 0;
   const auto touch = skin.touch(*memory);
   for (const SkinPatch& patch : patches) {

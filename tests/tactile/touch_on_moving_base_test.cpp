@@ -1,6 +1,6 @@
 // Promise: on a base that drives and tilts an arm does not take its own weight for a touch
-// Tried: wrist sensor with a tool of 1 kg, motors, a robot that tells contacts: untouched they do not move the
-// arm at 2 m/s^2 and 0.3 rad; a push of 15 N is felt as at rest, to 1e-9 N
+// Tried: wrist sensor with a tool of 1 kg, motors, a robot that tells contacts: untouched they do not move
+// the arm at 2 m/s^2 and 0.3 rad; a push of 15 N is felt as at rest, to 1e-9 N
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // Promise: the gains that `tracking_settings` gives a robot in groups of joints suit the slowest of its loops
 // Tried: UR5, 4 mixtures of position, velocity and torque, 1 to 8 ms, delay 0 to 20 ms by torque: goals are
-// met within 10 mrad and at rest; the gains of the whole arm by position, with which 11 of 16 swing or run away, are
-// refused. Also: `bench/studies/attack_groups`
+// met within 10 mrad and at rest; the gains of the whole arm by position, with which 11 of 16 swing or run
+// away, are refused. Also: `bench/studies/attack_groups`
 #include "skinctl/tracking/group_settings.hpp"
 
 #include <doctest/doctest.h>

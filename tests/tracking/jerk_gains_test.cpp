@@ -1,8 +1,8 @@
-// Promise: gains that a limit of jerk would leave swinging for ever after a touch are refused, and those that are taken
-// come to rest
-// Tried: UR5 by position, 2 and 8 ms, lag 4 to 40 ms, A/J up to a second, a push of 10 to 60 N on each of six cells for a
-// second. With the gains of a scene without `MaxJerk` 289 of 448 such arms swung on with up to 0.67 rad/s, those with
-// `lambda K_c (A/J)^2 <= 1` never
+// Promise: gains that a limit of jerk would leave swinging for ever after a touch are refused, and those that
+// are taken come to rest
+// Tried: UR5 by position, 2 and 8 ms, lag 4 to 40 ms, A/J up to a second, a push of 10 to 60 N on each of six
+// cells for a second. With the gains of a scene without `MaxJerk` 289 of 448 such arms swung on with up to
+// 0.67 rad/s, those with `lambda K_c (A/J)^2 <= 1` never
 #include <doctest/doctest.h>
 
 #include <cmath>

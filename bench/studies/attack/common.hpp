@@ -56,7 +56,8 @@ auto unless_refused(bool trace, const Make& make) -> std::optional<decltype(make
     return {};
   }
 }
-/// `ATTACK [CYCLES = 500 000] [SEED = 1]` runs scenes, `ATTACK run SEED` one, and tells of it. 1: a bound was passed.
+/// `ATTACK [CYCLES = 500 000] [SEED = 1]` runs scenes, `ATTACK run SEED` one, and tells of it. 1: a bound was
+/// passed.
 template <class Findings>
 int attack_main(int argc, char** argv, void (*run)(std::uint64_t seed, Findings& found, bool trace)) {
   Findings found;

@@ -40,7 +40,8 @@ double busy_of_this_thread() {
   return s(use.ru_utime) + s(use.ru_stime);
 }
 
-/// Sends `total` datagrams of `samples` samples at a steady rate; gives how many it sent late by 5 ms and more.
+/// Sends `total` datagrams of `samples` samples at a steady rate; gives how many it sent late by 5 ms and
+/// more.
 std::uint64_t send_all(std::uint16_t port, std::uint64_t total, std::size_t samples, double a_second,
                        const std::optional<Key>& key, const std::atomic<bool>& stop) {
   sockaddr_in to{};

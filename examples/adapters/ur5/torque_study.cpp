@@ -1,5 +1,6 @@
-// ur5_torque_study: a simulated UR5 by direct torque, with the friction that its controller leaves over: how near to its
-// target it rests, and what targets in steps do to it. In step with the simulation, some ten seconds.
+// ur5_torque_study: a simulated UR5 by direct torque, with the friction that its controller leaves over: how
+// near to its target it rests, and what targets in steps do to it. In step with the simulation, some ten
+// seconds.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 

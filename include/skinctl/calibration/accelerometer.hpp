@@ -18,7 +18,8 @@ struct AccelerometerErrors {
   Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();
 };
 
-/// Standard deviations of `AccelerometerErrors` by the maker's word, each axis: of a BMA250, soldered by machine.
+/// Standard deviations of `AccelerometerErrors` by the maker's word, each axis: of a BMA250, soldered by
+/// machine.
 struct AccelerometerPrior {
   double bias = 0.040;                       ///< [g]
   double scale = 0.015;                      ///< [1]

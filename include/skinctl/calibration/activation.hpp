@@ -151,8 +151,8 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
 
 }  // namespace detail::fit
 
-/// Finds which joints move which cells from blocks in which single joints move while the others stand at home, the
-/// positions at the start of the recording.
+/// Finds which joints move which cells from blocks in which single joints move while the others stand at
+/// home, the positions at the start of the recording.
 [[nodiscard]] inline Activation find_activation(const detail::fit::BlockMeans& data,
                                                 const MeasuredMotion& motion,
                                                 const ActivationSettings& settings = {}) {

@@ -12,10 +12,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A motion about home for `fit_inertia`: seven sines a joint, sought for the largest `log det` of the regressor of base
-/// parameters, viscous friction and rotors, in torque limits; within the limits of positions, velocities, accelerations and torques.
+/// A motion about home for `fit_inertia`: seven sines a joint, sought for the largest `log det` of the
+/// regressor of base parameters, viscous friction and rotors, in torque limits; within the limits of
+/// positions, velocities, accelerations and torques.
 ///
-/// Frequencies are unlike each other: a motion that repeats itself says the same of a gear's ripple in every period.
+/// Frequencies are unlike each other: a motion that repeats itself says the same of a gear's ripple in every
+/// period.
 class DynamicsExcitation : public Excitation {
  public:
   struct Settings {
@@ -76,9 +78,9 @@ class DynamicsExcitation : public Excitation {
 
   [[nodiscard]] static double random(std::mt19937_64& rng) { return double(rng() >> 11) * 0x1p-52 - 1; }
 
-  // Five slow sines for gravity, each about a harmonic of the period, and two fast ones for inertia. No two joints share a
-  // frequency, and the motion does not repeat itself within its duration: what torques have of positions, such as the ripple of a
-  // gear, is then not the same in every period.
+  // Five slow sines for gravity, each about a harmonic of the period, and two fast ones for inertia. No two
+  // joints share a frequency, and the motion does not repeat itself within its duration: what torques have of
+  // positions, such as the ripple of a gear, is then not the same in every period.
   detail::fit::RisingSines draw(std::mt19937_64& rng, Eigen::Index joint, const ExcitationLimits& limits,
                                 const Settings& s) const {
     detail::fit::RisingSines f{0, duration_, std::min(1.0, s.period / 4), {}, {}, {}};

@@ -32,8 +32,8 @@ struct Unobservable {
 /// A value of any type with the covariance of its error, and what the data do not show of it.
 ///
 /// @tparam Value  number, vector or pose; the docstring of the function that returns it says which error the
-///                covariance is of (for a pose: position [m] in the outer frame, then rotation vector [rad] in its own axes,
-///                unless said otherwise).
+///                covariance is of (for a pose: position [m] in the outer frame, then rotation vector [rad]
+///                in its own axes, unless said otherwise).
 template <class Value, int N = Eigen::Dynamic>
 struct EstimateOf {
   Value value{};

@@ -94,7 +94,8 @@ class Excitation {
   /// moves.
   [[nodiscard]] const std::vector<Announcement>& announcements() const noexcept { return announcements_; }
 
-  /// The largest share of a limit that the motion uses: position (of the room from home), velocity, acceleration.
+  /// The largest share of a limit that the motion uses: position (of the room from home), velocity,
+  /// acceleration.
   [[nodiscard]] double largest_share(const ExcitationLimits& limits) const {
     double worst = 0;
     for (double t = 0; t < duration_; t += 0.004) {
@@ -160,8 +161,8 @@ class Excitation {
   }
 };
 
-/// The motion for `find_joint_lines`: each joint alone, then all together, each sweeping slowly (gravity) and wiggling
-/// (acceleration). Of 60 s, a UR5: 6 x 4 s alone, 36 s together.
+/// The motion for `find_joint_lines`: each joint alone, then all together, each sweeping slowly (gravity) and
+/// wiggling (acceleration). Of 60 s, a UR5: 6 x 4 s alone, 36 s together.
 class SkinExcitation : public Excitation {
  public:
   struct Settings {
@@ -170,7 +171,8 @@ class SkinExcitation : public Excitation {
     double wiggle = 1;     ///< amplitude of the wiggle's speed [rad/s]
     double share = 0.9;    ///< share of each limit that may be used, 0.1 to 1
   };
-  /// Throws `ConfigurationError` for a home less than 0.1 rad from a limit, and for numbers out of their range.
+  /// Throws `ConfigurationError` for a home less than 0.1 rad from a limit, and for numbers out of their
+  /// range.
   SkinExcitation(const Eigen::VectorXd& home, const ExcitationLimits& limits, const Settings& s) {
     plan(home, limits, s);
   }

@@ -46,7 +46,8 @@ struct InertialFit {
   bool converged = false;
 };
 
-/// Bodies of the links for a start without a drawing: cylinders of 2700 kg/m^3 along each link, to the next joint, half filled.
+/// Bodies of the links for a start without a drawing: cylinders of 2700 kg/m^3 along each link, to the next
+/// joint, half filled.
 template <RobotModel M>
 [[nodiscard]] InertialParameters<M::joints> cylinder_prior(const M& model, double radius = 0.05) {
   constexpr std::size_t N = M::joints;
@@ -77,8 +78,8 @@ template <RobotModel M>
 }
 
 namespace detail::fit {
-/// How late torques come [s]: where least squares leave the least. Positions are moved, not torques: between two readings their
-/// noise would be less.
+/// How late torques come [s]: where least squares leave the least. Positions are moved, not torques: between
+/// two readings their noise would be less.
 template <RobotModel M>
 [[nodiscard]] double torque_lateness(const M& model, const std::vector<TorqueRecording>& recordings,
                                      const BaseParameters& base, bool rotors, double latest) {
@@ -100,15 +101,15 @@ template <RobotModel M>
 }
 }  // namespace detail::fit
 
-/// Identifies `tau = Y theta + F_v dq + F_c z + I_a ddq + o`, an offset `o` per joint and recording; `z` is the friction's
-/// side with presliding, `z <- s - (s - z) exp(-|step|/x0)`.
+/// Identifies `tau = Y theta + F_v dq + F_c z + I_a ddq + o`, an offset `o` per joint and recording; `z` is
+/// the friction's side with presliding, `z <- s - (s - z) exp(-|step|/x0)`.
 ///
-/// Bodies keep a positive pseudo-inertia, friction and rotors stay positive: a convex problem, by Newton's method from within. The
-/// prior is drawn in with `lambda`. Residuals of each joint are weighted by their variance and count less where they are alike in
-/// time.
+/// Bodies keep a positive pseudo-inertia, friction and rotors stay positive: a convex problem, by Newton's
+/// method from within. The prior is drawn in with `lambda`. Residuals of each joint are weighted by their
+/// variance and count less where they are alike in time.
 ///
-/// Throws `ConfigurationError` for recordings that are too short or damaged, and if a joint stands still in all of them: its
-/// friction cannot be known.
+/// Throws `ConfigurationError` for recordings that are too short or damaged, and if a joint stands still in
+/// all of them: its friction cannot be known.
 ///
 /// @param model  its placements and gravity are read.
 /// @param prior  `inertial_parameters(model)` of a drawing, or `cylinder_prior(model)`.

@@ -26,8 +26,8 @@ struct MotionRecording {
   std::vector<CellReadings> cells;
   std::vector<CellInPatch> places{};  ///< one per cell, or none: cells are then on their own
   /// Torques at the joints' outputs, a row per stamp of `joints`, or none [N m]: a robot's own prediction
-  /// (`target_moment`) will do. With them the joints' compliance is fitted; a joint that gives way by 5e-5 rad/(N m) costs 6 mm
-  /// otherwise.
+  /// (`target_moment`) will do. With them the joints' compliance is fitted; a joint that gives way by 5e-5
+  /// rad/(N m) costs 6 mm otherwise.
   Eigen::MatrixXd torque{};
 };
 
@@ -69,8 +69,8 @@ struct CalibratedLine {
   Estimate compliance;  ///< compliance of the joint [rad/(N m)]; known if torques were recorded
 };
 
-/// The result. The base is upright; where it stands and faces is a choice (gauge), and no covariance speaks of it: they are
-/// those of poses relative to the cells that are known, taken together.
+/// The result. The base is upright; where it stands and faces is a choice (gauge), and no covariance speaks
+/// of it: they are those of poses relative to the cells that are known, taken together.
 struct JointLines {
   Eigen::VectorXd home;  ///< joints' positions to which lines and poses belong [rad]
   std::vector<CalibratedLine> lines;

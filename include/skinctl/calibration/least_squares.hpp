@@ -40,9 +40,9 @@ concept LeastSquaresProblem =
       p.terms(x, sum);
     };
 
-/// Minimises `sum rho(|r|^2) / 2` from `start`, by Levenberg-Marquardt with Marquardt's scaling and Nielsen's damping. A step
-/// that does not lower the cost is not taken, so that the result is never worse than the start. Residuals that are
-/// not finite there end it at once.
+/// Minimises `sum rho(|r|^2) / 2` from `start`, by Levenberg-Marquardt with Marquardt's scaling and Nielsen's
+/// damping. A step that does not lower the cost is not taken, so that the result is never worse than the
+/// start. Residuals that are not finite there end it at once.
 ///
 /// @tparam Normal  `DenseNormal` or `SparseNormal`.
 template <class Normal = DenseNormal, LeastSquaresProblem P>

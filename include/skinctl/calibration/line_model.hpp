@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A robot model from the lines of its joints: links for a `CalibratedModel`, places of cells on links, a table of Denavit and
-// Hartenberg.
+// A robot model from the lines of its joints: links for a `CalibratedModel`, places of cells on links, a
+// table of Denavit and Hartenberg.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -23,8 +23,8 @@ struct ShownDhRow {
   bool parallel = false;  ///< axis parallel to the next one within half a degree: d is then a choice, and 0
 };
 
-/// A chain of revolute joints by its axes. Its base is upright, at the foot of the first axis nearest to the second, x
-/// along the common normal where the first joint's position is zero.
+/// A chain of revolute joints by its axes. Its base is upright, at the foot of the first axis nearest to the
+/// second, x along the common normal where the first joint's position is zero.
 template <std::size_t N>
 struct LineModel {
   std::array<LinkParameters<double>, N> links;  ///< parameters of the links, without masses

@@ -63,7 +63,8 @@ struct Columns {
   }
 };
 
-/// Derivative of a residual by the unknowns from `column` on. `column < 0`: these are held, and it does not count.
+/// Derivative of a residual by the unknowns from `column` on. `column < 0`: these are held, and it does not
+/// count.
 struct Partial {
   int column;
   Columns matrix;
@@ -71,7 +72,8 @@ struct Partial {
 /// The derivatives of one term by all unknowns on which it depends.
 using Partials = std::initializer_list<Partial>;
 
-/// The cost alone. Like the other two: `start`, then `add` for each term, of residuals in units of their deviation.
+/// The cost alone. Like the other two: `start`, then `add` for each term, of residuals in units of their
+/// deviation.
 class CostOnly {
  public:
   static constexpr bool derivatives = false;
@@ -131,8 +133,8 @@ class DenseNormal {
     return step.allFinite();
   }
 
-  /// The inverse, apart from directions worse known than `limit` times the unknowns' `scale`. These are left out
-  /// of it: what is a gauge is not known badly, it is a choice.
+  /// The inverse, apart from directions worse known than `limit` times the unknowns' `scale`. These are left
+  /// out of it: what is a gauge is not known badly, it is a choice.
   [[nodiscard]] Observability observed(const Eigen::VectorXd& scale, double limit) const {
     const Eigen::Index n = H_.rows();
     Eigen::MatrixXd A = H_;

@@ -67,8 +67,8 @@ struct Reconstruction {
   double residual = 0;  ///< rms residual of the readings [g]
 };
 
-/// Mean readings at rest of the cells of a patch [g]: `[cell][pose]`, in the order of `PatchGraph::ids`. A pose
-/// that a cell has no reading of is NaN.
+/// Mean readings at rest of the cells of a patch [g]: `[cell][pose]`, in the order of `PatchGraph::ids`. A
+/// pose that a cell has no reading of is NaN.
 using RestReadings = std::vector<std::vector<Eigen::Vector3d>>;
 
 SKINCTL_END_NAMESPACE

@@ -10,8 +10,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A motion that shows how a robot answers: each joint swings about its start with two frequencies of its own,
-/// begins and ends at rest, and keeps within amplitude and speed.
+/// A motion that shows how a robot answers: each joint swings about its start with two frequencies of its
+/// own, begins and ends at rest, and keeps within amplitude and speed.
 template <std::size_t N>
 class ResponseMotion {
  public:

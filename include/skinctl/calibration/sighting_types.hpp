@@ -26,7 +26,8 @@ struct PinholeCamera {
   double fx = 1000, fy = 1000, cx = 640, cy = 480;  ///< [pixels]
 };
 
-/// A light that was seen, and whose it is by the code that it blinks. Codes are misread, and lamps look like cells.
+/// A light that was seen, and whose it is by the code that it blinks. Codes are misread, and lamps look like
+/// cells.
 struct Sighting {
   std::size_t patch = 0, cell = 0;  ///< index in the patch
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();

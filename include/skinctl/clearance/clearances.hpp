@@ -24,11 +24,11 @@ struct Clearance {
   double reach = 1.5;    ///< largest distance of a capsule's point from any axis that turns it [m]
 };
 
-/// A `Clearance` whose robot also stays clear of up to `Most` obstacles that the cycle's input names anew each time:
-/// what other robots occupy, what its skin sees. A part of `Cycle::with`.
+/// A `Clearance` whose robot also stays clear of up to `Most` obstacles that the cycle's input names anew
+/// each time: what other robots occupy, what its skin sees. A part of `Cycle::with`.
 ///
-/// Without news the robot does not move blindly: with obstacles older than `max_age`, with more of them than `Most` or
-/// with one that is no number it brakes and stands.
+/// Without news the robot does not move blindly: with obstacles older than `max_age`, with more of them than
+/// `Most` or with one that is no number it brakes and stands.
 template <std::size_t Most>
 struct ClearanceAround {
   using Kind = Clearance;
@@ -41,8 +41,8 @@ struct ClearanceAround {
   Nanoseconds max_age = 100ms;  ///< largest age of the input's obstacles at the end of the cycle
 };
 
-/// The distances of the pairs of a `Clearance` at a position, and their gradients; with `Around` > 0 also those of
-/// exposed capsules from that many obstacles at most, after the pairs. Immutable.
+/// The distances of the pairs of a `Clearance` at a position, and their gradients; with `Around` > 0 also
+/// those of exposed capsules from that many obstacles at most, after the pairs. Immutable.
 template <RobotModel M, Real T = double, std::size_t Around = 0>
 class Clearances {
  public:
@@ -52,8 +52,8 @@ class Clearances {
   using Position = JointPosition<joints, T>;
   using Near = std::conditional_t<(Around > 0), Surroundings<Around, Base, T>, NoSurroundings>;
 
-  /// Throws `ConfigurationError` for numbers out of their range, more than 64 pairs, pairs of one link and pairs
-  /// of two objects that do not move.
+  /// Throws `ConfigurationError` for numbers out of their range, more than 64 pairs, pairs of one link and
+  /// pairs of two objects that do not move.
   SKINCTL_COLD Clearances(const M& model, const Clearance& given) : model_(model) {
     require(given.margin >= 0 && given.margin <= 10, "Clearance: margin", given.margin, "0 to 10 m");
     require(given.reach > 0 && given.reach <= 100, "Clearance: reach", given.reach, "> 0, <= 100 m");
@@ -68,8 +68,8 @@ class Clearances {
       pairs_.push_back({a.link, b.link, path(a.link) ^ path(b.link), converted(a.shape), converted(b.shape)});
     }
   }
-  /// With the capsules of `given` that obstacles must not meet. Throws also for more than 12 of them, for one that is
-  /// not of the list, and for one that is fixed.
+  /// With the capsules of `given` that obstacles must not meet. Throws also for more than 12 of them, for one
+  /// that is not of the list, and for one that is fixed.
   SKINCTL_COLD Clearances(const M& model, const Clearance& given, const std::vector<std::size_t>& exposed)
       : Clearances(model, given) {
     require(exposed.size() <= max_exposed, "ClearanceAround: exposed capsules", double(exposed.size()),
@@ -166,8 +166,8 @@ class Clearances {
           one(e.link, e.shape, LinkCapsule::fixed, near.obstacles[i].shape, e.between, gradient[k]);
     }
   }
-  /// Capsules, one for each exposed one, within which these stay while no joint `i` is further than `half[i]` from `q`:
-  /// a point moves by `sum half_i |c_i|` and half of `SummedMotion::bend` at most.
+  /// Capsules, one for each exposed one, within which these stay while no joint `i` is further than `half[i]`
+  /// from `q`: a point moves by `sum half_i |c_i|` and half of `SummedMotion::bend` at most.
   SKINCTL_NOINLINE void sweep(const Position& q, const Position& half, const T& reach,
                               Surroundings<max_exposed_capsules, Base, T>& out) const noexcept {
     using std::sqrt;

@@ -17,17 +17,19 @@ struct RetreatSettings {
   double return_rate = 0.3;  ///< largest speed of a joint towards the posture [rad/s]
 };
 
-/// Velocities that lead the links of a `ClearanceAround` away from obstacles that approach, with the joints that need the
-/// least speed for it:
+/// Velocities that lead the links of a `ClearanceAround` away from obstacles that approach, with the joints
+/// that need the least speed for it:
 ///
 ///     min |dq - dq_p|^2  with  g_k dq >= b_k,
 ///
-/// g_k the gradient of the distance d_k, `b_k = speed (far - d_k) / (far - near)`, at most `speed`, for an obstacle that
-/// approaches, `b_k = -rate (d_k - margin)` for all other pairs, dq_p slowly back to a posture, so that the robot does not
-/// fold while it is driven. What cannot be had at once is a compromise, in which the robot's own pairs weigh most. A push of
-/// the cells, by contrast, gives a link the speed that its mass and the number of cells that see allow.
+/// g_k the gradient of the distance d_k, `b_k = speed (far - d_k) / (far - near)`, at most `speed`, for an
+/// obstacle that approaches, `b_k = -rate (d_k - margin)` for all other pairs, dq_p slowly back to a posture,
+/// so that the robot does not fold while it is driven. What cannot be had at once is a compromise, in which
+/// the robot's own pairs weigh most. A push of the cells, by contrast, gives a link the speed that its mass
+/// and the number of cells that see allow.
 ///
-/// It is a wish, for `VelocityControl`; what holds is the limit `ClearanceLimits`. Immutable; a fixed number of rounds.
+/// It is a wish, for `VelocityControl`; what holds is the limit `ClearanceLimits`. Immutable; a fixed number
+/// of rounds.
 template <RobotModel M, std::size_t Around, Real T = double>
 class Retreat {
  public:
@@ -56,8 +58,8 @@ class Retreat {
   }
   [[nodiscard]] const RetreatSettings& settings() const noexcept { return s_; }
 
-  /// For a robot at `q` beside `near` that would rather move with `wish`, beside the way to its posture. Zero for what is no
-  /// number.
+  /// For a robot at `q` beside `near` that would rather move with `wish`, beside the way to its posture. Zero
+  /// for what is no number.
   [[nodiscard]] SKINCTL_NOINLINE Velocity operator()(const Position& q, const Near& near,
                                                      Others others = Others::stay,
                                                      const Velocity& wish = {}) const noexcept {

@@ -102,8 +102,8 @@ class ForceControl : public Composable {
   ForceControl(const R& robot, const Transform<Link<Ix>, P, T>& X_LP)
       : ForceControl(X_LP, force_settings(robot)) {}
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
-  /// Throws `ConfigurationError` where dt or virtual dynamics are not those of the robot, and where the gains do not
-  /// fit a limit of jerk.
+  /// Throws `ConfigurationError` where dt or virtual dynamics are not those of the robot, and where the gains
+  /// do not fit a limit of jerk.
   template <class Terms>
   void check_for(const Terms& terms) const {
     tracker_.check_for(terms);

@@ -15,7 +15,8 @@ template <Scalar T = double>
 struct GraspGoal {
   T internal{0};  ///< mean force of a fingertip [N]; negative: the fingers open
   /// Mean force that the contacts ask for [N]: the largest `GraspControl::force_for` of the fingertips'
-  /// `Slip::Result::hold`; 0: none. The grip holds with the larger of the two, unless the fingers are to open.
+  /// `Slip::Result::hold`; 0: none. The grip holds with the larger of the two, unless the fingers are to
+  /// open.
   T hold{0};
 
   template <class F>
@@ -34,20 +35,22 @@ struct GraspSettings {
   T lowering = T(2);
 };
 
-/// Joint torques with which fingertips on the links `Ix...` press on an object between them, and nothing else:
+/// Joint torques with which fingertips on the links `Ix...` press on an object between them, and nothing
+/// else:
 ///
 ///     f_i = -F (p_i - c) / s,   c = mean of p_i,   s = mean of |p_i - c|,   tau = sum J_i' f_i
 ///
-/// The forces point at the centroid of the fingertips, in proportion to their distance from it. They add up to no
-/// force and no moment on the object whatever its shape and whatever the number of fingers; so an arm, gravity
-/// compensation or a touch that move the hand are not disturbed. F follows the goal at `max_rate`, and
-/// `damping ds/dt` is added, which damps the closing of the fingers and nothing else. With a `hold`
-/// that follows the fingertips' shear (`Slip`) the grip tightens at `max_rate`, and loosens at `lowering`.
+/// The forces point at the centroid of the fingertips, in proportion to their distance from it. They add up
+/// to no force and no moment on the object whatever its shape and whatever the number of fingers; so an arm,
+/// gravity compensation or a touch that move the hand are not disturbed. F follows the goal at `max_rate`,
+/// and `damping ds/dt` is added, which damps the closing of the fingers and nothing else. With a `hold` that
+/// follows the fingertips' shear (`Slip`) the grip tightens at `max_rate`, and loosens at `lowering`.
 ///
-/// The object stays between the fingers if the centroid sees each fingertip within its friction cone. F goes to zero
-/// below 1 mm of s.
+/// The object stays between the fingers if the centroid sees each fingertip within its friction cone. F goes
+/// to zero below 1 mm of s.
 ///
-/// With weights w_i, f_i = -F w_i (p_i - c) / s, and c and s are weighted means: a finger of weight 0 takes no part.
+/// With weights w_i, f_i = -F w_i (p_i - c) / s, and c and s are weighted means: a finger of weight 0 takes
+/// no part.
 ///
 /// @tparam N  joints of the robot.  @tparam Ix  two or more links, one a finger.
 template <std::size_t N, Real T, std::size_t... Ix>

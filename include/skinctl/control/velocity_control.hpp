@@ -19,11 +19,12 @@ struct VelocityGoal {
   }
 };
 
-/// `tau = rate M (dq_d - dq)`: the joints reach the velocities dq_d of the last `VelocityGoal`, each in the same time 1/rate
-/// however heavy the links are. It holds neither gravity nor a position: what moves the robot else, moves it.
+/// `tau = rate M (dq_d - dq)`: the joints reach the velocities dq_d of the last `VelocityGoal`, each in the
+/// same time 1/rate however heavy the links are. It holds neither gravity nor a position: what moves the
+/// robot else, moves it.
 ///
-/// Without a goal for `lasts` it wants the joints to stand, so who plans must go on to do so. Behind a virtual robot with
-/// the damping c the joints come to `rate / (rate + c)` of what is wanted.
+/// Without a goal for `lasts` it wants the joints to stand, so who plans must go on to do so. Behind a
+/// virtual robot with the damping c the joints come to `rate / (rate + c)` of what is wanted.
 template <std::size_t N, Real T = double>
 class VelocityControl : public Composable {
  public:
@@ -47,7 +48,8 @@ class VelocityControl : public Composable {
     require(lasts > 0ns && lasts <= 10s, "velocity control: how long a goal lasts", milliseconds(lasts),
             "> 0, <= 10 000 ms");
   }
-  /// Throws `ConfigurationError` for a rate above 0.25 / D, D the loop's delay: see `RobotDescription::loop_delay`.
+  /// Throws `ConfigurationError` for a rate above 0.25 / D, D the loop's delay: see
+  /// `RobotDescription::loop_delay`.
   void check_for(const LawTerms<N, T>& robot) const {
     const double most = 0.25 / seconds<double>(robot.loop_delay);
     require(static_cast<double>(rate_) <= most, "rate of a velocity control", static_cast<double>(rate_),

@@ -101,8 +101,8 @@ struct IfTaken<false, Numbers> {
 /// for its devices.
 ///
 /// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet, or
-/// it shows the robot elsewhere than where it was started. A cycle's position is then the measured one, or NaN
-/// where the robot cannot be there, and its velocity zero.
+/// it shows the robot elsewhere than where it was started. A cycle's position is then the measured one, or
+/// NaN where the robot cannot be there, and its velocity zero.
 template <std::size_t N, Real T, Interface... Ix>
 struct RobotCommand : detail::IfTaken<(takes_position(Ix) || ...), detail::CommandedPosition<N, T>>,
                       detail::IfTaken<(takes_velocity(Ix) || ...), detail::CommandedVelocity<N, T>>,

@@ -47,7 +47,8 @@ concept EigenExpression = requires { typename V::PlainObject; };
 /// An array, a vector, a span: numbers without a kind.
 template <class V>
 concept BareNumbers = !EigenExpression<V> && requires(const V& v) { v.data() + v.size(); };
-/// Whether one of them is: as a constant, about which Clang writes one line where it writes four of a concept.
+/// Whether one of them is: as a constant, about which Clang writes one line where it writes four of a
+/// concept.
 template <class... V>
 inline constexpr bool any_eigen = (EigenExpression<V> || ...);
 

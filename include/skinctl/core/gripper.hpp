@@ -8,8 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The largest opening of a gripper, and its ranges of force and speed. One that only opens and closes has one force
-/// and one speed.
+/// The largest opening of a gripper, and its ranges of force and speed. One that only opens and closes has
+/// one force and one speed.
 struct GripperRange {
   double opening = 0;    ///< largest distance of the fingers [m]
   double min_force = 0;  ///< smallest force on an object [N]
@@ -18,8 +18,8 @@ struct GripperRange {
   double max_speed = 0;  ///< largest speed of the opening [m/s]
 };
 
-/// The opening that the fingers shall reach, the force with which they shall hold an object that is in the way, and
-/// their speed. A number beyond the gripper's range counts as the end of the range.
+/// The opening that the fingers shall reach, the force with which they shall hold an object that is in the
+/// way, and their speed. A number beyond the gripper's range counts as the end of the range.
 struct GripperGoal {
   double opening = 0;  ///< distance of the fingers [m]
   double force = 0;    ///< force on an object that is in the way [N]
@@ -80,8 +80,8 @@ enum class GripperError : unsigned char {
 struct GripperState {
   Nanoseconds time{};  ///< time of the newest answer, on the clock that `poll` was given
   double opening = 0;  ///< distance of the fingers [m]
-  /// Force on the object that it holds [N]; 0 while it holds none. A gripper that does not measure it reports the force
-  /// of its goal.
+  /// Force on the object that it holds [N]; 0 while it holds none. A gripper that does not measure it reports
+  /// the force of its goal.
   double force = 0;
   bool heard = false;    ///< an answer came since the connection; until then the other members mean nothing
   bool moving = false;   ///< the fingers are on their way to the newest goal

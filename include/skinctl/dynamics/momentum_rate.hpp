@@ -55,8 +55,8 @@ SKINCTL_INLINE void subtree_momentum(const M& model, const Angles& angles, const
     subtree_momentum<child.value, T>(model, angles, dq, v, w, linear, angular, p, c);
   });
 
-  // d(1/2 dq' M dq)/dq_I = C' dq: the momentum of the subtree paired with the link's velocity crossed with the
-  // joint's axis.
+  // d(1/2 dq' M dq)/dq_I = C' dq: the momentum of the subtree paired with the link's velocity crossed with
+  // the joint's axis.
   if constexpr (M::kinds[Ix] == JointKind::revolute) {
     p[Ix] = angular.z;
     c[Ix] = w.y * angular.x - w.x * angular.y + v.y * linear.x - v.x * linear.y;

@@ -55,10 +55,10 @@ struct NothingAdded {
 /// The state of a robot and quantities at that state: angles, poses, G, M, C dq, as far as `Asked` includes
 /// them. Quantities outside `Asked` are neither computed nor stored, and reading them does not compile.
 ///
-/// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`. `Added` is
-/// what a resolver adds to the model (see robot/virtual_mass.hpp): the limits of its joints, and the inertia
-/// that a virtual robot has besides that of its model: `mass()` and what follows from it include it, the other
-/// quantities are the model's.
+/// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`. `Added`
+/// is what a resolver adds to the model (see robot/virtual_mass.hpp): the limits of its joints, and the
+/// inertia that a virtual robot has besides that of its model: `mass()` and what follows from it include it,
+/// the other quantities are the model's.
 template <RobotModel M, Needs Asked, Scalar T = double, class Touch = NoTouch,
           class Added = detail::NothingAdded>
 class Quantities {

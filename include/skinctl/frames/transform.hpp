@@ -36,8 +36,8 @@ class Transform {
   /// The two frames coincide.
   constexpr Transform() noexcept = default;
 
-  /// @param R_AB  axes of B in A; a rotation to within `tolerance<T>`: see `normalised()`. Not checked: a cycle refuses a
-  ///              goal whose axes are none (`Reason::goal_refused`); `nearest` throws.
+  /// @param R_AB  axes of B in A; a rotation to within `tolerance<T>`: see `normalised()`. Not checked: a
+  ///              cycle refuses a goal whose axes are none (`Reason::goal_refused`); `nearest` throws.
   /// @param p_AB  origin of B in A [m].
   SKINCTL_INLINE constexpr Transform(const Rotation<T>& R_AB, const Xyz<T>& p_AB) noexcept
       : R_(R_AB), p_(p_AB) {
@@ -186,8 +186,8 @@ class Transform {
     return X;
   }
 
-  /// `transformed(*this, q)`: `X_AB * X_BC` is `X_AC`, eq. (2); `X_AB` times a twist or wrench of B is the same
-  /// quantity in A.
+  /// `transformed(*this, q)`: `X_AB * X_BC` is `X_AC`, eq. (2); `X_AB` times a twist or wrench of B is the
+  /// same quantity in A.
   template <class Q>
     requires requires(const Transform& X_AB, const Q& q) { transformed(X_AB, q); }
   [[nodiscard]] SKINCTL_INLINE constexpr auto operator*(const Q& q) const noexcept {

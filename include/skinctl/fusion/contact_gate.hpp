@@ -23,7 +23,8 @@ class ContactDetector {
     Nanoseconds quiet{};  ///< time for which the torque has been below `off`
     bool touched = false;
   };
-  /// Throws `ConfigurationError` unless `on >= off >= 1e-9` (its square is compared) and `0 <= release_after <= 1 h`.
+  /// Throws `ConfigurationError` unless `on >= off >= 1e-9` (its square is compared) and `0 <= release_after
+  /// <= 1 h`.
   explicit ContactDetector(const ContactSettings& settings = {}) : settings_(settings) {
     require(settings.off >= 1e-9 && settings.off <= 1e9, "contact: off", settings.off, ">= 1e-9 N m");
     require(settings.on >= settings.off && settings.on <= 1e9, "contact: on", settings.on, ">= off, in N m");

@@ -31,8 +31,8 @@ template <class K>
 }
 
 /// Opposed from the moment that `|tau_skin| > on` and `tau_skin . tau_track < 0`, until `|tau_skin| < off`
-/// has held without a break for `release_after`, whatever the rate of the cycle. Norm and product are those of
-/// torques over the largest torque of their joint.
+/// has held without a break for `release_after`, whatever the rate of the cycle. Norm and product are those
+/// of torques over the largest torque of their joint.
 class OppositionDetector {
  public:
   struct Memory {

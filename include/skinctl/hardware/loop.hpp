@@ -74,14 +74,14 @@ struct LoopOptions {
 };
 
 /// Runs `cycle` with `robot` and `skin` until it ends. In every cycle: wait for a state, take the samples,
-/// call `before(input, memory)`, which may set goals, requests and what other sensors read (`input.sensed`) and
-/// ends the run by returning false, step,
-/// send, then `after(input, output, watch)`. However it ends, the robot is stopped. Both functions read in
-/// `input.observed` whether to leave optional work out (`work_skipped`).
+/// call `before(input, memory)`, which may set goals, requests and what other sensors read (`input.sensed`)
+/// and ends the run by returning false, step, send, then `after(input, output, watch)`. However it ends, the
+/// robot is stopped. Both functions read in `input.observed` whether to leave optional work out
+/// (`work_skipped`).
 ///
-/// `recorders` are what replays: a `Recording`, a `CycleThread`, or your own with `start(state)`, `start(state, told)` for
-/// a robot that tells it, and `recorder(input, output, watch)`. The loop starts them where it starts the scene, and
-/// hands them each cycle after `send`, before `after`.
+/// `recorders` are what replays: a `Recording`, a `CycleThread`, or your own with `start(state)`,
+/// `start(state, told)` for a robot that tells it, and `recorder(input, output, watch)`. The loop starts them
+/// where it starts the scene, and hands them each cycle after `send`, before `after`.
 ///
 /// All allocations (the report, the copy of the worst cycle) happen before the first cycle.
 template <class C, class Robot, class Source, class Before, class After, class... Recorders>

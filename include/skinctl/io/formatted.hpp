@@ -114,8 +114,8 @@ struct Conversion {
 /// marks between thousands, whatever the locales of C and C++ are. For URScript, XML, JSON, SVG, CSV, C++:
 /// what machines read.
 ///
-/// Conversions d, u, x, f, g, e, c, s and %%, with the flags -, 0 and +, width, precision (either as *) and the lengths l,
-/// ll and z; compilers check the arguments. At most 100 decimals. Allocates.
+/// Conversions d, u, x, f, g, e, c, s and %%, with the flags -, 0 and +, width, precision (either as *) and
+/// the lengths l, ll and z; compilers check the arguments. At most 100 decimals. Allocates.
 [[nodiscard, gnu::format(printf, 1, 2)]] SKINCTL_COLD inline std::string formatted(const char* format, ...) {
   detail::FormatArguments x;
   va_start(x.list, format);

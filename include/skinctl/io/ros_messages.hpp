@@ -15,8 +15,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Messages as views: each has `type()`, and `encode(writer, message)` writes it. Whoever encodes must not be in the
-/// loop the first time that `type()` is called: the hash is computed then.
+/// Messages as views: each has `type()`, and `encode(writer, message)` writes it. Whoever encodes must not be
+/// in the loop the first time that `type()` is called: the hash is computed then.
 namespace ros {
 
 /// std_msgs/String.
@@ -101,7 +101,8 @@ struct Matrix {
   }
 };
 
-/// builtin_interfaces/Time: seconds, rounded down, and nanoseconds. Seconds beyond 2^31 wrap, as everywhere in ROS.
+/// builtin_interfaces/Time: seconds, rounded down, and nanoseconds. Seconds beyond 2^31 wrap, as everywhere
+/// in ROS.
 inline void encode(CdrWriter& w, Nanoseconds time) noexcept {
   constexpr std::int64_t second = 1'000'000'000;
   std::int64_t s = time.count() / second, ns = time.count() % second;

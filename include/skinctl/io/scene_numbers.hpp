@@ -16,8 +16,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Lines `name = number number ...`; what follows a `#` is a comment. A program asks by `set` for each number that it lets a
-/// file change, and in the end by `finish` whether the file holds others: a name that nobody asked for is a mistake in writing.
+/// Lines `name = number number ...`; what follows a `#` is a comment. A program asks by `set` for each number
+/// that it lets a file change, and in the end by `finish` whether the file holds others: a name that nobody
+/// asked for is a mistake in writing.
 ///
 ///     auto numbers = SceneNumbers::of_file("scene.txt");
 ///     CellGains gains{.force = 20};
@@ -25,8 +26,8 @@ SKINCTL_BEGIN_NAMESPACE
 ///     numbers.finish();
 class SceneNumbers {
  public:
-  /// Reads text; `source` is its name in error texts. Throws `ConfigurationError`, with source, line and name, for a line
-  /// without `=`, a name that is empty or stands twice, and what is no finite number.
+  /// Reads text; `source` is its name in error texts. Throws `ConfigurationError`, with source, line and
+  /// name, for a line without `=`, a name that is empty or stands twice, and what is no finite number.
   explicit SceneNumbers(std::string_view text, std::string source = "numbers") : source_(std::move(source)) {
     int line = 0;
     while (!text.empty()) {

@@ -82,9 +82,9 @@ template <NamesLinks D>
   });
 }
 
-/// The placed patches for a `SkinOf`: each cell with its patch's gains times its own `gain` and the weights of
-/// the regions that have it, and with its threshold, below which its force readings are 0. Masked cells neither push
-/// nor count as usable; a `TrustedSkin` fills them in.
+/// The placed patches for a `SkinOf`: each cell with its patch's gains times its own `gain` and the weights
+/// of the regions that have it, and with its threshold, below which its force readings are 0. Masked cells
+/// neither push nor count as usable; a `TrustedSkin` fills them in.
 [[nodiscard]] SKINCTL_COLD inline std::vector<SkinPatch> skin_patches(
     const SkinFile& file, const std::vector<PlacedSkinPatch>& placed) {
   std::unordered_map<std::uint32_t, double> weights;
@@ -136,10 +136,10 @@ template <NamesLinks D>
   return CellGraph(std::move(lists));
 }
 
-/// The file's regions for a `ContactSkin`, which stops a robot when one is pressed harder than its `force_limit`. The
-/// weight is in the gains of `skin_patches`; it is taken off again, for the limit to be of newtons. Where regions
-/// overlap, a cell keeps the other's weight. Throws `ConfigurationError` for a limit of a region of weight 0, and for more
-/// than 32 regions.
+/// The file's regions for a `ContactSkin`, which stops a robot when one is pressed harder than its
+/// `force_limit`. The weight is in the gains of `skin_patches`; it is taken off again, for the limit to be of
+/// newtons. Where regions overlap, a cell keeps the other's weight. Throws `ConfigurationError` for a limit
+/// of a region of weight 0, and for more than 32 regions.
 [[nodiscard]] SKINCTL_COLD inline Regions regions_of(const SkinFile& file) {
   std::vector<Region> out;
   for (const SkinFile::Region& r : file.regions)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Patch files in XML, as TUM's skin has them. Optional: needs tinyxml2 (Debian: libtinyxml2-dev; link tinyxml2).
+// Patch files in XML, as TUM's skin has them. Optional: needs tinyxml2 (Debian: libtinyxml2-dev; link
+// tinyxml2).
 #pragma once
 
 #include <tinyxml2.h>
@@ -184,12 +185,13 @@ class SkinXmlReader {
 
 }  // namespace detail
 
-/// Reads a patch file from memory: `<SkinConfig>` with `<patchExtrinsics baseFrame><tf_rootCell_base>` and, per
-/// `<cell id rootCellId>`, `<pos>` [m], `<rot>` (cell to root) and `<neighbors>`, whose ids are those at ports
-/// 1 to 4, 0 for nobody. Rotations with few digits become the nearest rotation. Other elements are skipped.
+/// Reads a patch file from memory: `<SkinConfig>` with `<patchExtrinsics baseFrame><tf_rootCell_base>` and,
+/// per `<cell id rootCellId>`, `<pos>` [m], `<rot>` (cell to root) and `<neighbors>`, whose ids are those at
+/// ports 1 to 4, 0 for nobody. Rotations with few digits become the nearest rotation. Other elements are
+/// skipped.
 ///
-/// Throws `ConfigurationError`, with source, line, patch, cell, field, value and allowed range, for text that is
-/// no such XML or exceeds 256 MiB, a matrix with another size or a missing element, a `<rot>` that is no
+/// Throws `ConfigurationError`, with source, line, patch, cell, field, value and allowed range, for text that
+/// is no such XML or exceeds 256 MiB, a matrix with another size or a missing element, a `<rot>` that is no
 /// rotation to within 0.01, and what `SkinFile::check` refuses.
 [[nodiscard]] inline SkinFile parse_skin_xml(std::string_view text, std::string source = "skin XML",
                                              const SkinXmlOptions& options = {}) {

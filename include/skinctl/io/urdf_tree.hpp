@@ -24,10 +24,10 @@ struct UrdfOptions {
   std::map<std::string, double, std::less<>> locked{};
   /// Accepts limits beyond two turns and speeds beyond 60 rad/s, which otherwise count as degrees.
   bool large_limits = false;
-  /// Mass of all links that move [kg], from the maker's data sheet; 0: unknown. Its part that the file does not
-  /// give is spread over the links without mass: by the volume of their collision shapes if all of these are
-  /// boxes, cylinders and spheres, otherwise as cylinders from joint to joint with a share of
-  /// `length * reach^(2/3)`, reach being the length that the joint carries. The model stays refused by torque.
+  /// Mass of all links that move [kg], from the maker's data sheet; 0: unknown. Its part that the file does
+  /// not give is spread over the links without mass: by the volume of their collision shapes if all of these
+  /// are boxes, cylinders and spheres, otherwise as cylinders from joint to joint with a share of `length *
+  /// reach^(2/3)`, reach being the length that the joint carries. The model stays refused by torque.
   double total_mass = 0;
 };
 
@@ -65,7 +65,8 @@ struct UrdfLock {
   double position = 0;  ///< [rad] or [m]
 };
 
-/// A link to which the file gives no mass, or none about its joint's axis, and the mass that it has in the model.
+/// A link to which the file gives no mass, or none about its joint's axis, and the mass that it has in the
+/// model.
 struct UrdfAssumedMass {
   std::string link;
   double mass = 0;  ///< estimated from `UrdfOptions::total_mass`, or the file's [kg]
@@ -81,9 +82,9 @@ struct Urdf {
   std::vector<UrdfFrame> frames;         ///< every link of the model's part of the file
   std::vector<UrdfLock> locked;          ///< joints that are locked though the file lets them move
   std::vector<UrdfAssumedMass> assumed;  ///< not empty: a robot by torque is refused with this model
-  /// Oddities with a way on: bodies that no density makes, bad inertias of links that do not move or have very
-  /// little weight, one line each; limits that look like degrees, soft limits, links without mass, one line a
-  /// file.
+  /// Oddities with a way on: bodies that no density makes, bad inertias of links that do not move or have
+  /// very little weight, one line each; limits that look like degrees, soft limits, links without mass, one
+  /// line a file.
   std::vector<std::string> warnings;
 
   /// The place of the link `name`. Throws `ConfigurationError` for an unknown one, with the known names.

@@ -119,8 +119,8 @@ class UrdfBuilder {
     }
     return out;
   }
-  /// `R = Rz(yaw) Ry(pitch) Rx(roll)`; the roll is what is left when the yaw is undone, so that a pitch of a right angle
-  /// costs no digits.
+  /// `R = Rz(yaw) Ry(pitch) Rx(roll)`; the roll is what is left when the yaw is undone, so that a pitch of a
+  /// right angle costs no digits.
   static std::string origin(const Rotation<double>& R, const Xyz<double>& p) {
     const double yaw = std::atan2(R.x.y, R.x.x), pitch = std::atan2(-R.x.z, std::hypot(R.x.x, R.x.y));
     const double c = std::cos(yaw), s = std::sin(yaw);
@@ -153,9 +153,9 @@ class UrdfBuilder {
 
 }  // namespace detail
 
-/// The model as a URDF: the frames of its links are those of `Link<Ix>`. `parse_urdf` reads it back to within rounding;
-/// gravity is not part of a URDF. Throws `ConfigurationError` for limits or capsules of joints or links that the model
-/// does not have.
+/// The model as a URDF: the frames of its links are those of `Link<Ix>`. `parse_urdf` reads it back to within
+/// rounding; gravity is not part of a URDF. Throws `ConfigurationError` for limits or capsules of joints or
+/// links that the model does not have.
 template <RobotModel M>
 [[nodiscard]] std::string urdf_text(const M& model, const UrdfDress& dress = {}) {
   require(dress.limits.empty() || dress.limits.size() == M::joints, "UrdfDress: limits",

@@ -9,9 +9,9 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Magnitudes of ways, or of speeds, of a robot's joints, added up; metres and radians apart.
 ///
-/// Of a point within `reach` [m] of every axis that turns it, joint i has a column J_i of at most `reach`, or 1 if
-/// it slides. Joint j changes that column by at most `reach` if both turn, by 1 if one of them slides, and not at
-/// all if both do.
+/// Of a point within `reach` [m] of every axis that turns it, joint i has a column J_i of at most `reach`, or
+/// 1 if it slides. Joint j changes that column by at most `reach` if both turn, by 1 if one of them slides,
+/// and not at all if both do.
 template <Topology M, Real T>
 class SummedMotion {
  public:

@@ -35,8 +35,8 @@ template <Scalar T>
           {cf * st, sf * st, ct}};
 }
 
-/// The angle of the same direction in [-pi, pi] (pi as `T` rounds it), accurate to a unit in the last place of pi
-/// for any finite angle; one that lies there already is returned as it is. NaN for an infinity.
+/// The angle of the same direction in [-pi, pi] (pi as `T` rounds it), accurate to a unit in the last place
+/// of pi for any finite angle; one that lies there already is returned as it is. NaN for an infinity.
 template <Real T>
 [[nodiscard]] T wrapped(const T& angle) noexcept {
   using std::atan2, std::cos, std::sin;

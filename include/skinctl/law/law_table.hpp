@@ -151,8 +151,8 @@ struct LawTable {
       return false;
     }
   }
-  /// Throws `ConfigurationError` where the law's settings are not those of the robot (`LawTerms`), or do not fit a
-  /// limit of jerk (`JerkTerms`).
+  /// Throws `ConfigurationError` where the law's settings are not those of the robot (`LawTerms`), or do not
+  /// fit a limit of jerk (`JerkTerms`).
   template <class Terms>
   static void check_for(const L& law, const Terms& robot) {
     if constexpr (detail::ChecksTerms<L, Terms>) {

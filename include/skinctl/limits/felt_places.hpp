@@ -16,17 +16,17 @@ SKINCTL_BEGIN_NAMESPACE
 /// The kind of `FeltPlaces`, for `Cycle::without`.
 struct FeltPlacesLimit {};
 
-/// For `Cycle::with`: a place that feels badly meets nobody fast. Somebody notices a push on the middle of cell
-/// i from the force `F_s` on: the cell, its neighbours, a wrist sensor, the motors. A body of stiffness k that
-/// the place meets at the speed v along its outward normal is pressed, until the robot has stopped, by
+/// For `Cycle::with`: a place that feels badly meets nobody fast. Somebody notices a push on the middle of
+/// cell i from the force `F_s` on: the cell, its neighbours, a wrist sensor, the motors. A body of stiffness
+/// k that the place meets at the speed v along its outward normal is pressed, until the robot has stopped, by
 ///
 ///     F_s + k v T + k v^2 / (2 a),
 ///
 /// so that v may be as large as keeps that within `force`, and 0 where `F_s` is not below it. All joints are
 /// slowed alike (`skin_slowed`), away from a blind place and sideways not at all. While a push is felt, blind
 /// places may go as fast as those that notice the lightest: else it would be a rigid robot to the hand that
-/// pushes. Each place is judged anew every `PlaceSpeed::turns` cycles; before it was, it feels nothing. Nothing
-/// limits what presses a place that stands, or a plan that runs ahead of a slowed robot: let it wait
+/// pushes. Each place is judged anew every `PlaceSpeed::turns` cycles; before it was, it feels nothing.
+/// Nothing limits what presses a place that stands, or a plan that runs ahead of a slowed robot: let it wait
 /// (`JointControlSettings::waits`).
 ///
 ///     scene.with(FeltPlaces<Skin::cells>{.places = skin.places(), .stiffness = 3e3, .newtons = 20})
@@ -142,8 +142,8 @@ class PlaceSpeed {
     }
     return {scale, scale < T(1) ? Status(reason) : Status()};
   }
-  /// Whether a smooth motion may end at `v`: no place that kept its speed is carried beyond it. One that was too
-  /// fast when its cell died is slowed smoothly.
+  /// Whether a smooth motion may end at `v`: no place that kept its speed is carried beyond it. One that was
+  /// too fast when its cell died is slowed smoothly.
   template <class Going>
   [[nodiscard]] SKINCTL_NOINLINE bool keeps(const Memory& m, const Going& going,
                                             const JointVelocity<joints, T>& v,

@@ -51,7 +51,8 @@ struct KeptVelocity {
   bool limited = false;
 };
 
-/// The place of a limit among the others: they act in this order, and where they conflict, the later one wins.
+/// The place of a limit among the others: they act in this order, and where they conflict, the later one
+/// wins.
 enum class Precedence : unsigned char {
   moves,       ///< motion of the joints: it gives way to all others
   contact,     ///< force and power of contacts

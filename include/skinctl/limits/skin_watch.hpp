@@ -20,14 +20,14 @@ enum class SkinReaction : unsigned char {
   stop     ///< brakes and holds; goes on after `CycleRequest::resume`
 };
 
-/// For `Cycle::with`: a blind skin is no untouched one. In one of three states a scene reacts as declared; with
-/// the defaults it does not move before its skin is heard, and stops when a patch falls silent. What single
-/// cells cannot feel is a matter of their places: see `FeltPlaces`.
+/// For `Cycle::with`: a blind skin is no untouched one. In one of three states a scene reacts as declared;
+/// with the defaults it does not move before its skin is heard, and stops when a patch falls silent. What
+/// single cells cannot feel is a matter of their places: see `FeltPlaces`.
 ///
 /// A cell counts while its newest sample is younger than `SkinSettings::max_age` and nothing masks it. The
 /// reasons are those of the state (`skin_unheard`, `skin_blind`, `skin_incomplete`) and of what is done
-/// (`skin_held`, `skin_stopped`). Holding and stopping brake as `CycleRequest::stop` does. Way back: the state
-/// must have been over for `settle`.
+/// (`skin_held`, `skin_stopped`). Holding and stopping brake as `CycleRequest::stop` does. Way back: the
+/// state must have been over for `settle`.
 ///
 /// Without this part a scene takes no notice, at no cost.
 struct SkinWatch {

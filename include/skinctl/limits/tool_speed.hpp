@@ -22,9 +22,10 @@ struct ToolSpeedLimit {};
 /// along which the point stays below it and every joint stops before its end:
 /// - either each joint brakes as it likes: `sum |u_i| |J_i|`, with columns that grow on the way, is below the
 ///   limit;
-/// - or all joints brake alike, at the rate of the weakest. With `v = |J u|`, growth `K = R w^2 + 2 w s` of the
-///   joints that turn by w in sum and those that slide by s (`SummedMotion`), and rate `a = min A_i / |u_i|` the
-///   largest speed is v if `K <= a v`, else at most `2/3 v + K/(3 a)`, and joint i covers `|u_i| / (2 a)`.
+/// - or all joints brake alike, at the rate of the weakest. With `v = |J u|`, growth `K = R w^2 + 2 w s` of
+///   the joints that turn by w in sum and those that slide by s (`SummedMotion`), and rate `a = min A_i
+///   / |u_i|` the largest speed is v if `K <= a v`, else at most `2/3 v + K/(3 a)`, and joint i covers `|u_i|
+///   / (2 a)`.
 template <RobotModel M, std::size_t Ix, Real T = double>
 class ToolSpeed {
  public:
@@ -69,8 +70,8 @@ class ToolSpeed {
       for (std::size_t i = 0; i < joints; ++i) v = v + u[i] * column_[i];
       return sqrt(dot(v, v));
     }
-    /// Whether there is a way to stop from the velocity `u`, reached over `moved`, that keeps the limit within
-    /// `room`, the joints' distances to their ends before the motion. False for NaN.
+    /// Whether there is a way to stop from the velocity `u`, reached over `moved`, that keeps the limit
+    /// within `room`, the joints' distances to their ends before the motion. False for NaN.
     [[nodiscard]] SKINCTL_INLINE bool keeps(const JointVelocity<joints, T>& u,
                                             const JointPosition<joints, T>& moved,
                                             const JointRoom<joints, T>& room) const noexcept {
@@ -143,10 +144,10 @@ class ToolSpeed {
     return at(q).keeps(u, moved, room);
   }
 
-  /// The step from `u0` to `u1`, both within the joints' limits, over `h` seconds as far as it keeps the limit
-  /// within `room`: `u1` if it does. Otherwise joints on the way to their ends are slowed first, so that they
-  /// can brake together with the others; then the step is mixed with the one that brakes all joints alike, or
-  /// with the one that brakes each on its own. The latter alone if no mix keeps the limit.
+  /// The step from `u0` to `u1`, both within the joints' limits, over `h` seconds as far as it keeps the
+  /// limit within `room`: `u1` if it does. Otherwise joints on the way to their ends are slowed first, so
+  /// that they can brake together with the others; then the step is mixed with the one that brakes all joints
+  /// alike, or with the one that brakes each on its own. The latter alone if no mix keeps the limit.
   [[nodiscard]] SKINCTL_NOINLINE Kept within(const JointPosition<joints, T>& q,
                                              const JointRoom<joints, T>& room,
                                              const JointVelocity<joints, T>& u0,

@@ -62,8 +62,8 @@ template <class D>
 concept DescribesMassesAssumed = requires { D::masses_assumed; };
 }  // namespace detail
 
-/// Whether a model says that masses of its links are assumed, as a file without `<inertial>` leaves them. Robots by
-/// torque and impedance, and touch from the motors, refuse it.
+/// Whether a model says that masses of its links are assumed, as a file without `<inertial>` leaves them.
+/// Robots by torque and impedance, and touch from the motors, refuse it.
 template <RobotModel M>
 [[nodiscard]] constexpr bool has_assumed_masses(const M& model) noexcept {
   if constexpr (detail::SaysMassesAssumed<M>) return model.masses_assumed();

@@ -12,10 +12,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// tell it.
 ///
 /// Everything is of the body before joint 0, at the origin of `Base`. Velocity and acceleration are
-/// **relative to World, along the axes of Base**: a base that drives along its x axis has
-/// `V_WB_B.linear = {v, 0, 0}` wherever it heads. `A_WB_B.linear` is d^2p/dt^2 of that point, **zero for a
-/// base that stands, also on a slope** (an accelerometer there reads +g along its upward axis: take that off),
-/// and v^2/r towards the middle of a curve. It is not the "spatial" acceleration of screw theory.
+/// **relative to World, along the axes of Base**: a base that drives along its x axis has `V_WB_B.linear =
+/// {v, 0, 0}` wherever it heads. `A_WB_B.linear` is d^2p/dt^2 of that point, **zero for a base that stands,
+/// also on a slope** (an accelerometer there reads +g along its upward axis: take that off), and v^2/r
+/// towards the middle of a curve. It is not the "spatial" acceleration of screw theory.
 template <Real T = double>
 struct BaseState {
   Nanoseconds time{};                        ///< stamp, by the clock of the cycle; 0 before the first one

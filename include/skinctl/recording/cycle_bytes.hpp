@@ -12,11 +12,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The bytes of the cycles of `C`; in this order, without padding, as they lie in memory: now, measured state, request,
-/// observed status, goal, configuration (if `C` has several), cell samples, wrenches and motor torques (if its skin
-/// takes them), taxels of other kinds, what its law adds (the gripper's state), what its limits add (what is
-/// around), weights of patches (of a `WeightedSkin`),
-/// command.
+/// The bytes of the cycles of `C`; in this order, without padding, as they lie in memory: now, measured
+/// state, request, observed status, goal, configuration (if `C` has several), cell samples, wrenches and
+/// motor torques (if its skin takes them), taxels of other kinds, what its law adds (the gripper's state),
+/// what its limits add (what is around), weights of patches (of a `WeightedSkin`), command.
 template <class C>
 class CycleBytes {
  public:

@@ -27,7 +27,8 @@ struct CycleRecord {
 /// Puts cycles of `C` into a ring, and takes them out elsewhere. In the loop it is a recorder of
 /// `run_loop`, or `start` once, then the object itself. In one thread beside it: `consume`.
 ///
-/// The loop pays for copying: nothing is encoded, allocated or waited for. Without room a cycle is dropped and counted.
+/// The loop pays for copying: nothing is encoded, allocated or waited for. Without room a cycle is dropped
+/// and counted.
 template <class C>
 class CycleHandOver {
  public:
@@ -64,8 +65,8 @@ class CycleHandOver {
     ring_.publish(place.size());
   }
 
-  /// Calls `start(Beginning, bytes)` and `cycle(CycleRecord)` for all that came since the last call, oldest first.
-  /// Returns their number.
+  /// Calls `start(Beginning, bytes)` and `cycle(CycleRecord)` for all that came since the last call, oldest
+  /// first. Returns their number.
   template <class Start, class Each>
   std::size_t consume(Start&& start, Each&& cycle) {
     return ring_.consume([&](std::span<const unsigned char> bytes) {

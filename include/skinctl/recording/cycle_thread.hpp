@@ -33,8 +33,8 @@ class CycleThread {
  public:
   using Format = CycleBytes<C>;
 
-  /// Starts the thread. The consumers stay the caller's, and outlive this object. `bytes` of the ring: a power of two
-  /// from 4 KiB to 1 GiB, else `ConfigurationError`.
+  /// Starts the thread. The consumers stay the caller's, and outlive this object. `bytes` of the ring: a
+  /// power of two from 4 KiB to 1 GiB, else `ConfigurationError`.
   explicit CycleThread(std::vector<CycleConsumer<C>*> consumers, std::size_t bytes = std::size_t(16) << 20)
       : hand_over_(bytes), consumers_(std::move(consumers)), thread_([this] { run(); }) {}
   ~CycleThread() { finish(); }

@@ -32,11 +32,13 @@ struct McapChannel {
   std::uint16_t id = 0;
 };
 
-/// Writes an MCAP file (profile `ros2`): uncompressed chunks with CRC, their message indexes, a summary at the end.
+/// Writes an MCAP file (profile `ros2`): uncompressed chunks with CRC, their message indexes, a summary at
+/// the end.
 ///
-/// A chunk is closed when it holds 1 MiB, or spans 1 s: that much is lost if the program is killed. Schemas and channels
-/// stand in the first chunk that uses them, so that a file without its end can still be read. Where the sink refuses a
-/// chunk (a full disk), its messages are counted in `lost()` and the next chunk is tried. Not for the loop: it allocates.
+/// A chunk is closed when it holds 1 MiB, or spans 1 s: that much is lost if the program is killed. Schemas
+/// and channels stand in the first chunk that uses them, so that a file without its end can still be read.
+/// Where the sink refuses a chunk (a full disk), its messages are counted in `lost()` and the next chunk is
+/// tried. Not for the loop: it allocates.
 template <McapSink Sink>
 class McapWriter {
  public:
@@ -68,7 +70,8 @@ class McapWriter {
   [[nodiscard]] McapChannel channel(const std::string& topic, const std::string& encoding) {
     return add({0, 0, topic, encoding});
   }
-  /// Facts about the file, by name. They stand where they are written, between chunks. False if the sink refused.
+  /// Facts about the file, by name. They stand where they are written, between chunks. False if the sink
+  /// refused.
   bool metadata(const std::string& name, const std::map<std::string, std::string>& facts) {
     using namespace detail::mcap;
     if (!flush()) return false;

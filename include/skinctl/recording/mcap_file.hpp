@@ -15,8 +15,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A new file. What does not fit on the disk is cut off again, so that the file always ends with a whole record; later
-/// bytes are tried anew. For one thread, which is not the loop.
+/// A new file. What does not fit on the disk is cut off again, so that the file always ends with a whole
+/// record; later bytes are tried anew. For one thread, which is not the loop.
 class FileSink {
  public:
   /// Replaces an existing file. Throws `ConfigurationError` with the system's reason.
@@ -92,9 +92,10 @@ struct Recovered {
   std::string left_out;   ///< messages that were not counted, in words: they stay; empty: none
 };
 
-/// Gives a file that was cut off (a killed program, a lost supply) an end again: cuts behind the last whole chunk, and
-/// writes its message indexes and the summary anew. A whole file is not touched. Throws `ConfigurationError` for a file
-/// that is no MCAP, has compressed chunks, whose contents a summary would have to name, or cannot be written.
+/// Gives a file that was cut off (a killed program, a lost supply) an end again: cuts behind the last whole
+/// chunk, and writes its message indexes and the summary anew. A whole file is not touched. Throws
+/// `ConfigurationError` for a file that is no MCAP, has compressed chunks, whose contents a summary would
+/// have to name, or cannot be written.
 inline Recovered recover(const std::string& path) {
   using namespace detail::mcap;
   Recovered out;

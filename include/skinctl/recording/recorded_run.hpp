@@ -19,9 +19,9 @@ struct LoadedRun {
   std::uint64_t missing = 0;  ///< cycles that the file skips: a recorder that had no room
 };
 
-/// Reads the run of a file. Cycles after one that is missing cannot be replayed, so they are left out and counted.
-/// Throws `ConfigurationError` for a file that cannot be read, is no MCAP, has no run or a damaged one, or is of
-/// another scene, build or kind than `identity`.
+/// Reads the run of a file. Cycles after one that is missing cannot be replayed, so they are left out and
+/// counted. Throws `ConfigurationError` for a file that cannot be read, is no MCAP, has no run or a damaged
+/// one, or is of another scene, build or kind than `identity`.
 template <class C>
 [[nodiscard]] LoadedRun<C> load_run(const std::string& path, const RunIdentity& identity) {
   const MappedFile file(path);

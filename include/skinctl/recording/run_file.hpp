@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A run on its way into an MCAP file, without its scene: what `McapRecorder` calls. The bodies are in `detail/run_file_body.hpp`, or
-// compiled once by CMake's `skinctl::io`.
+// A run on its way into an MCAP file, without its scene: what `McapRecorder` calls. The bodies are in
+// `detail/run_file_body.hpp`, or compiled once by CMake's `skinctl::io`.
 #pragma once
 
 #include <map>

@@ -50,7 +50,8 @@ struct RunIdentity {
   [[nodiscard]] std::map<std::string, std::string> facts() const {
     return {{"scene", scene}, {"build", build}, {"inputs", inputs<C>()}};
   }
-  /// Throws `ConfigurationError` with both sides where the facts of a file are not of this scene, build and kind.
+  /// Throws `ConfigurationError` with both sides where the facts of a file are not of this scene, build and
+  /// kind.
   template <class C>
   void check(const std::string& source, const std::map<std::string, std::string>& facts) const {
     for (const auto& [fact, ours] : this->facts<C>()) {

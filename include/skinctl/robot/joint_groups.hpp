@@ -207,7 +207,8 @@ class GroupsDescription<M, T, std::tuple<Groups...>, Parts...> {
     const Nanoseconds late = first_stiff().longest() / max_substeps;
     return Sets::Stiff::count > 0 && late > dt() ? late : dt();
   }
-  /// D of the slowest loop, see `RobotDescription::loop_delay`: delay, lag and 1.5 periods of joints by torque.
+  /// D of the slowest loop, see `RobotDescription::loop_delay`: delay, lag and 1.5 periods of joints by
+  /// torque.
   [[nodiscard]] Nanoseconds loop_delay() const noexcept {
     Nanoseconds longest = longest_dt();
     each([&]<class G>(const G& g) {
@@ -217,8 +218,8 @@ class GroupsDescription<M, T, std::tuple<Groups...>, Parts...> {
     });
     return longest;
   }
-  /// Of the joints by position and velocity: friction added to joints by torque is not compensated by laws, as they give
-  /// less of it where their delay is long.
+  /// Of the joints by position and velocity: friction added to joints by torque is not compensated by laws,
+  /// as they give less of it where their delay is long.
   [[nodiscard]] VirtualDynamics<joints, T> virtual_dynamics() const noexcept {
     VirtualDynamics<joints, T> out;
     each([&]<class G>(const G& g) {

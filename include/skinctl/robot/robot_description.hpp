@@ -30,8 +30,8 @@ struct FrictionUncompensated {
 };
 
 namespace detail {
-/// Throws `ConfigurationError` where masses that are assumed are not enough for the interface `Ix`, or a joint by
-/// position or velocity has no inertia, of its model nor virtual.
+/// Throws `ConfigurationError` where masses that are assumed are not enough for the interface `Ix`, or a
+/// joint by position or velocity has no inertia, of its model nor virtual.
 template <Interface Ix, RobotModel M, std::size_t N, Real T>
 SKINCTL_COLD void check_masses(const M& model, const JointTorque<N, T>& virtual_inertia,
                                LinkMask joints = joints_between(0, N)) {

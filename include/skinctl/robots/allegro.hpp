@@ -68,10 +68,10 @@ struct Row {
 /// The palm, in the frame of the hand, from the same description. It moves with the link that carries the
 /// hand (`Loaded`).
 ///
-/// The maker's descriptions (V4, V5 and V5 Sense alike) put its centre of mass at z = +0.0475, above the hand's
-/// frame and between the fingers: outside of the palm, whose own collision box reaches from z = -0.095 to 0. The number is
-/// half the height of that box; its sign is taken from the box. A payload with the maker's sign has its centre 41 mm
-/// further out: 0.39 N m at a wrist that holds the hand level.
+/// The maker's descriptions (V4, V5 and V5 Sense alike) put its centre of mass at z = +0.0475, above the
+/// hand's frame and between the fingers: outside of the palm, whose own collision box reaches from z = -0.095
+/// to 0. The number is half the height of that box; its sign is taken from the box. A payload with the
+/// maker's sign has its centre 41 mm further out: 0.39 N m at a wrist that holds the hand level.
 inline constexpr LinkInertia palm{0.4154, {0, 0, -0.0475}, 1e-4, 1e-4, 1e-4};
 
 /// The joints of finger `f` from the maker's description: allegro_right_hand.urdf and allegro_left_hand.urdf

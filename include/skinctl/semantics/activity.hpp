@@ -71,8 +71,8 @@ struct ActivityRule {
   std::uint8_t retries = 1;   ///< times that it begins anew before the plan goes back
 };
 
-/// The type of an activity: `struct Turn { static constexpr ActivityRule rule{...}; };`. It is a key of a robot's map
-/// to behaviours.
+/// The type of an activity: `struct Turn { static constexpr ActivityRule rule{...}; };`. It is a key of a
+/// robot's map to behaviours.
 template <class A>
 concept PlannedActivity = requires {
   { A::rule } -> std::same_as<const ActivityRule&>;

@@ -29,13 +29,14 @@ struct TreeSettings {
 };
 
 /// C4.5 (Quinlan 1993) for numbers: a node splits at the threshold with the largest ratio of gain to split
-/// information among those whose gain reaches the mean; the gain of a threshold pays `log2(distinct) / n` for its
-/// choice. A subtree whose pessimistic error (upper limit at `confidence`) is not below that of a leaf becomes one.
+/// information among those whose gain reaches the mean; the gain of a threshold pays `log2(distinct) / n` for
+/// its choice. A subtree whose pessimistic error (upper limit at `confidence`) is not below that of a leaf
+/// becomes one.
 ///
-/// Learning allocates, and throws `ConfigurationError` for examples that are none. Classifying does neither, and
-/// visits at most `deepest` nodes; a NaN goes where small numbers go.
+/// Learning allocates, and throws `ConfigurationError` for examples that are none. Classifying does neither,
+/// and visits at most `deepest` nodes; a NaN goes where small numbers go.
 ///
-/// @tparam A  how many numbers an example has.  @tparam Classes  how many labels there are, 0 to `Classes - 1`.
+/// @tparam A  how many numbers an example has. @tparam Classes how many labels there are, 0 to `Classes - 1`.
 template <std::size_t A, std::size_t Classes>
 class DecisionTree {
   static_assert(A > 0 && A < 255 && Classes > 1 && Classes <= 64);

@@ -56,16 +56,17 @@ struct DemonstrationSettings {
 
 /// Reads a demonstration, cycle by cycle, into goals.
 ///
-/// - A goal is where the robot was led and then left alone: touched for `led` in one go (a push on a switch is shorter,
-///   and the arm may glide on from it), then at rest and untouched for `least`, at least `apart` from the last one.
-///   Its pose is the median of the positions, and the mean of the rotations, of the stretch, which ends when the robot
-///   is touched, moves, is switched or squeezes: the push on the switch moves the arm. A hand that waits on the robot makes no
-///   goal.
-/// - With the hand open it is one to reach, else one to put to. A switch after it is what was done there: take or
-///   release.
-/// - A goal near an object that rests, other than the one in hand when the robot was left, is relative to it: it moves with it.
-/// - A goal where the robot was led onto something, which it pressed on until it was left alone, ends with that touch: its
-///   height, say, is whatever it is the next time.
+/// - A goal is where the robot was led and then left alone: touched for `led` in one go (a push on a switch
+///   is shorter, and the arm may glide on from it), then at rest and untouched for `least`, at least `apart`
+///   from the last one. Its pose is the median of the positions, and the mean of the rotations, of the
+///   stretch, which ends when the robot is touched, moves, is switched or squeezes: the push on the switch
+///   moves the arm. A hand that waits on the robot makes no goal.
+/// - With the hand open it is one to reach, else one to put to. A switch after it is what was done there:
+///   take or release.
+/// - A goal near an object that rests, other than the one in hand when the robot was left, is relative to it:
+///   it moves with it.
+/// - A goal where the robot was led onto something, which it pressed on until it was left alone, ends with
+///   that touch: its height, say, is whatever it is the next time.
 /// - A stretch of the word squeeze gives its median force.
 ///
 /// It keeps the samples of a stretch: it allocates, and belongs beside the loop.
@@ -87,8 +88,8 @@ class DemonstrationReader {
     require(s.at_rest >= 0 && s.at_rest <= 10, "Demonstration: at_rest", s.at_rest, "0 to 10 m");
   }
 
-  /// Takes a sample, with the objects as they are known then (a range of `Object<W>`) and the number of the one in
-  /// hand. A sample that is not finite or not later than the last one is ignored.
+  /// Takes a sample, with the objects as they are known then (a range of `Object<W>`) and the number of the
+  /// one in hand. A sample that is not finite or not later than the last one is ignored.
   template <class Objects>
   void take(const LedSample<W>& x, const Objects& objects, std::uint8_t held = no_object) {
     if (speed_.step(m_, x.time, x.X_WH.origin()).any() || (started_ && x.time <= last_)) return;

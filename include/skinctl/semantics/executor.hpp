@@ -68,15 +68,16 @@ struct ExecutorSettings {
   std::uint8_t reverses = 3;         ///< a task goes back this often; then it asks
 };
 
-/// Executes a task. Immutable; `step` is a pure function from a memory of 24 bytes to a request and the next memory.
+/// Executes a task. Immutable; `step` is a pure function from a memory of 24 bytes to a request and the next
+/// memory.
 ///
-/// A step begins when the facts that it needs are proved (by the task) and, where sensors tell them, seen. They are
-/// watched while it runs: one that is gone for `lost` is a failure, whatever the skill reports. When the skill has
-/// ended, what the step adds and removes is confirmed by what is seen.
+/// A step begins when the facts that it needs are proved (by the task) and, where sensors tell them, seen.
+/// They are watched while it runs: one that is gone for `lost` is a failure, whatever the skill reports. When
+/// the skill has ended, what the step adds and removes is confirmed by what is seen.
 ///
-/// A step that fails begins anew `retries` times if its needs are still seen; then the robot goes back (the activity
-/// `Reverse`), and the task goes on with the step's `failed`. A task that has gone back `reverses` times, or that
-/// fails to go back, asks, and so does one whose `failed` says so.
+/// A step that fails begins anew `retries` times if its needs are still seen; then the robot goes back (the
+/// activity `Reverse`), and the task goes on with the step's `failed`. A task that has gone back `reverses`
+/// times, or that fails to go back, asks, and so does one whose `failed` says so.
 template <std::size_t N>
 class Executor {
  public:
@@ -191,7 +192,8 @@ class Executor {
   }
   /// Counts how long something has not been seen, in a phase that began at `since`.
   static bool unseen_for(Memory& m, const StepInput& in, bool seen, Nanoseconds limit) noexcept {
-    // The instant when it was last seen, relative to the start of the phase: 32 bits of microseconds last an hour.
+    // The instant when it was last seen, relative to the start of the phase: 32 bits of microseconds last an
+    // hour.
     const auto us = static_cast<std::uint64_t>((in.now - m.since).count()) / 1000;
     const auto now = static_cast<std::uint32_t>(us < 0xffffffffu ? us : 0xffffffffu);
     if (seen) m.unseen = now;

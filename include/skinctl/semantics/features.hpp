@@ -77,9 +77,9 @@ struct FeatureSettings {
 /// | tool | what is held is a tool, and another object is nearer than 0.15 m |
 /// | left | after a release: stopped after 20 mm; or 60 mm away and heading for another object; or after 1.5 s |
 ///
-/// The object in hand is the nearest one when contact began. Whether the signals suffice: three deviations of the
-/// speed, as follow from those of the positions and their rate, are below the threshold at which a hand stands. A
-/// hand that only a camera sees is unknown, and so is one whose fingers do not feel.
+/// The object in hand is the nearest one when contact began. Whether the signals suffice: three deviations of
+/// the speed, as follow from those of the positions and their rate, are below the threshold at which a hand
+/// stands. A hand that only a camera sees is unknown, and so is one whose fingers do not feel.
 template <Frame W = World>
 class FeatureExtractor {
  public:
@@ -130,14 +130,14 @@ class FeatureExtractor {
   }
   [[nodiscard]] const FeatureSettings& settings() const noexcept { return s_; }
 
-  /// Whether positions of deviation `sigma` [m], one every `period`, suffice to tell a hand at rest from one that
-  /// moves.
+  /// Whether positions of deviation `sigma` [m], one every `period`, suffice to tell a hand at rest from one
+  /// that moves.
   [[nodiscard]] bool suffices(double sigma, Nanoseconds period) const noexcept {
     return 3 * speed_.noise(sigma, period) <= s_.moving.off;
   }
 
-  /// Takes a sample of the hand; the world's held object follows it. A sample that is not finite or older than the
-  /// last one changes nothing but `known`, which is false then.
+  /// Takes a sample of the hand; the world's held object follows it. A sample that is not finite or older
+  /// than the last one changes nothing but `known`, which is false then.
   template <std::size_t Capacity>
   Features step(Memory& m, const ObjectWorld<Capacity, W>& world,
                 typename ObjectWorld<Capacity, W>::Memory& objects,

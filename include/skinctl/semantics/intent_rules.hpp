@@ -22,8 +22,8 @@ struct IntentSettings {
 /// | a hand that stops on its way | idle, hold | reach, put, until it has stood for a pause |
 /// | a tool that moves near another object | use | use while it stays about a place; put where it comes or goes |
 ///
-/// A pause is one only in a motion that began after contact, squeezing or leaving last changed. Whoever says by a
-/// definition what holds (`moving`: faster than 0.03 m/s) takes `Rules`.
+/// A pause is one only in a motion that began after contact, squeezing or leaving last changed. Whoever says
+/// by a definition what holds (`moving`: faster than 0.03 m/s) takes `Rules`.
 class IntentRules {
  public:
   IntentRules() noexcept = default;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the fingers of a hand were led: how they stood before they were closed, around an object, and after it was let go.
+// How the fingers of a hand were led: how they stood before they were closed, around an object, and after it
+// was let go.
 #pragma once
 
 #include <algorithm>
@@ -43,14 +44,14 @@ struct LedFingersSettings {
 
 /// Reads how fingers are led, cycle by cycle.
 ///
-/// - The hand is closed while two fingertips press on what is between them: one that a person pushes against an object
-///   that lies there holds nothing. That bit is the switch of the arm's `DemonstrationReader`, so nobody has to reach for
-///   a button, and the two readers agree on when something was taken.
-/// - The fingers stand while no joint leaves `within` for `least`. Their posture is the median of that stretch, joint by
-///   joint.
-/// - Taking is taught by the first stand of the closed hand, with the median force of each fingertip; letting go by the
-///   first stand of the open hand. A hand that did not stand before it closed or opened, or does not stand afterwards,
-///   teaches nothing.
+/// - The hand is closed while two fingertips press on what is between them: one that a person pushes against
+///   an object that lies there holds nothing. That bit is the switch of the arm's `DemonstrationReader`, so
+///   nobody has to reach for a button, and the two readers agree on when something was taken.
+/// - The fingers stand while no joint leaves `within` for `least`. Their posture is the median of that
+///   stretch, joint by joint.
+/// - Taking is taught by the first stand of the closed hand, with the median force of each fingertip; letting
+///   go by the first stand of the open hand. A hand that did not stand before it closed or opened, or does
+///   not stand afterwards, teaches nothing.
 ///
 /// It keeps the samples of a stretch: it allocates, and belongs beside the loop.
 template <std::size_t N, std::size_t F>

@@ -15,10 +15,11 @@ struct Recognised {
   friend bool operator==(const Recognised&, const Recognised&) noexcept = default;
 };
 
-/// Says what a hand does: the word of a classifier of features, `Rules` or a `DecisionTree`, with its beginning.
+/// Says what a hand does: the word of a classifier of features, `Rules` or a `DecisionTree`, with its
+/// beginning.
 ///
-/// A word is said at once. `sure` follows after `settle`: a motion is known 40 to 60 ms after it began, and until
-/// then the word before it stands.
+/// A word is said at once. `sure` follows after `settle`: a motion is known 40 to 60 ms after it began, and
+/// until then the word before it stands.
 template <class Classifier = Rules>
 class Recogniser {
  public:

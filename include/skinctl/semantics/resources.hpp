@@ -22,13 +22,14 @@ struct PlaceRequest {
 
 /// Shared places: `Places` of them, for `Robots` robots.
 ///
-/// - A place has one holder. It is granted to the one that has waited longest (robots that ask in the same cycle: the
-///   lower number), and stays granted until the holder leaves it and is away from it.
-/// - One order: a robot that holds a place may ask for places with higher numbers only; other requests are `refused`.
-///   So no circle of robots can wait for each other.
-/// - A robot that fails releases what it is away from; where it stands it keeps, so that nobody drives into it.
-/// - A place that has been held for longer than `timeout` is `overdue`: its holder's executor is to fail. It is not
-///   taken away.
+/// - A place has one holder. It is granted to the one that has waited longest (robots that ask in the same
+///   cycle: the lower number), and stays granted until the holder leaves it and is away from it.
+/// - One order: a robot that holds a place may ask for places with higher numbers only; other requests are
+///   `refused`. So no circle of robots can wait for each other.
+/// - A robot that fails releases what it is away from; where it stands it keeps, so that nobody drives into
+///   it.
+/// - A place that has been held for longer than `timeout` is `overdue`: its holder's executor is to fail. It
+///   is not taken away.
 template <std::size_t Places, std::size_t Robots>
 class Resources {
   static_assert(Places > 0 && Places <= 32 && Robots > 0 && Robots < 255);

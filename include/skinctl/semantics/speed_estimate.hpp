@@ -44,8 +44,8 @@ class SpeedEstimate {
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
-  /// Takes a position [m] and its stamp. One that is not finite (`sample_not_finite`) or not later than the last
-  /// one (`time_backwards`; the same stamp: nothing is wrong) is ignored.
+  /// Takes a position [m] and its stamp. One that is not finite (`sample_not_finite`) or not later than the
+  /// last one (`time_backwards`; the same stamp: nothing is wrong) is ignored.
   Status step(Memory& m, Nanoseconds time, const Xyz<T>& measured) const noexcept {
     const T square = dot(measured, measured);
     if (!(square - square == T(0))) return Reason::sample_not_finite;
@@ -65,7 +65,8 @@ class SpeedEstimate {
   }
 
   /// Deviation of the velocity along each axis [m/s] for independent errors of the positions of deviation
-  /// `sigma` [m], one every `dt`: `sigma/dt sqrt(2 beta^2 / (alpha (4 - 2 alpha - beta)))`. Infinite for `dt <= 0`.
+  /// `sigma` [m], one every `dt`: `sigma/dt sqrt(2 beta^2 / (alpha (4 - 2 alpha - beta)))`. Infinite for `dt
+  /// <= 0`.
   [[nodiscard]] T noise(const T& sigma, Nanoseconds dt) const noexcept {
     if (!(dt > 0ns)) return std::numeric_limits<T>::infinity();
     using std::expm1;

@@ -190,10 +190,10 @@ template <std::size_t C>
 
 /// The proof of a task, when it is compiled and at run time; sets `ends`.
 ///
-/// Proved for every way through the graph, over the edges done, no and failed: each step can be reached, has a way
-/// to the end, and begins with the facts that it needs. After a failure nothing is taken for granted: the step
-/// that follows needs no fact ("a failed step looks again"). Over done and no: no step can begin with a fact that it
-/// forbids.
+/// Proved for every way through the graph, over the edges done, no and failed: each step can be reached, has
+/// a way to the end, and begins with the facts that it needs. After a failure nothing is taken for granted:
+/// the step that follows needs no fact ("a failed step looks again"). Over done and no: no step can begin
+/// with a fact that it forbids.
 template <std::size_t C>
 [[nodiscard]] constexpr TaskFault check(TaughtTask<C>& t) noexcept {
   if (const TaskFault fault = detail::check_parts(t); fault.any()) return fault;
@@ -212,8 +212,8 @@ template <std::size_t C>
   return {};
 }
 
-/// The steps of `next` behind those of `t`, which then goes on where it finished; false if they have no room. To be
-/// checked again.
+/// The steps of `next` behind those of `t`, which then goes on where it finished; false if they have no room.
+/// To be checked again.
 template <std::size_t C, std::size_t M>
 [[nodiscard]] constexpr bool append(TaughtTask<C>& t, TaughtTask<M> next) noexcept {
   const std::size_t by = t.size, places = t.place_count, borders = t.border_count;

@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// place gives way to it.
 struct LifeSettings {
   /// Way of a place, in all, until a push on it counts nothing [m]; of a way that neighbours with life share
-  /// in, the part of its own force. An arm that stops within it meets nobody; a calm hand has shown its tremor
-  /// long before.
+  /// in, the part of its own force. An arm that stops within it meets nobody; a calm hand has shown its
+  /// tremor long before.
   double way = 0.008;
   /// Largest sum of pushes without life [N]: more than a blow of 2 kN/m at 0.5 m/s reaches in the 16 ms
   /// before its life shows, and what friction stops again within a few millimetres.

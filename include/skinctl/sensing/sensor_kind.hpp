@@ -35,7 +35,8 @@ struct Cone {
   double friction = 0;  ///< mu: up to mu times the cell's pressure; 0: on its own
 };
 /// Shear: a cell that nothing presses is not dragged, whatever it reads. With
-/// 0.8 a stuck channel pushes 1.6 N beside a pressure of 2 N; a cover that grips harder has a cone of its own.
+/// 0.8 a stuck channel pushes 1.6 N beside a pressure of 2 N; a cover that grips harder has a cone of its
+/// own.
 inline constexpr Cone with_normal{0.8};
 
 /// A sum of readings that acts along one direction at one place of its cell.

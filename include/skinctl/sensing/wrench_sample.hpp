@@ -10,9 +10,9 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// One reading of a force-torque sensor: the wrench that the world exerts on the robot beyond the sensor,
-/// about the sensor's origin, along the sensor's axes. A hand that pushes the tool along the sensor's +x gives
-/// a positive `force[0]`. A device that reports the reaction (the robot's load on the world) has the opposite
-/// sign: negate all six numbers where the sample is made.
+/// about the sensor's origin, along the sensor's axes. A hand that pushes the tool along the sensor's +x
+/// gives a positive `force[0]`. A device that reports the reaction (the robot's load on the world) has the
+/// opposite sign: negate all six numbers where the sample is made.
 struct WrenchSample {
   Nanoseconds time{};              ///< time of the measurement
   std::array<double, 3> force{};   ///< force on the robot, along the sensor's axes [N]

@@ -22,8 +22,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// - A request during a change waits for its end; of several the last counts.
 /// - A finished skill holds, or goes on to its `next`; a failed one falls back to the first of the set.
 ///
-/// - With a gripper (`OneGripper`) requests may bring it a goal, and `Input::gripper` its state: a skill can wait
-///   until it holds something.
+/// - With a gripper (`OneGripper`) requests may bring it a goal, and `Input::gripper` its state: a skill can
+///   wait until it holds something.
 ///
 /// @tparam Names  `Behaviours<...>`: the compile-time names of the skills, in the order of their indices.
 template <class Names, class Fusion, class Grip = NoGripper>
@@ -87,8 +87,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
   /// The report on the request with this number. One that nothing is known of (not received, waiting for the
   /// end of a change, replaced by a later one) gives a report with the number 0.
   ///
-  /// The numbers of a sequence of skills and of a fallback are those of the request that began them: a failure stays
-  /// reported, with its reason, while the fallback runs, until another request begins.
+  /// The numbers of a sequence of skills and of a fallback are those of the request that began them: a
+  /// failure stays reported, with its reason, while the fallback runs, until another request begins.
   [[nodiscard]] static SkillReport report_of(const Memory& m, std::uint16_t ticket) noexcept {
     if (ticket == 0) return {};
     if (m.told.ticket == ticket) return m.told;

@@ -12,8 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A cell has four ports, an id of 14 bits (0: none yet; 16383 addresses all) and a label, its place in a depth-first
-/// order of the tree.
+/// A cell has four ports, an id of 14 bits (0: none yet; 16383 addresses all) and a label, its place in a
+/// depth-first order of the tree.
 struct CellNet {
   static constexpr int ports = 4;
   static constexpr std::uint16_t highest_id = 16382;

@@ -197,10 +197,12 @@ struct CellAtWork {
 /// The behaviour of a cell: a pure function, with nothing unbounded in it, for a firmware of any kind. A port
 /// beyond the fourth and a message that makes no sense change nothing.
 ///
-/// - The flood (`explore`) of a new epoch makes a tree of shortest times; the echo counts what is below each port; `assign`
-///   comes down with labels and ids from these counts; neighbours tell each other their names, and each cell
-///   reports its own to the PC. 4 links + cells - 1 messages, three times the depth, then the reports.
-/// - Whatever ends or joins, anywhere, floods `changed`: the PC begins the next epoch, and that is the whole repair.
+/// - The flood (`explore`) of a new epoch makes a tree of shortest times; the echo counts what is below each
+///   port; `assign` comes down with labels and ids from these counts; neighbours tell each other their names,
+///   and each cell reports its own to the PC. 4 links + cells - 1 messages, three times the depth, then the
+///   reports.
+/// - Whatever ends or joins, anywhere, floods `changed`: the PC begins the next epoch, and that is the whole
+///   repair.
 [[nodiscard]] inline CellStep step(const CellMemory& memory, const CellEvent& event) noexcept {
   detail::CellAtWork cell{memory};
   if (event.port < CellNet::ports) {
@@ -214,8 +216,9 @@ struct CellAtWork {
   return {cell.m, cell.out};
 }
 
-/// Whether the cell would keep this report for its parent, so that it needs room for it. One of another epoch, or in a cell that
-/// has lost its parent, is accepted and dropped: refused, it would hold up its link, and with it the next epoch.
+/// Whether the cell would keep this report for its parent, so that it needs room for it. One of another
+/// epoch, or in a cell that has lost its parent, is accepted and dropped: refused, it would hold up its link,
+/// and with it the next epoch.
 [[nodiscard]] inline bool keeps(const CellMemory& m, const CellMessage& report) noexcept {
   return report.epoch == m.epoch && m.parent < CellNet::ports;
 }

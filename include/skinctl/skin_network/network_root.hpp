@@ -24,8 +24,8 @@ struct CellNames {
   friend bool operator==(const CellNames&, const CellNames&) = default;
 };
 
-/// The root of the tree, with the ports of the interface boxes. Feed it what arrives and the time; it gives what
-/// to send.
+/// The root of the tree, with the ports of the interface boxes. Feed it what arrives and the time; it gives
+/// what to send.
 class NetworkRoot {
  public:
   struct Send {
@@ -187,7 +187,8 @@ class NetworkRoot {
     if (m.a > 0 && m.a <= CellNet::highest_id) {
       if (seen_[m.a]) {
         twice_ = true;
-        // Skins of two PCs that were joined: one epoch in which all ids are given anew. Not two: it would never end.
+        // Skins of two PCs that were joined: one epoch in which all ids are given anew. Not two: it would
+        // never end.
         if (!forgot_) forget_ = true, begin_later(now);
       }
       seen_[m.a] = true;

@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// The skin `S` with the contacts of its pressed cells, for a `Cycle` in place of `S`: `ContactSkin(skin)`.
 /// Contact limits and passivity then see each of them, apart by sides, and skills can wait for them.
 ///
-/// **Regions.** The force of a region is the sum of the pushes on its cells. If weight times force exceeds the
-/// region's limit, the guard stops with `contact_force`.
+/// **Regions.** The force of a region is the sum of the pushes on its cells. If weight times force exceeds
+/// the region's limit, the guard stops with `contact_force`.
 ///
 /// @tparam Most  room for contacts; the weakest beyond it are counted in `left_out`, and still count for
 ///               wrenches, limits and regions.

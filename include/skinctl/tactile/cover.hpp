@@ -46,8 +46,8 @@ SKINCTL_COLD inline void require_cover(double radius, double length, const Hexag
   require(length > 0 && length <= 100, "cover: length", length, "> 0, <= 100 m");
 }
 
-/// Adds rings on the half sphere around the z axis on the side of `sign`, from the latitude `first` on. Cells of
-/// two rings have no joints, so the wider of the two distances is kept.
+/// Adds rings on the half sphere around the z axis on the side of `sign`, from the latitude `first` on. Cells
+/// of two rings have no joints, so the wider of the two distances is kept.
 SKINCTL_COLD inline void cover_half_sphere(double radius, double centre, double sign, double first,
                                            double apart, std::vector<Transform<Surface, Cell>>& cells) {
   if (apart > radius) return;

@@ -40,10 +40,10 @@ class FillIn {
       end();
     }
   }
-  /// From the neighbours and theirs that face to the same side, the best linear guess for a random field with the
-  /// correlation `(1 + x) exp(-x)`, `x = sqrt(3) d / 2p` (Matern 3/2), where readings are off by a tenth of it:
-  /// `(K + 0.01 I) w_i = k_i`. d is the distance of two cells, p the mean distance of cell i from its neighbours.
-  /// Pressure is curved: weights of the second ring are negative.
+  /// From the neighbours and theirs that face to the same side, the best linear guess for a random field with
+  /// the correlation `(1 + x) exp(-x)`, `x = sqrt(3) d / 2p` (Matern 3/2), where readings are off by a tenth
+  /// of it: `(K + 0.01 I) w_i = k_i`. d is the distance of two cells, p the mean distance of cell i from its
+  /// neighbours. Pressure is curved: weights of the second ring are negative.
   ///
   /// @param places  of the graph's cells.
   SKINCTL_COLD FillIn(const CellGraph& graph, std::span<const CellPlace> places) : graph_(graph) {

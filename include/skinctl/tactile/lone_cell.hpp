@@ -14,19 +14,20 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// F_1 of each cell [N]: a push up to it, along the cell's normal, moves no joint in any pose, because it gives no
-/// joint more than `share` of its Coulomb friction:
+/// F_1 of each cell [N]: a push up to it, along the cell's normal, moves no joint in any pose, because it
+/// gives no joint more than `share` of its Coulomb friction:
 ///
 ///     F_1 = share min_j tau_c,j / lever_j
 ///
-/// over the joints that carry the cell. The lever of the link's own joint is exact; those before it have upper
-/// bounds over all poses, the sum of the distances between the joints' origins from the axis to the cell. A joint that
-/// slides, such as those of a base on wheels, has the lever 1: its friction is a force. 0 where a joint has no friction.
+/// over the joints that carry the cell. The lever of the link's own joint is exact; those before it have
+/// upper bounds over all poses, the sum of the distances between the joints' origins from the axis to the
+/// cell. A joint that slides, such as those of a base on wheels, has the lever 1: its friction is a force. 0
+/// where a joint has no friction.
 ///
-/// @param coulomb  tau_c [N m], [N]: of the virtual robot (`coulomb_friction` of its configuration), or, by torque, the
-///   joints' own friction as far as nobody compensates it.
-/// Throws `ConfigurationError` for friction below 0, a `share` outside (0, 1], and a cell before which a prismatic joint follows
-/// a revolute one: how far it slides away from that axis is not known.
+/// @param coulomb  tau_c [N m], [N]: of the virtual robot (`coulomb_friction` of its configuration), or, by
+///   torque, the joints' own friction as far as nobody compensates it.
+/// Throws `ConfigurationError` for friction below 0, a `share` outside (0, 1], and a cell before which a
+/// prismatic joint follows a revolute one: how far it slides away from that axis is not known.
 template <RobotModel M, Real T>
 [[nodiscard]] SKINCTL_COLD std::vector<double> lone_forces(const M& model,
                                                            const JointTorque<M::joints, T>& coulomb,

@@ -27,12 +27,13 @@ enum class MotorSampling : unsigned char {
 /// The residual `r` is the torque of everything that is not in the model: contacts, but also a wrong payload
 /// and friction that is not declared. No acceleration is measured, no matrix inverted.
 ///
-/// **Sampled.** Between two samples, `e = (p1 - p0)/dt - (b0 + b1)/2` with `b = tau_motor - friction + C' dq -
-/// G` is the mean external torque over dt but for the trapezoid's error, and `r += (1 - exp(-rate dt)) (e - r)`:
-/// the filter is exact for a constant e, and stable for any rate and dt. Samples may be lost or irregular. With
-/// `MotorSampling::mean` the motors' torque enters e as it is. A stiff servo that follows held commands is
-/// faster than an 8 ms cycle, so its torque at one instant says little of the interval: an arm in MuJoCo then
-/// felt its own motion and did not come to rest. A driver that sees more samples than cycles averages them.
+/// **Sampled.** Between two samples, `e = (p1 - p0)/dt - (b0 + b1)/2` with `b = tau_motor - friction + C'
+/// dq - G` is the mean external torque over dt but for the trapezoid's error, and `r += (1 - exp(-rate dt))
+/// (e - r)`: the filter is exact for a constant e, and stable for any rate and dt. Samples may be lost or
+/// irregular. With `MotorSampling::mean` the motors' torque enters e as it is. A stiff servo that follows
+/// held commands is faster than an 8 ms cycle, so its torque at one instant says little of the interval: an
+/// arm in MuJoCo then felt its own motion and did not come to rest. A driver that sees more samples than
+/// cycles averages them.
 ///
 /// **Lag and noise.** A step shows to 63 % after `1/rate`. Noise sigma of dq gives r a deviation of about
 /// `M_ii sigma rate` (dt rate small), at most `sqrt(2) M_ii sigma / dt`.

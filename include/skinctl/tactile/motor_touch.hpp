@@ -42,13 +42,14 @@ struct MotorTouchSettings {
   typename Observer::Settings observer = {};
   /// Per joint, on |residual| [N m]: above what friction and the model leave. No default suits two robots.
   std::array<EventGate<T>, M::joints> gates;
-  /// Per joint, torque that its motor, or a contact, never has [N m], at most 1e4: a sample beyond was garbled and
-  /// is refused. By default 1e4, of which one sample leads an arm by a radian. Twice the joint's rating
-  /// leaves room for peaks: a motor that is refused while somebody pushes does not give way.
+  /// Per joint, torque that its motor, or a contact, never has [N m], at most 1e4: a sample beyond was
+  /// garbled and is refused. By default 1e4, of which one sample leads an arm by a radian. Twice the joint's
+  /// rating leaves room for peaks: a motor that is refused while somebody pushes does not give way.
   std::array<double, M::joints> max_torque = detail::joints_of_any_robot<M::joints>();
   T gain = T(1);  ///< torque that the laws see per torque found, > 0
-  /// Per joint, standard deviation of the residual's mean over 8 ms [N m]: with all of them known, what friction
-  /// or a payload that is told wrong leaves does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
+  /// Per joint, standard deviation of the residual's mean over 8 ms [N m]: with all of them known, what
+  /// friction or a payload that is told wrong leaves does not lead the arm (`PushWatch`); 0: unknown, and
+  /// nothing watches.
   std::array<double, M::joints> noise = {};
   LifeSettings life = {};       ///< life of the contact that stands for the unknown one: see `assumed_lever`
   Nanoseconds max_age = 100ms;  ///< age of the last state from which nothing is felt
@@ -66,8 +67,8 @@ struct MotorTouchSettings {
 ///
 /// A stiff contact is felt late by the filter: `StiffestContact::skin_delay` is `1/rate` and a period here.
 ///
-/// **Bias.** With `noise` declared a residual has to live, as a hand's does: see `WristSensor`. Below the gates
-/// nothing is followed: a joint at rest hides up to its dry friction in either direction.
+/// **Bias.** With `noise` declared a residual has to live, as a hand's does: see `WristSensor`. Below the
+/// gates nothing is followed: a joint at rest hides up to its dry friction in either direction.
 ///
 /// **Observer.** One with `joints`, `Settings`, `Memory` (`started`, `stamp`, `residual`), `model()` and
 /// `observe(memory, state, torque)`: `MomentumObserver`, or `RobotObserver` for robots that observe
@@ -131,8 +132,8 @@ class MotorTouch : public sensor_sums::Summand {
   }
 
   /// Takes a measured state and gives the mean torque over each of `parts` >= 1 equal parts of `(from, to]`.
-  /// A repeated state is no sample; one that is not finite is refused (`sample_not_finite`), and so is one whose
-  /// torque no joint has (`sample_out_of_range`).
+  /// A repeated state is no sample; one that is not finite is refused (`sample_not_finite`), and so is one
+  /// whose torque no joint has (`sample_out_of_range`).
   Status receive(Memory& memory, std::span<const CellSample> cells, const MotorInput<joints, T>& input,
                  const State<joints, T>& measured, Nanoseconds from, Nanoseconds to, std::size_t parts,
                  Wrenches* means) const noexcept {

@@ -13,16 +13,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The rule of `LifeSettings` for a sensor that feels one push as few numbers (a wrench, joint torques), without
-/// neighbours to ask: a bias is no hand. The push lives as `detail::CellLife` says of one of its sizes, in means
-/// of 8 ms over windows of 8 to 96 ms, or, for a slow hand, in the change over 0.48 s of means of 80 ms, over
-/// windows of 80 to 960 ms: a bias creeps along a line, a hand does not. Sizes do not change with the axes in
-/// which a constant wrench is read: neither the sensor's bias nor a payload that is told wrong lives while the
-/// arm turns.
+/// The rule of `LifeSettings` for a sensor that feels one push as few numbers (a wrench, joint torques),
+/// without neighbours to ask: a bias is no hand. The push lives as `detail::CellLife` says of one of its
+/// sizes, in means of 8 ms over windows of 8 to 96 ms, or, for a slow hand, in the change over 0.48 s of
+/// means of 80 ms, over windows of 80 to 960 ms: a bias creeps along a line, a hand does not. Sizes do not
+/// change with the axes in which a constant wrench is read: neither the sensor's bias nor a payload that is
+/// told wrong lives while the arm turns.
 ///
-/// - **Without life** it counts `1 - s/way`, s the way that the arm has given to it, up to `force` and less its
-///   damping. After 0.9 `way`, or `calm` of pushing, it is *quiet* and counts nothing (`push_without_life`),
-///   until it lives.
+/// - **Without life** it counts `1 - s/way`, s the way that the arm has given to it, up to `force` and less
+///   its damping. After 0.9 `way`, or `calm` of pushing, it is *quiet* and counts nothing
+///   (`push_without_life`), until it lives.
 /// - **Tare while running.** At rest for 0.5 s, what a quiet push reads becomes the reading of rest. What the
 ///   gates hold back is followed at rest by `creep`: slower than a hand comes.
 ///

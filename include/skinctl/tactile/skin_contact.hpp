@@ -13,8 +13,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Pressed cells of one link that hang together over the cell graph, as one area. Along the link's axes, about
-/// the link's origin.
+/// Pressed cells of one link that hang together over the cell graph, as one area. Along the link's axes,
+/// about the link's origin.
 template <Real T = double>
 struct SkinContact : PressedArea<T> {
   std::uint32_t id = 0;       ///< identity of the contact while it lasts, from 1, unique in the skin
@@ -54,13 +54,13 @@ struct SkinContactMemory {
 
 /// Finds the contacts of a skin, frame by frame. Immutable.
 ///
-/// **Clusters.** Depth first over the cell graph. Cells are stamped with the number of the frame, an even one, and
-/// the stack is a chain through their rows, so nothing is cleared or allocated: time is bounded by the pressed
-/// cells and their edges.
+/// **Clusters.** Depth first over the cell graph. Cells are stamped with the number of the frame, an even
+/// one, and the stack is a chain through their rows, so nothing is cleared or allocated: time is bounded by
+/// the pressed cells and their edges.
 ///
-/// **Identity.** A contact is the one that its strongest cell belonged to a frame before; if that cell was not
-/// pressed then, the strongest one that was; else a neighbour of the strongest. Of two heirs the one with more
-/// push keeps the identity, the other one begins. Contacts that merge keep that of the strongest cell.
+/// **Identity.** A contact is the one that its strongest cell belonged to a frame before; if that cell was
+/// not pressed then, the strongest one that was; else a neighbour of the strongest. Of two heirs the one with
+/// more push keeps the identity, the other one begins. Contacts that merge keep that of the strongest cell.
 template <Real T = double>
 class ContactFinder {
  public:

@@ -70,13 +70,13 @@ SKINCTL_COLD void add_patches(SkinTables<Kind, T>& tables, const SettingsOf<Kind
 }
 }  // namespace detail
 
-/// A `Skin` of up to `Capacity` cells in up to `Patches` patches on
-/// links of `Links`, all known at run time: from a file, say. What one cell reads is the same to the bit as in
-/// a `Skin`, and a scene takes it in its place.
+/// A `Skin` of up to `Capacity` cells in up to `Patches` patches on links of `Links`, all known at run time:
+/// from a file, say. What one cell reads is the same to the bit as in a `Skin`, and a scene takes it in its
+/// place.
 ///
 /// **Of each cell.** A threshold of its own, counted as in `EventGate::counted`; and gains of its own, as
-/// shares of the largest gain in its patch, in steps of 2^-15. A share that is no whole step is off by at most
-/// 2^-16, and a shared reading by half a count more. Where all cells of a patch have one gain nothing is
+/// shares of the largest gain in its patch, in steps of 2^-15. A share that is no whole step is off by at
+/// most 2^-16, and a shared reading by half a count more. Where all cells of a patch have one gain nothing is
 /// rounded. One that is masked, or has no gain, neither pushes nor counts as `usable`: it does not feel.
 ///
 /// The memory is sized for `Capacity`, 17 bytes a cell, and 96 bytes a patch, whatever is used of it. A
@@ -93,8 +93,8 @@ class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, Kind> {
   using typename Core::Settings;
   using typename Core::Wrenches;
 
-  /// Throws `ConfigurationError` for more cells or patches than there is room for, a patch without cells or on
-  /// a link that is not in `Links`, and for what `Patch`, `Skin` and `EventGate::counted` refuse.
+  /// Throws `ConfigurationError` for more cells or patches than there is room for, a patch without cells or
+  /// on a link that is not in `Links`, and for what `Patch`, `Skin` and `EventGate::counted` refuse.
   SKINCTL_COLD explicit SkinOf(const std::vector<ChannelPatch<Kind>>& placed, const Settings& settings = {})
       : Core(settings) {
     std::size_t count = 0;

@@ -9,12 +9,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The stiffness of a body from force and closing: least squares of closing on force while the force rises within
-/// a range, less the compliance of the skin and the fingers, `1/k = dx/dF - 1/k_own`.
+/// The stiffness of a body from force and closing: least squares of closing on force while the force rises
+/// within a range, less the compliance of the skin and the fingers, `1/k = dx/dF - 1/k_own`.
 ///
-/// Closing on force, not force on closing: the noise of force sensors is small against the range, and compliances
-/// in series add. Points below `from` are left out (seating, rounding), and those above `to` (a peel or flesh
-/// stiffens). A fall of more than `swing` begins a squeeze anew.
+/// Closing on force, not force on closing: the noise of force sensors is small against the range, and
+/// compliances in series add. Points below `from` are left out (seating, rounding), and those above `to` (a
+/// peel or flesh stiffens). A fall of more than `swing` begins a squeeze anew.
 template <Real T = double>
 class Squeeze {
  public:
@@ -50,8 +50,8 @@ class Squeeze {
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
-  /// One reading: the force [N], and by how much the fingers have closed [m], from any origin. A reading that is
-  /// not finite is ignored.
+  /// One reading: the force [N], and by how much the fingers have closed [m], from any origin. A reading that
+  /// is not finite is ignored.
   void take(Memory& m, const T& force, const T& closing) const noexcept {
     if (!(force - force == T(0)) || !(closing - closing == T(0))) return;
     if (m.count > T(0) && force < m.high - s_.swing) m = {};

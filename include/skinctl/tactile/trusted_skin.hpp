@@ -15,8 +15,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// - **One cell alone.** A cell that no witness is touched with counts up to its `lone_force`: found or not,
 ///   one faulty cell does not move an arm whose dry friction holds that force. Witnesses are its own
 ///   proximity, if it has come up without a jump, and a neighbour that is not masked and feels `answer` of
-///   its force, or sees something. A cell that has lost its witness fades to `lone_force` within 0.1 s, unless
-///   it lives (`CellLife`): a finger that slides to a rim of the skin is the finger that was witnessed.
+///   its force, or sees something. A cell that has lost its witness fades to `lone_force` within 0.1 s,
+///   unless it lives (`CellLife`): a finger that slides to a rim of the skin is the finger that was
+///   witnessed.
 /// - **Many at once.** All cells without a witness share one lone force: the sum of their pushes, each as a
 ///   share of its own F_1, is at most 1, so that however many there are give no joint more than one alone
 ///   may.
@@ -129,8 +130,8 @@ class TrustedSkin : public detail::TrustCore<S> {
       if (const T push = filled_in(i, share); push > T(0)) f(i, push);
     });
   }
-  /// See `Skin::max_proximity`. What a masked cell sees is left to its neighbours, if one of them is heard and not
-  /// masked.
+  /// See `Skin::max_proximity`. What a masked cell sees is left to its neighbours, if one of them is heard
+  /// and not masked.
   template <std::size_t Ix>
   [[nodiscard]] T max_proximity(const Memory& m) const noexcept {
     if constexpr (!Table::sees) return T(1);
@@ -159,8 +160,8 @@ class TrustedSkin : public detail::TrustCore<S> {
     }
     return out;
   }
-  /// See `Skin::noticed`: by cell `i`, or by a neighbour, which feels `TrustSettings::spread` of the push. One
-  /// that needs a witness notices what its witness notices, too.
+  /// See `Skin::noticed`: by cell `i`, or by a neighbour, which feels `TrustSettings::spread` of the push.
+  /// One that needs a witness notices what its witness notices, too.
   [[nodiscard]] double noticed(const Memory& m, std::size_t i) const noexcept {
     double least = this->noticed_by(m, i, i);
     for (const std::size_t j : this->near(i)) least = std::min(least, this->noticed_by(m, j, i));

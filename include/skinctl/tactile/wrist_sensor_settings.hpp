@@ -26,8 +26,8 @@ struct WristSensorSettings {
   double gain = 1;                                  ///< newtons that the laws see per newton measured, > 0
   /// Largest component of force and moment that the sensor measures [N], [N m].
   double max_force = 1000, max_moment = 100;
-  /// Standard deviation of the mean of 8 ms of a component of force [N], and of moment [N m]: with both known, a
-  /// bias does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
+  /// Standard deviation of the mean of 8 ms of a component of force [N], and of moment [N m]: with both
+  /// known, a bias does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
   double noise = 0, moment_noise = 0;
   double creep =
       0.02;  ///< greatest speed at which the force of rest is followed [N/s]; of the moment, by `reach`

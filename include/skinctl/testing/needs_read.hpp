@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which of the quantities that a law asks for it reads: what it asks for and nobody reads costs time in every cycle.
+// Which of the quantities that a law asks for it reads: what it asks for and nobody reads costs time in every
+// cycle.
 #pragma once
 
 #include <string>

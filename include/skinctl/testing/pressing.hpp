@@ -21,8 +21,9 @@ struct Pressing {
   double force = 10;     ///< sum over the cells [N]
 };
 
-/// The push on each cell [N], in the order of `cells`: each takes the pressure at its centre, scaled such that
-/// the pushes of one body add up to its force. A body between cells, farther than R from any, is not felt.
+/// The push on each cell [N], in the order of `cells`: each takes the pressure at its centre, scaled such
+/// that the pushes of one body add up to its force. A body between cells, farther than R from any, is not
+/// felt.
 [[nodiscard]] inline std::vector<double> pushes(std::span<const CellPlace> cells,
                                                 std::span<const Pressing> bodies) {
   std::vector<double> push(cells.size()), one(cells.size());

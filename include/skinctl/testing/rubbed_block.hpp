@@ -7,7 +7,8 @@
 
 namespace skinctl::testing {
 
-/// Friction of a contact per newton of normal force: LuGre, elasto-plastic, so that what sticks does not creep:
+/// Friction of a contact per newton of normal force: LuGre, elasto-plastic, so that what sticks does not
+/// creep:
 ///
 ///     g(v) = mu_k + (mu - mu_k) exp(-(v/v_s)^2),   z' = v - a k |v| z / g,   f_t = f_n (k z + c z'),
 ///     a = 0 for |k z| <= 0.7 g or z v < 0, to 1 at |k z| = g
@@ -22,7 +23,8 @@ struct Bristle {
   double c = 5;              ///< damping of the fingertip's skin [s/m]
   double z = 0, z_rate = 0;  ///< bend of the skin [m], its rate [m/s]
 
-  /// The force against the speed `v` of what is dragged [N], after `dt`. Implicit in z: stiff ones do not ring.
+  /// The force against the speed `v` of what is dragged [N], after `dt`. Implicit in z: stiff ones do not
+  /// ring.
   double step(double dt, double v, double f_n) {
     const double g = mu * (share + (1 - share) * std::exp(-v * v / (v_s * v_s)));
     const double a = z * v < 0 ? 0 : std::clamp((k * std::abs(z) / g - 0.7) / 0.3, 0.0, 1.0);

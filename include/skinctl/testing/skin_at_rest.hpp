@@ -66,8 +66,8 @@ struct SimulatedAccelerometer {
   }
 };
 
-/// A patch of cells with these poses, joined where their ports meet to within half a millimetre, by ids from 1 in another
-/// order than the cells'. Only the piece that the first cell is in.
+/// A patch of cells with these poses, joined where their ports meet to within half a millimetre, by ids from
+/// 1 in another order than the cells'. Only the piece that the first cell is in.
 [[nodiscard]] inline PatchAtRest joined(const std::vector<CellAtRest>& cells, const CellPorts& ports,
                                         Random& rng) {
   std::vector<CellNames> names(cells.size());
@@ -106,7 +106,8 @@ struct SimulatedAccelerometer {
   return joined(cells, hexagonal_ports(), rng);
 }
 
-/// Directions of up that are the corners of a cube, each off by up to `off` [rad], in an order that any three span space.
+/// Directions of up that are the corners of a cube, each off by up to `off` [rad], in an order that any three
+/// span space.
 [[nodiscard]] inline std::vector<Eigen::Vector3d> cube_corners(Random& rng, double off = 0.1) {
   std::vector<Eigen::Vector3d> up;
   const Eigen::Matrix3d R = turn(normal3(rng, 1));

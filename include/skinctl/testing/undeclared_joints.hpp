@@ -32,9 +32,10 @@ struct JointTruth {
   double max_speed = infinite;  ///< largest speed of the reference [rad/s]
 
   // The servo, `I ddq = I ddr + k (r - q) + d (dr - dq) + k/T_i integral(r - q) + external - friction`, with
-  // `d = 2 damping_ratio sqrt(k I)`: a constant torque moves the joint by `external / k` from its reference r.
-  // I ddr takes half of the torque limit at most: of a reference that steps (a position that is held, with next to
-  // no lag) the servo would otherwise lose the kick to its limit, keep the braking after it, and go backwards.
+  // `d = 2 damping_ratio sqrt(k I)`: a constant torque moves the joint by `external / k` from its reference
+  // r. I ddr takes half of the torque limit at most: of a reference that steps (a position that is held, with
+  // next to no lag) the servo would otherwise lose the kick to its limit, keep the braking after it, and go
+  // backwards.
   Row stiffness = all(infinite);     ///< k [N m/rad]; infinite: the joint is at its reference
   double integral_time = infinite;   ///< T_i [s], > I/d or the servo oscillates by itself
   Row inertia = all(1);              ///< I [kg m^2]

@@ -43,8 +43,8 @@ SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const LawTerms<
     same("viscous friction", ours.viscous[i], theirs.viscous[i]);
   }
 }
-/// Throws `ConfigurationError` where a limit of jerk would leave the robot swinging about its goal for ever after a
-/// touch: `lambda K_c (A/J)^2 > 1`.
+/// Throws `ConfigurationError` where a limit of jerk would leave the robot swinging about its goal for ever
+/// after a touch: `lambda K_c (A/J)^2 > 1`.
 template <std::size_t N, Real T>
 SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const JerkTerms<T>& limit) {
   const T both = s.lambda * s.K_c * limit.rise * limit.rise;

@@ -63,9 +63,9 @@ struct JointControlSettings {
   T max_acceleration = T(4);  ///< largest acceleration of any joint after a reactive target [rad/s^2]
   T max_jerk = T(40);         ///< largest jerk of any joint after a reactive target [rad/s^3]
   GoalPolicy reach = GoalPolicy::stretch;
-  /// Speed by which the robot misses its course, as a share of `max_velocity`, at which a spline waits for it:
-  /// it runs at a tenth of its pace from there on, at all of it up to half of that. For limits that slow the
-  /// robot: it does not pull ever harder; infinite: it never waits.
+  /// Speed by which the robot misses its course, as a share of `max_velocity`, at which a spline waits for
+  /// it: it runs at a tenth of its pace from there on, at all of it up to half of that. For limits that slow
+  /// the robot: it does not pull ever harder; infinite: it never waits.
   T waits = std::numeric_limits<T>::infinity();
   /// Inertia and friction of the robot that carries the torque, as in its resolver: `Y_r Theta` compensates
   /// them, so that a slow virtual robot still tracks. Coulomb friction is left to the integrals.

@@ -39,7 +39,8 @@ struct SplinePlan {
                                                              const Settings& s) const noexcept {
     return {spline, clock.advanced(dt, Space::tracking(s).bumpless_transfer)};
   }
-  /// Waits for a robot that a limit, an obstacle or a hand keeps off its course: see `JointControlSettings::waits`.
+  /// Waits for a robot that a limit, an obstacle or a hand keeps off its course: see
+  /// `JointControlSettings::waits`.
   /// @param missed  speed by which it misses it, as a share of the largest, >= 0.
   [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan waited(const T& missed, Nanoseconds dt,
                                                            const Settings& s) const noexcept {

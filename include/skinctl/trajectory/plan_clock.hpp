@@ -56,8 +56,8 @@ struct PlanClock {
   [[nodiscard]] SKINCTL_INLINE constexpr PlanClock changed(bool runs, Nanoseconds ramp) const noexcept {
     return {own, 0ns, at(T(0), ramp).rate / pace, runs ? T(1) : T(0), pace, T(0)};
   }
-  /// Goes over to another pace, as a second-order lag does that rests after about `ramp`: the rate of own time
-  /// has no step, nor has its derivative but the share of it that belongs to `dt`.
+  /// Goes over to another pace, as a second-order lag does that rests after about `ramp`: the rate of own
+  /// time has no step, nor has its derivative but the share of it that belongs to `dt`.
   [[nodiscard]] SKINCTL_INLINE constexpr PlanClock paced(const T& wish, Nanoseconds dt,
                                                          Nanoseconds ramp) const noexcept {
     if (since_change < ramp) return *this;

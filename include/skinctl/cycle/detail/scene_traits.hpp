@@ -113,8 +113,8 @@ inline constexpr bool takes_positions = [] {
   if constexpr (Resolver::is_one_group) return takes_position(Resolver::interface);
   return false;
 }();
-/// The touch that a resolver takes from a skin: forces and proximities apart where a tank or a spring has to tell
-/// them, and where contacts are asked for (`Contacts`) and not known otherwise.
+/// The touch that a resolver takes from a skin: forces and proximities apart where a tank or a spring has to
+/// tell them, and where contacts are asked for (`Contacts`) and not known otherwise.
 template <class Resolver, class Skin, bool Contacts>
 struct TouchFor {
   using type = typename Skin::Wrenches;
@@ -133,8 +133,8 @@ struct ChangeOf {
 template <class Wrenches>
   requires can_be_led<Wrenches>
 struct ChangeOf<Wrenches> : TouchChange<Wrenches> {};
-/// The contacts, if the scene has a part that asks for them: where the skin is pressed, or else the wrenches of
-/// the touch at the end of the interval.
+/// The contacts, if the scene has a part that asks for them: where the skin is pressed, or else the wrenches
+/// of the touch at the end of the interval.
 template <bool Contacts, class Skin, class Touch>
 [[nodiscard]] SKINCTL_INLINE auto pressed(const Skin& skin, const typename Skin::Memory& memory,
                                           const Touch& touch) noexcept {

@@ -125,8 +125,8 @@ struct ReferenceMotion {
 template <class W, class R, class A, class L>
 ReferenceMotion(W, R, A, L) -> ReferenceMotion<W, R, A, L>;
 
-/// The motion of link `Ix`; the parent's angular motion and the acceleration of the parent at the joint are in the
-/// axes of the link.
+/// The motion of link `Ix`; the parent's angular motion and the acceleration of the parent at the joint are
+/// in the axes of the link.
 template <std::size_t Ix, class C, class W, class R, class A, class L>
 SKINCTL_INLINE constexpr auto reference_motion(const C& c, const W& w_in, const R& w_r_in, const A& alpha_in,
                                                const L& a_in) noexcept {
@@ -145,8 +145,8 @@ SKINCTL_INLINE constexpr auto reference_motion(const C& c, const W& w_in, const 
   }
 }
 
-/// Writes `tau[Ix]` from the wrench of the subtree of link `Ix`, and returns that wrench in the parent's axes about
-/// the parent's origin.
+/// Writes `tau[Ix]` from the wrench of the subtree of link `Ix`, and returns that wrench in the parent's axes
+/// about the parent's origin.
 template <std::size_t Ix, class C, class Frame, class Total>
 SKINCTL_INLINE constexpr auto hand_down(const C& c, const Frame& frame, const Total& total) noexcept {
   using M = std::remove_cvref_t<decltype(c.model)>;
@@ -156,8 +156,8 @@ SKINCTL_INLINE constexpr auto hand_down(const C& c, const Frame& frame, const To
   return ForceMoment{by_component(f), frame.to_parent(total.n) + cross(frame.p, f)};
 }
 
-/// Computes the motion of link `Ix`, adds its children's wrenches to its own, writes `tau[Ix]`, and returns the
-/// wrench in the parent's axes about the parent's origin.
+/// Computes the motion of link `Ix`, adds its children's wrenches to its own, writes `tau[Ix]`, and returns
+/// the wrench in the parent's axes about the parent's origin.
 template <std::size_t Ix, class C, class W, class R, class A, class E, class L>
 SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, const R& w_r_parent,
                                              const A& alpha_parent, const E& spin_parent,

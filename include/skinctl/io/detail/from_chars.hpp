@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers from text in any locale, also where the standard library reads no floating-point ones (libc++ before 20).
+// Numbers from text in any locale, also where the standard library reads no floating-point ones (libc++
+// before 20).
 #pragma once
 
 #include <charconv>

@@ -30,7 +30,8 @@ template <class L>
 concept LacksAdvance = CanBeAsked<L> && !NamesAdvance<L>;
 template <class L>
 concept LacksReceive = CanBeAsked<L> && !NamesReceive<L>;
-/// A wrapper, a sum and what stands for a faulty law name `receive` and what belongs to it whatever they take.
+/// A wrapper, a sum and what stands for a faulty law name `receive` and what belongs to it whatever they
+/// take.
 template <class L>
 concept NamesForOthers = IsMadeOfLaws<L> || IsWrapper<L> || is_wrong_law<L>;
 

@@ -54,8 +54,9 @@ template <class L, std::size_t... Field>
 constexpr bool are_plain(std::index_sequence<Field...>) {
   return (is_plain_behind<L>(std::make_index_sequence<Field>()) && ...);
 }
-/// A law with a mutable member, where `L{}` is a constant expression. GCC 12 copies one whole: it is found there
-/// in aggregates, among the first 16 fields, as one that cannot be an argument though each of its fields can.
+/// A law with a mutable member, where `L{}` is a constant expression. GCC 12 copies one whole: it is found
+/// there in aggregates, among the first 16 fields, as one that cannot be an argument though each of its
+/// fields can.
 #if defined(__clang__) || !defined(__GNUC__)
 template <class L>
 concept HasMutableMember = ConstantByDefault<L> && CopiesWhatItMade<L> && !CopiesAsConstant<L>;

@@ -62,9 +62,9 @@ class ClearanceWays {
       return x;
     });
   }
-  /// `u`, of a step of `h` seconds, without what would bring a pair nearer than it can stop, pair by pair and a few times
-  /// over. At the margin it leaves a little, at up to `leaving`: by as much as the distance may fall short of its
-  /// gradient until the robot stands, because a motion along the margin would not be kept.
+  /// `u`, of a step of `h` seconds, without what would bring a pair nearer than it can stop, pair by pair and
+  /// a few times over. At the margin it leaves a little, at up to `leaving`: by as much as the distance may
+  /// fall short of its gradient until the robot stands, because a motion along the margin would not be kept.
   [[nodiscard]] Velocity slid(Velocity u, const T& h) const noexcept {
     T gradient[max_pairs][joints], gradient_off[max_pairs][joints];
     of_.clearances_.gradients(q_, near(), gradient);
@@ -109,8 +109,8 @@ class ClearanceWays {
       return nothing;
     }
   }
-  /// Whether what the robot may fill until it stands, if it is at `u` after `moved`, is clear of obstacles that stay where
-  /// they are said to be, or of those where it is not while the robot stands here.
+  /// Whether what the robot may fill until it stands, if it is at `u` after `moved`, is clear of obstacles
+  /// that stay where they are said to be, or of those where it is not while the robot stands here.
   [[nodiscard]] bool stays_apart([[maybe_unused]] const Velocity& u,
                                  [[maybe_unused]] const Position& moved) const noexcept {
     if constexpr (Limits::around > 0) {
@@ -151,8 +151,8 @@ class ClearanceWays {
       return of_.margin_;
     }
   }
-  /// Whether the clearances hold after `moved`, and from there along `way(part)`, part from 0 to 1, which lasts
-  /// `time` seconds.
+  /// Whether the clearances hold after `moved`, and from there along `way(part)`, part from 0 to 1, which
+  /// lasts `time` seconds.
   template <class Way>
   [[nodiscard]] bool clear_along(const Position& moved, const T& time, const Way& way) const noexcept {
     if constexpr (Limits::around > 0)

@@ -111,8 +111,8 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     if (!m.base.seen) return {};
     return base_torque(model_.at_rest(), now.q, now.dq, m.base.now);
   }
-  /// The torque that holds the driven joints without a law, within their limits: gravity, and what brakes; zero
-  /// for the others.
+  /// The torque that holds the driven joints without a law, within their limits: gravity, and what brakes;
+  /// zero for the others.
   [[nodiscard]] JointTorque<joints, T> held([[maybe_unused]] const Memory& m,
                                             const State<joints, T>& robot) const noexcept {
     JointTorque<joints, T> out;

@@ -33,8 +33,8 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   static constexpr LinkMask links = Links;
   static constexpr std::size_t cells = Cells, patches = Patches;  ///< room for so many; a `Skin` has as many
 
-  /// The data that change from cycle to cycle. `Memory{}` has received no cell. Only the skin reads and writes
-  /// its members.
+  /// The data that change from cycle to cycle. `Memory{}` has received no cell. Only the skin reads and
+  /// writes its members.
   using Memory = SkinMemory<Kind, Cells, Patches, Wrenches>;
 
   /// Number of cells.
@@ -67,9 +67,9 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   /// @param front  at most one: a front end that judges the cells, for example one that masks faulty ones.
   ///   `front.reading(i, sample) -> Counts` is called for each sample that is not ignored, in place of
   ///   `counts(sample)`; `i` is the cell's index. Then, once after all samples and before cells age,
-  ///   `front.settle(revise)`: `revise(i, counts)` gives the cell another reading before the gates, reached at `to` by
-  ///   a change within the last `ramp` of this interval. The cell goes on ageing; one that is silent or already fades
-  ///   stays as it is. Revise a cell once at most.
+  ///   `front.settle(revise)`: `revise(i, counts)` gives the cell another reading before the gates, reached
+  ///   at `to` by a change within the last `ramp` of this interval. The cell goes on ageing; one that is
+  ///   silent or already fades stays as it is. Revise a cell once at most.
   template <class Means, class... Front>
   Status receive(Memory& memory, std::span<const Sample> samples, Nanoseconds from, Nanoseconds to,
                  std::size_t substeps, Means* means, Front&&... front) const noexcept {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Finds the fault of a touch that violates the protocol: a member that is missing, or that has a wrong signature.
+// Finds the fault of a touch that violates the protocol: a member that is missing, or that has a wrong
+// signature.
 #pragma once
 
 #include <bit>
