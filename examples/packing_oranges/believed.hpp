@@ -14,7 +14,7 @@ class Believed {
   using Objects = skinctl::ObjectWorld<capacity>;
   using Place = skinctl::Xyz<double>;
 
-  /// Whether a hand there may hide what is at `p`: from where it was when a picture was taken, at 0.8 m/s for 60 ms.
+  /// Whether a hand there may hide what is at `p`: from where it was at the picture, at 0.8 m/s for 60 ms.
   [[nodiscard]] static bool hides(const Place& hand, const Place& p) {
     constexpr double beside = Detector::hides + 0.06, below = Detector::hides_below + 0.03;
     return std::hypot(hand.x - p.x, hand.y - p.y) <= beside && hand.z - p.z <= below;

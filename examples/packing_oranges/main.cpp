@@ -184,15 +184,16 @@ int main(int argc, char** argv) {
   app.add_option("--touch-every", s.touch_every, "a person pushes each forearm so often [s]; 0: never")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
-  std::string world = "ideal";
+  std::string world = "honest";
   app.add_option("--world", world,
-                 "ideal: the detector tells which orange it sees; honest: class and place only, 2 % flashes, "
+                 "ideal: the detector tells which orange it sees, box and bins stand where they are known; "
+                 "honest: class and place only, of box and bins that slide, too, 2 % flashes, "
                  "1 % of wrong "
                  "classes, what hands hide, and --ghosts")
       ->check(CLI::IsMember({"ideal", "honest"}))
       ->capture_default_str();
   app.add_option("--ghosts", s.detector.ghosts,
-                 "honest: oranges that the detector sees in the feeds, and that do not exist")
+                 "oranges that the detector sees in the feeds, and that do not exist")
       ->check(CLI::Range(0, 6))
       ->capture_default_str();
   app.add_option("--friction", s.world.friction, "of the oranges")
@@ -203,7 +204,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 50.0))
       ->capture_default_str();
   app.add_option("--move-box", s.move_box,
-                 "honest: a person moves the box by this, up to three times [m]; an arm finds it again")
+                 "a person moves the box by this, up to three times [m]; an arm finds it again")
       ->check(CLI::Range(0.0, 0.12))
       ->capture_default_str();
   app.add_option("--obstacle", s.obstacle,
@@ -261,8 +262,8 @@ int main(int argc, char** argv) {
     s.fault = fault_named(fault);
     s.honest = world == "honest";
     s.detector.bias = 1e-3 * bias;
-    if (!s.honest && s.move_box > 0) throw std::runtime_error("--move-box: --world honest");
-    if (!s.honest && s.detector.ghosts > 0) throw std::runtime_error("--ghosts: --world honest");
+    if (!s.honest && s.move_box > 0) throw std::runtime_error("--move-box: not with --world ideal");
+    if (!s.honest && s.detector.ghosts > 0) throw std::runtime_error("--ghosts: not with --world ideal");
     if (onto && (gripper.rfind("hand", 0) != 0 || (!taught && taught_lessons == 0)))
       throw std::runtime_error("--onto: a lesson with hands: --teach or --lessons, and --gripper hand");
     if (s.supply.oranges == 0 && (taught_lessons == 0 || gripper != "hand"))

@@ -1,4 +1,4 @@
-// A person who moves the box while the arms work: as far and as often as is said, and not while a hand is over it.
+// A person who moves the box while the arms work, and no hand is over it.
 #pragma once
 
 #include <algorithm>

@@ -28,7 +28,7 @@ struct RunSettings {
   double touch_lasts = 0.6;       ///< [s]
   std::array<bool, arms> hand{};  ///< the arm has an Allegro hand instead of a gripper
   double skin_noise = 0.1;        ///< deviation of a cell's force [N]
-  bool honest = false;         ///< the detector tells no numbers and is wrong at times; the arms believe less
+  bool honest = true;          ///< the detector tells no numbers and is wrong at times; the arms believe less
   bool see_each_other = true;  ///< false: only places and their order keep the arms apart
   double obstacle = 0;         ///< something moves through the room at this speed [m/s]; 0: nothing
   double move_box = 0;         ///< honest: a person moves the box so far, see `BoxMover` [m]; 0: nobody does

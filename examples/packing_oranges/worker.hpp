@@ -255,7 +255,7 @@ class Worker {
   }
   /// The number of the tray at which the step puts; what it is about is no orange.
   [[nodiscard]] std::size_t tray_number() const { return mark() == bin_class ? 1 + arm_ : 0; }
-  /// Walls are where box and bins are believed to be. They are part of the arm's cycle, which is built anew then.
+  /// Walls are where box and bins are believed to be; with others the arm's cycle is built anew.
   void keep_clear_of_trays() {
     double off = 0;
     for (std::size_t k = 0; k < trays; ++k)
@@ -266,7 +266,7 @@ class Worker {
     retreat_ = GivingWay<R>(arm_, s_.carry, walls_at_);
   }
   static constexpr double walls_off = 0.005;  ///< walls are moved; the clearance's margin is 20 mm [m]
-  /// Whether the tray of the present step was seen so lately. While the hand hides it, it is where it was seen last.
+  /// Whether the tray of the present step was seen so lately; what the hand hides is where it was.
   [[nodiscard]] bool has_seen_tray(skinctl::Nanoseconds within) const {
     if (!s_.honest) return true;
     const std::size_t k = tray_number();
