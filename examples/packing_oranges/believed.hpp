@@ -39,12 +39,12 @@ class Believed {
   /// Where box and bins are believed to be, and when each was seen last.
   struct FoundTrays {
     Trays at = first_trays;
-    std::array<skinctl::Nanoseconds, trays> seen{};
+    std::array<skinctl::Nanoseconds, tray_count> seen{};
   };
   /// Brings them up to date: each is the believed place of its class that was seen last, the bins each the one
   /// near where it was.
   void find(FoundTrays& known) const {
-    for (std::size_t n = 0; n < trays; ++n) {
+    for (std::size_t n = 0; n < tray_count; ++n) {
       Tray& tray = known.at[n];
       for (const auto& t : m_.tracks) {
         const Place p = t.p + m_.bias;

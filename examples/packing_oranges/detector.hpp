@@ -122,7 +122,7 @@ class Detector {
     for (std::size_t k = 0; k < arms * slots; ++k)
       if (world.there(k)) see(world.orange(k), orange_class);
     for (const Place& p : ghosts_) see(p, orange_class);
-    for (std::size_t k = 0; k < trays; ++k) {
+    for (std::size_t k = 0; k < tray_count; ++k) {
       const Tray t = world.tray(k);
       see({t.x, t.y, 0}, k == 0 ? box_class : bin_class);
     }

@@ -323,7 +323,7 @@ class Run {
       ++(p.end == Packed::End::box ? out.box : p.end == Packed::End::bin ? out.bins : out.lost);
     for (std::size_t k = 0; k < arms * slots; ++k)
       if (world_.there(k)) out.oranges.push_back({world_.orange(k)});
-    for (std::size_t k = 0; k < trays; ++k) out.trays[k] = world_.tray(k);
+    for (std::size_t k = 0; k < tray_count; ++k) out.trays[k] = world_.tray(k);
     if (obstacle_.radius > 0) out.things.push_back({obstacle_.from, obstacle_.radius});
     for (std::size_t a = 0; a < arms; ++a) {
       const Worker<R>& w = *workers_[a];

@@ -258,7 +258,7 @@ class Worker {
   /// Walls are where box and bins are believed to be; with others the arm's cycle is built anew.
   void keep_clear_of_trays() {
     double off = 0;
-    for (std::size_t k = 0; k < trays; ++k)
+    for (std::size_t k = 0; k < tray_count; ++k)
       off = std::max(off, std::hypot(found_.at[k].x - walls_at_[k].x, found_.at[k].y - walls_at_[k].y));
     if (off < walls_off) return;
     walls_at_ = found_.at;

@@ -160,7 +160,7 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSetti
       "<option timestep='0.001' cone='elliptic' impratio='100' gravity='0 0 -9.81'/><worldbody>"
       "<geom type='plane' size='2 2 0.1'" +
       collides(is_table, 0) + "/>";
-  for (std::size_t k = 0; k < trays; ++k)
+  for (std::size_t k = 0; k < tray_count; ++k)
     write_tray(xml, k, k == 0 ? settings.floor : 0, settings.trays_move);
   for (std::size_t arm = 0; arm < arms; ++arm) write_arm(xml, arm, bodies[arm]);
   xml +=
@@ -230,8 +230,8 @@ struct World::Bodies {
   int thing_q = -1, thing_v = -1;  // addresses
   std::array<double, 7> thing_rests{5, 1, 1, 1, 0, 0, 0};
   bool thing_held = true;                                  // by a person
-  std::array<int, trays> tray{}, tray_v{};                 // bodies; dofs of the first of two slides, or -1
-  std::array<Xyz<double>, trays> pulled{};                 // by a person
+  std::array<int, tray_count> tray{}, tray_v{};            // bodies; dofs of the first of two slides, or -1
+  std::array<Xyz<double>, tray_count> pulled{};            // by a person
   std::array<std::uint64_t, arms> at_wall{};               // milliseconds without a break
   int obstacle = -1, obstacle_at = 0;                      // geom, and its place among the moved bodies
   std::array<bool, arms> meets_other{}, meets_obstacle{};  // a millisecond ago
@@ -269,7 +269,7 @@ struct World::Bodies {
     owner.assign(static_cast<std::size_t>(model->ngeom), -1);
     obstacle = id(mjOBJ_GEOM, "obstacle");
     obstacle_at = model->body_mocapid[id(mjOBJ_BODY, "obstacle")];
-    for (std::size_t k = 0; k < trays; ++k) {
+    for (std::size_t k = 0; k < tray_count; ++k) {
       tray[k] = id(mjOBJ_BODY, name("tray", 0, k));
       tray_v[k] = settings.trays_move ? model->body_dofadr[tray[k]] : -1;
     }
@@ -585,7 +585,7 @@ void World::step() {
   Bodies& b = *b_;
   mju_zero(b.data->qfrc_applied, b.model->nv);
   for (std::size_t a = 0; a < arms; ++a) b.drive(a);
-  for (std::size_t k = 0; k < trays; ++k)
+  for (std::size_t k = 0; k < tray_count; ++k)
     if (b.tray_v[k] >= 0)
       b.data->qfrc_applied[b.tray_v[k]] += b.pulled[k].x,
           b.data->qfrc_applied[b.tray_v[k] + 1] += b.pulled[k].y;

@@ -8,7 +8,7 @@
 #include "examples/support/program.hpp"
 
 namespace {
-constexpr int exit_ok = 0, exit_configuration = 2, exit_network = 3;
+constexpr int exit_ok = 0, exit_network = 3;
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) {
   interrupted = 1;
