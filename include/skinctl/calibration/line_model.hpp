@@ -32,10 +32,6 @@ struct LineModel {
   std::array<Eigen::Isometry3d, N> at_home;     ///< links' frames there, at home
   std::array<ShownDhRow, N> table;              ///< the last row ends in the last link: d = a = alpha = 0
 
-  /// The pose of a cell in its link's frame, from its pose at home.
-  [[nodiscard]] Eigen::Isometry3d in_link(std::size_t link, const Eigen::Isometry3d& home_pose) const {
-    return at_home[link].inverse() * home_pose;
-  }
   /// A model of `Tree`, a chain; without masses until an inertial fit gives them.
   template <Topology Tree>
   [[nodiscard]] CalibratedModel<Tree> model(double gravity = 9.81) const {
