@@ -21,18 +21,6 @@ struct ExcitationLimits {
   Eigen::VectorXd lower, upper;            ///< position limits [rad]
   Eigen::VectorXd velocity, acceleration;  ///< velocity and acceleration limits [rad/s], [rad/s^2]
   Eigen::VectorXd torque{};                ///< torque limits [N m]; empty: not asked for
-
-  /// From the limits of a description, `robot.limits()`.
-  template <class Limits>
-  [[nodiscard]] static ExcitationLimits of(const Limits& limits) {
-    const auto vector = [](const auto& v) {
-      Eigen::VectorXd out(Eigen::Index(v.size()));
-      for (std::size_t i = 0; i < v.size(); ++i) out(Eigen::Index(i)) = static_cast<double>(v[i]);
-      return out;
-    };
-    return {vector(limits.lower()), vector(limits.upper()), vector(limits.velocity()),
-            vector(limits.acceleration()), vector(limits.torque())};
-  }
 };
 
 /// A part of an excitation, in words for those who stand near the robot.

@@ -34,10 +34,6 @@ struct LineModel {
   /// DH rows of the joints; the last row ends in the last link: d = a = alpha = 0.
   std::array<ShownDhRow, N> table;
 
-  /// The pose of a cell in its link's frame, from its pose at home.
-  [[nodiscard]] Eigen::Isometry3d in_link(std::size_t link, const Eigen::Isometry3d& home_pose) const {
-    return at_home[link].inverse() * home_pose;
-  }
   /// A model of `Tree`, a chain; without masses until an inertial fit gives them.
   template <Topology Tree>
   [[nodiscard]] CalibratedModel<Tree> model(double gravity = 9.81) const {

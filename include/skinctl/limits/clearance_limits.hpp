@@ -88,7 +88,6 @@ class ClearanceLimits {
             milliseconds(given.max_age), "> 0, <= 10 000 ms");
   }
   [[nodiscard]] const M& model() const noexcept { return clearances_.model(); }
-  [[nodiscard]] const Clearances<M, T, Around>& clearances() const noexcept { return clearances_; }
 
   /// Takes what is around at `now` a robot at `measured`. What is too old, too much or no number makes `m` blind:
   /// nothing may move then.
