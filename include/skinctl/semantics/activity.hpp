@@ -53,6 +53,10 @@ struct Observed {
   const Facts held = f.in_hand ? fact::in_hand : fact::none, carried = f.carried ? fact::carried : fact::none;
   return {fact::in_hand | fact::carried, held | carried};
 }
+/// With what another sensor tells, a detector for one.
+[[nodiscard]] constexpr Observed also(const Observed& seen, Facts fact, bool holds) noexcept {
+  return {seen.told | fact, holds ? seen.hold | fact : seen.hold - fact};
+}
 
 /// The conditions of an activity, and its effects on the facts.
 struct ActivityRule {
