@@ -186,10 +186,11 @@ class TrustedSkin : public detail::TrustCore<S> {
     return this->s_.health.step * Table::full(this->pressure_[p]) *
            static_cast<double>(m.rest[p][i / 16].whole[i % 16]);
   }
-  /// Whether cell `i` has read something for a minute that nobody can tell from a contact: see `unexplained`.
+  /// Whether cell `i` has read something for a minute that nobody can tell from a contact: see the
+  /// function of that name in `sensing/rest_level.hpp`.
   [[nodiscard]] bool is_unexplained(const Memory& m, std::size_t i) const noexcept {
     return std::any_of(m.rest.begin(), m.rest.end(), [&](const auto& rest) {
-      return is_unexplained(RestLevel::cell(rest[i / 16], i % 16));
+      return skinctl::is_unexplained(RestLevel::cell(rest[i / 16], i % 16));
     });
   }
   /// The id, link and place of each cell, for reports.
