@@ -7,6 +7,7 @@
 #include "bench/studies/floor/ur5_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "skinctl/dynamics/energy.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "tests/support/kdl_oracle.hpp"
