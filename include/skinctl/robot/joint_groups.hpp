@@ -264,10 +264,10 @@ template <Real T, RobotModel M, class... Groups, class... Parts>
 }
 }  // namespace detail
 
-/// A robot whose joints have several interfaces, in any mixture and order: `by_groups(model,
-/// position_joints<0b000011>({...}), velocity_joints<0b000100>({...}), torque_joints<0b111000>({...}),
-/// EnergyTank{...})`. The parts of a description follow the groups. Gains that suit the slowest of its loops:
-/// `tracking_settings(robot)` of tracking/group_settings.hpp.
+/// A robot whose joints have several interfaces, in any mixture and order:
+/// `by_groups(model, position_joints<0b000011>({...}), velocity_joints<0b000100>({...}),
+/// torque_joints<0b111000>({...}), EnergyTank{...})`. The parts of a description follow the groups. Gains that
+/// suit the slowest of its loops: `tracking_settings(robot)` of tracking/group_settings.hpp.
 template <RobotModel M, detail::IsJointGroup First, class... Others>
 [[nodiscard]] auto by_groups(const M& model, const First& first, const Others&... others) {
   return detail::describe_groups<typename First::scalar>(model,
