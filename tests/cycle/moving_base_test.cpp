@@ -114,8 +114,8 @@ struct ArmOnCart {
           base.A_WB_B.linear + Xyz<double>(9.81 * Xyz<double>{R.x.z, R.y.z, R.z.z})};
       auto mass = mass_matrix(model, state.q);
       for (std::size_t i = 0; i < 6; ++i) mass(i, i) += motors[i];
-      const auto net = tau - inverse_dynamics(model, JointAngles<M, double>(model, state.q), state.dq,
-                                              JointAcceleration<6>{}, moves);
+      const auto net = tau - inverse_dynamics_on(model, JointAngles<M, double>(model, state.q), state.dq,
+                                                 JointAcceleration<6>{}, moves);
       JointAcceleration<6> ddq;
       math::Ldlt<6, double>(mass.data).solve(net.data, ddq.data);
       state.dq = integrate(state.dq, ddq, 0.0005);
@@ -229,8 +229,8 @@ TEST_CASE("Moving base: of joints in groups those by torque bear what the base a
         input.base.V_WB_B.angular, input.base.A_WB_B.angular,
         input.base.A_WB_B.linear + Xyz<double>(9.81 * Xyz<double>{R.x.z, R.y.z, R.z.z})};
     const auto needs =
-        inverse_dynamics(ur5::Model{}, JointAngles<ur5::Model, double>(ur5::Model{}, home<double>), {},
-                         JointAcceleration<6>{}, moves);
+        inverse_dynamics_on(ur5::Model{}, JointAngles<ur5::Model, double>(ur5::Model{}, home<double>), {},
+                            JointAcceleration<6>{}, moves);
     if (k < 10) continue;  // as it is set on the cart
     for (std::size_t i = 3; i < 6; ++i) REQUIRE(std::abs(out.command.torque[i] - needs[i]) < 1e-9);
     for (std::size_t i = 0; i < 3; ++i) REQUIRE(std::abs(out.command.position[i] - home<double>[i]) < 1e-9);

@@ -94,8 +94,8 @@ constexpr auto wrench = [](auto& input, const auto& base, const auto& q, bool pu
 /// Of motors that hold the arm.
 constexpr auto motors = [](auto& input, const auto& base, const auto& q, bool) {
   const BaseMotion<double> moves{base.V_WB_B.angular, base.A_WB_B.angular, felt_at(base, {0, 0, 0})};
-  input.sensed.motor_torque = inverse_dynamics(ur5::Model{}, JointAngles<ur5::Model, double>(ur5::Model{}, q),
-                                               {}, JointAcceleration<6>{}, moves);
+  input.sensed.motor_torque = inverse_dynamics_on(
+      ur5::Model{}, JointAngles<ur5::Model, double>(ur5::Model{}, q), {}, JointAcceleration<6>{}, moves);
   return 0;
 };
 /// Of a robot that takes its base to stand: what it does not know is a contact to it.

@@ -42,7 +42,7 @@ template <Scalar T>
 /// `M ddq + C dq + G` [N m] of a robot on a base that moves so: by the recursion that begins with `base`; the
 /// gravity of `model` is not read. NaN in gives NaN.
 template <RobotModel M, Scalar T, LinkMask Mask>
-[[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> inverse_dynamics(
+[[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> inverse_dynamics_on(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq,
     const JointAcceleration<M::joints, T>& ddq, const BaseMotion<T>& base) noexcept {
   JointTorque<M::joints, T> tau;
@@ -61,7 +61,7 @@ template <RobotModel M, Scalar T>
                                                     const JointVelocity<M::joints, T>& dq,
                                                     const BaseMotion<T>& base) noexcept {
   const JointAngles<M, T> angles(at_rest, q);
-  return inverse_dynamics(at_rest, angles, dq, JointAcceleration<M::joints, T>{}, base) -
+  return inverse_dynamics_on(at_rest, angles, dq, JointAcceleration<M::joints, T>{}, base) -
          bias_torque(at_rest, angles, dq);
 }
 

@@ -1,5 +1,5 @@
 // expect: the robot is OnMovingBase, and the model of this sensor is not
-// lines: 22
+// lines: 24
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
