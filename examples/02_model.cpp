@@ -4,13 +4,11 @@
 //   G            torque that holds the arm                    tau   M ddq + C dq + G
 #include <Eigen/Core>
 #include <cstdio>
-#include <vector>
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
-#include "skinctl/model/batch.hpp"
 #include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
@@ -43,13 +41,4 @@ int main() {
   const auto shifted = link_poses<link_bit<5>>(calibrated, q).get<5>() * X_LF;
   std::printf("calibrated flange is %.2f mm away\n",
               1000 * as_eigen(shifted.origin() - X_BF.origin()).norm());
-
-  // The same functions for a thousand robots, side by side in vector registers.
-  std::vector<JointPosition<6>> along(1000);
-  for (std::size_t k = 0; k < along.size(); ++k) along[k] = integrate(q, dq, 0.001 * static_cast<double>(k));
-  std::vector<JointTorque<6>> held(along.size());
-  ModelBatch(robot, along.size()).for_each_group([&](const auto& model, const auto& group) {
-    group.write(gravity_torque(model, group.read(along)), held);
-  });
-  std::printf("a second later the shoulder holds %.3f N m\n", held.back()[1]);
 }

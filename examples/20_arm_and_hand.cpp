@@ -11,6 +11,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/math/ldlt.hpp"
+#include "skinctl/robot/velocity_and_torque.hpp"
 #include "skinctl/robots/ur5_allegro.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/skin_torque.hpp"

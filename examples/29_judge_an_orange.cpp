@@ -9,7 +9,7 @@
 using namespace examples;
 
 int main(int argc, char** argv) {
-  const Squeeze<> squeeze({.own = 5000});
+  const Squeeze<> squeeze({.finger_stiffness = 5000});
   constexpr double border = 800;  // between bad, about 400 N/m, and good, about 1500 N/m
   auto rng = skinctl::testing::seeded(5);
   Curve force[2]{{"good"}, {"bad"}}, k[2]{{"good"}, {"bad"}};

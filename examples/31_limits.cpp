@@ -86,7 +86,10 @@ int main() {
   const Course bare = run("no part", plain);
 
   // Limits: each is a part, in any order, and says in one line what it cut.
-  const Course smooth = run("MaxJerk", plain.with(MaxJerk{JointJerk<6>::constant(400)}));
+  // One of jerk asks for gains that wait for the acceleration.
+  const auto jerk = JointJerk<6>::constant(400);
+  const auto patient = SplineJoint<6>(tracking_settings(robot, jerk)) + SkinJointControl{} + GravityControl{};
+  const Course smooth = run("MaxJerk", Cycle(robot, skin(), patient).with(MaxJerk{jerk}));
   const Course slow = run("MaxToolSpeed", plain.with(MaxToolSpeed<5>{.speed = 0.25, .reach = 1.2}));
   const LinkContact<2> forearm{
       .region = {.force = 80, .blow = 120, .first = 100ms, .stiffness = 2e4, .mass = 4},

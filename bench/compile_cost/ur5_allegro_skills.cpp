@@ -1,6 +1,6 @@
-// The ten skills of ur5_skills.cpp for an arm with a hand: 22 joints, a patch on each link of the arm but the first, and
-// on the last links of the fingers. Nine tenths are code generation: SKINCTL_NO_FORCED_INLINE takes more than half of it
-// away, where the loop has the time.
+// The ten skills of ur5_skills.cpp for an arm with a hand: 22 joints, a patch on each link of the arm but the
+// first, and on the last links of the fingers. Nine tenths are code generation: SKINCTL_NO_FORCED_INLINE
+// takes more than half of it away, where the loop has the time.
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/joint_control.hpp"

@@ -63,8 +63,9 @@ std::string name_of(const std::string& law, const char* end) {
   return "control/" + law + "/ur5/" + end;
 }
 
-/// `begin(law, known)` is the memory from which every 1024 evaluations start. Each evaluation is built where it stays, in
-/// one of two places: a copy of its memory right after it was written would wait until all of it has left for the cache.
+/// `begin(law, known)` is the memory from which every 1024 evaluations start. Each evaluation is built where
+/// it stays, in one of two places: a copy of its memory right after it was written would wait until all of it
+/// has left for the cache.
 template <class T, class L, class Begin>
 void law_row(const std::string& name, const L& law, Begin begin) {
   benchmark::RegisterBenchmark(
@@ -175,8 +176,8 @@ struct SurfaceByHand {
     ddq_r = -5 * dq - S - 0.1 * sign;
   }
 };
-/// As the law reads them: the surface now, then in the middle of the interval that it predicts from it, and the state
-/// there once more with what came out.
+/// As the law reads them: the surface now, then in the middle of the interval that it predicts from it, and
+/// the state there once more with what came out.
 void tracking_ahead_by_hand(const Row& q, const Row& dq, Row& I1, Row& I2, double* tau) {
   constexpr double h = 0.5 * dt;
   const SurfaceByHand now(q, dq, I1, I2);

@@ -7,6 +7,7 @@
 #include "bench/studies/floor/ur5_floor.hpp"
 #include "bench/support/rows.hpp"
 #include "skinctl/dynamics/energy.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "tests/support/kdl_oracle.hpp"
@@ -32,8 +33,6 @@ void rows() {
                    [model](const auto& s) { return regressor(model, s.q, s.dq, s.dq_r, s.ddq); });
   bench::row<6, T>("dynamics/kinetic-energy" + end,
                    [model](const auto& s) { return kinetic_energy(model, s.q, s.dq); });
-  bench::row<6, T>("dynamics/generalised-momentum" + end,
-                   [model](const auto& s) { return generalised_momentum(model, s.q, s.dq); });
 }
 
 void floor_rows() {

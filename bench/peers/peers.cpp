@@ -1,5 +1,5 @@
-// skinctl beside what a user would otherwise run: `peers [picture.svg]` prints the tables of bench/results/peers.md;
-// `peers --check` only shows that the peers' rules are their originals'.
+// skinctl beside what a user would otherwise run: `peers [picture.svg]` prints the tables of
+// bench/results/peers.md; `peers --check` only shows that the peers' rules are their originals'.
 #include <string>
 #include <string_view>
 

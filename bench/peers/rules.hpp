@@ -52,8 +52,9 @@ struct Kinematics {
   }
 };
 
-/// `M x'' + D x' + K x = F` at the flange, along the axes of the base, with `D = 2 ratio sqrt(M K)`; x from the
-/// measured position, x' and the offset of the joints from the rule's own integration. No limit of any kind.
+/// `M x'' + D x' + K x = F` at the flange, along the axes of the base, with `D = 2 ratio sqrt(M K)`; x from
+/// the measured position, x' and the offset of the joints from the rule's own integration. No limit of any
+/// kind.
 struct Ros2 {
   Six mass, stiffness, ratio;
   double joint_damping = 5;  ///< [1/s], the default

@@ -66,8 +66,8 @@ inline auto limits_at(const Place& place, double acceleration = 15) {
   return skinctl::JointLimits<6>(v);
 }
 
-/// The README's scene with a wrist sensor as its touch, which all rules have, and a mass that is shaped at the
-/// flange, which theirs is.
+/// The README's scene with a wrist sensor as its touch, which all rules have, and a mass that is shaped at
+/// the flange, which theirs is.
 inline Commands skinctl_commands(const Place& place, const Timing& timing, const Admittance& a,
                                  double acceleration) {
   using namespace skinctl;

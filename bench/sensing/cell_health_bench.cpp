@@ -1,5 +1,5 @@
-// What the fault rules cost: the scan of all cells, and a trusted skin beside one that believes its cells. Rows are the
-// time of all cells.
+// What the fault rules cost: the scan of all cells, and a trusted skin beside one that believes its cells.
+// Rows are the time of all cells.
 #include <memory>
 #include <vector>
 

@@ -1,5 +1,5 @@
-// What the rest level of a cell costs a scan, untouched and with a tenth of the cells frozen, and a cell at its own
-// times. Rows of a scan are the time of all cells.
+// What the rest level of a cell costs a scan, untouched and with a tenth of the cells frozen, and a cell at
+// its own times. Rows of a scan are the time of all cells.
 #include <cmath>
 #include <random>
 #include <string>

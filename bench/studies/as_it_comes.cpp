@@ -3,13 +3,13 @@
 // truly; whatever else happens has its reason. `as_it_comes [cases [first seed [folder [dead band in
 // rad]]]]`, or `as_it_comes case SEED` for one of them, cycle by cycle.
 //
-// A case: encoders off by up to 0.1 rad, a lag of 0 to 50 ms where 8 are declared (one or two in a row), servos
-// of 500 N m/rad to rigid with and without integral, friction of up to 20 % of the largest torques, encoder
-// steps up to 1e-3 rad, delay and stamps that jitter, up to a tenth of the outputs skipped, a payload of up to
-// 5 kg of which the robot does not know; by position or velocity, 125 or 500 Hz. Twins have the same servos,
-// friction, payload, noise and jitter, but their lag is declared and their encoders are calibrated.
-// They are touched at the same cells; where a case is not as promised beside one twin, four further twins start where
-// the robot may stand in its gap, and those that are held fast are let go at other moments.
+// A case: encoders off by up to 0.1 rad, a lag of 0 to 50 ms where 8 are declared (one or two in a row),
+// servos of 500 N m/rad to rigid with and without integral, friction of up to 20 % of the largest torques,
+// encoder steps up to 1e-3 rad, delay and stamps that jitter, up to a tenth of the outputs skipped, a payload
+// of up to 5 kg of which the robot does not know; by position or velocity, 125 or 500 Hz. Twins have the same
+// servos, friction, payload, noise and jitter, but their lag is declared and their encoders are calibrated.
+// They are touched at the same cells; where a case is not as promised beside one twin, four further twins
+// start where the robot may stand in its gap, and those that are held fast are let go at other moments.
 #include "bench/studies/worlds/as_it_comes.hpp"
 
 #include <algorithm>

@@ -4,20 +4,18 @@
 //     attack [CYCLES = 500000] [SEED = 1]     that many cycles by position, and by velocity
 //     attack run SEED                         one scene, each quarter of a second of it
 //
-// Each scene ends with some time in which nobody does anything, and a stop. Judged in the servo's time, in which a
-// command lasts one period: velocity, acceleration and jerk of each joint, the way of the tool in a period (by
-// velocity that of the real one, while no joint is held), the ends of the joints; swings that are left at rest, and
-// the speed after the stop. Returns 1 if any is passed.
+// Each scene ends with some time in which nobody does anything, and a stop. Judged in the servo's time, in
+// which a command lasts one period: velocity, acceleration and jerk of each joint, the way of the tool in a
+// period (by velocity that of the real one, while no joint is held), the ends of the joints; swings that are
+// left at rest, and the speed after the stop. Returns 1 if any is passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <optional>
 #include <random>
 #include <type_traits>
-#include <vector>
 
 #include "bench/studies/attack/common.hpp"
 
@@ -139,14 +137,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   std::mt19937_64 rng(seed);
   const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
   const Drawn d(rng);
-  const auto made = [&]() -> std::optional<decltype(scene_of<I, P>(d))> {
-    try {
-      return scene_of<I, P>(d);
-    } catch (const ConfigurationError& e) {
-      if (trace) std::printf("refused: %s\n", e.what());
-      return {};
-    }
-  }();
+  const auto made = unless_refused(trace, [&] { return scene_of<I, P>(d); });
   if (!made) {
     ++found.refused;
     return;

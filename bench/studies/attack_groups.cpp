@@ -13,14 +13,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <deque>
 #include <memory>
-#include <optional>
 #include <random>
 #include <type_traits>
-#include <vector>
 
 #include "bench/studies/attack/common.hpp"
 #include "skinctl/testing/plant.hpp"
@@ -256,14 +252,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   std::mt19937_64 rng(seed);
   const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
   const Drawn d(rng);
-  const auto made = [&]() -> std::optional<decltype(scene_of<P>(d))> {
-    try {
-      return scene_of<P>(d);
-    } catch (const ConfigurationError& e) {
-      if (trace) std::printf("refused: %s\n", e.what());
-      return {};
-    }
-  }();
+  const auto made = unless_refused(trace, [&] { return scene_of<P>(d); });
   if (!made) {
     ++found.refused;
     return;
@@ -400,13 +389,5 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Findings found;
-  if (argc > 2 && std::strcmp(argv[1], "run") == 0) {
-    run(std::strtoull(argv[2], nullptr, 10), found, true);
-    return 0;
-  }
-  const std::uint64_t cycles = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 500'000;
-  std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  while (found.cycles < cycles) run(seed++, found, false);
-  return print_table(found.all(), found.scenes, found.cycles, found.refused) ? 0 : 1;
+  return attack_main<Findings>(argc, argv, run);
 }

@@ -1,26 +1,25 @@
-// Random legal scenes of an arm by torque in a world that keeps what was declared and does all else: pushes, goals,
-// late cycles, joints held fast, stops and resumes in any order. The sister of `attack`, which moves by itself.
+// Random legal scenes of an arm by torque in a world that keeps what was declared and does all else: pushes,
+// goals, late cycles, joints held fast, stops and resumes in any order. The sister of `attack`, which moves
+// by itself.
 //
 //     attack_torque [CYCLES = 500000] [SEED = 1]     that many cycles
 //     attack_torque run SEED                         one scene, each quarter of a second of it
 //
-// The arm is a UR5 that somebody drives by torque: its model, its motors and its delay are as declared, dry friction
-// of its joints is not. Each scene ends with some time in which nobody does anything, and a stop. Judged: torques within
-// their limits, changes within the guard's rate, speeds and ends of the joints while nobody pushes, runaways at any
-// time; swings that are left at rest, and the speed after the stop. Returns 1 if any is passed.
+// The arm is a UR5 that somebody drives by torque: its model, its motors and its delay are as declared, dry
+// friction of its joints is not. Each scene ends with some time in which nobody does anything, and a stop.
+// Judged: torques within their limits, changes within the guard's rate, speeds and ends of the joints while
+// nobody pushes, runaways at any time; swings that are left at rest, and the speed after the stop. Returns 1
+// if any is passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <deque>
 #include <memory>
-#include <optional>
 #include <random>
 #include <type_traits>
-#include <vector>
 
 #include "bench/studies/attack/common.hpp"
+#include "skinctl/dynamics/energy.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
@@ -171,14 +170,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   std::mt19937_64 rng(seed);
   const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
   const Drawn d(rng);
-  const auto made = [&]() -> std::optional<decltype(scene_of<P>(d))> {
-    try {
-      return scene_of<P>(d);
-    } catch (const ConfigurationError& e) {
-      if (trace) std::printf("refused: %s\n", e.what());
-      return {};
-    }
-  }();
+  const auto made = unless_refused(trace, [&] { return scene_of<P>(d); });
   if (!made) {
     ++found.refused;
     return;
@@ -303,13 +295,5 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Findings found;
-  if (argc > 2 && std::strcmp(argv[1], "run") == 0) {
-    run(std::strtoull(argv[2], nullptr, 10), found, true);
-    return 0;
-  }
-  const std::uint64_t cycles = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 500'000;
-  std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  while (found.cycles < cycles) run(seed++, found, false);
-  return print_table(found.all(), found.scenes, found.cycles, found.refused) ? 0 : 1;
+  return attack_main<Findings>(argc, argv, run);
 }

@@ -1,11 +1,13 @@
-// Proven rounding errors: `bounds [--robot NAME] [--seconds S] [--velocity V] [--acceleration A] [--only QUANTITY] [--csv FILE]`.
+// Proven rounding errors: `bounds [--robot NAME] [--seconds S] [--velocity V] [--acceleration A] [--only
+// QUANTITY] [--csv FILE]`.
 //
-// For every state of a robot (all joint angles; rates within 3 rad/s, accelerations within 3 rad/s^2, or V and A) a bracket of
-// the largest error of each quantity, in float and in double: the worst that a search has found, and what is
-// proven by interval adjoints over boxes of the joint angles and velocities, which are split where the bound is worst. Poses in
-// their unit and in metres, torques in N m; forward dynamics as the torque that would explain the error of the
-// acceleration. The quantity that is farthest off its goal, which is a ratio of proven to found, has the processor.
-// A cycle is bounded at single states (`Bound`), with the configuration as the program holds it.
+// For every state of a robot (all joint angles; rates within 3 rad/s, accelerations within 3 rad/s^2, or V
+// and A) a bracket of the largest error of each quantity, in float and in double: the worst that a search has
+// found, and what is proven by interval adjoints over boxes of the joint angles and velocities, which are
+// split where the bound is worst. Poses in their unit and in metres, torques in N m; forward dynamics as the
+// torque that would explain the error of the acceleration. The quantity that is farthest off its goal, which
+// is a ratio of proven to found, has the processor. A cycle is bounded at single states (`Bound`), with the
+// configuration as the program holds it.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -94,8 +96,8 @@ double largest_value(math::TracedOutput& output, const std::vector<Range>& range
 
 /// A quantity of a robot: what is found, and the boxes that prove.
 ///
-/// The same rounding on each joint: a joint whose angle enters by its sine and cosine alone is bounded over one
-/// turn for all turns.
+/// The same rounding on each joint: a joint whose angle enters by its sine and cosine alone is bounded over
+/// one turn for all turns.
 class Quest {
  public:
   /// Nothing is bounded where float and double run different operations.
@@ -194,8 +196,8 @@ class Quest {
   double seconds_ = 0;
 };
 
-/// A quarter of the time searches. Half of the rest is shared as goals say, until one is met; then the quantity that is farthest
-/// off its goal has the next quarter of a second.
+/// A quarter of the time searches. Half of the rest is shared as goals say, until one is met; then the
+/// quantity that is farthest off its goal has the next quarter of a second.
 template <class Robot>
 void bound_all(const char* name, double seconds, const Rates& rates, const char* only, const char* csv) {
   std::printf(

@@ -1,9 +1,10 @@
-// What a cycle costs a loop that waits for its robot: `cold [seconds]`; `cold cycles SCENE COUNT` runs so many of the README's
-// (0) or the main job's (1), for callgrind.
+// What a cycle costs a loop that waits for its robot: `cold [seconds]`; `cold cycles SCENE COUNT` runs so
+// many of the README's (0) or the main job's (1), for callgrind.
 //
-// A UR5 with 260 cells, as in the README and as in the main job, in a loop that sleeps until its next state is due, at 125, 500 and 1000 Hz: the time of a cycle
-// whose code and data others have pushed out of the caches meanwhile (cold), of one with a dry step before it
-// (`LoopOptions::warm`), of one right after another (hot), and of an empty loop that reads the clock as often.
+// A UR5 with 260 cells, as in the README and as in the main job, in a loop that sleeps until its next state
+// is due, at 125, 500 and 1000 Hz: the time of a cycle whose code and data others have pushed out of the
+// caches meanwhile (cold), of one with a dry step before it (`LoopOptions::warm`), of one right after another
+// (hot), and of an empty loop that reads the clock as often.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

@@ -1,7 +1,8 @@
-// What files and streams cost: `connect [seconds]` prints the times of encoding and of the hand-over out of the loop, and
-// a loop's load with and without a recorder beside an empty loop's (`live_consumers` has all consumers). `connect count N`
-// only hands 164 samples over N times, `stamp N` stamps 1260 cells, `patch N` sets 164 samples, for counters of instructions
-// such as `valgrind --tool=callgrind`: two runs differ by those of the calls that one has more.
+// What files and streams cost: `connect [seconds]` prints the times of encoding and of the hand-over out of
+// the loop, and a loop's load with and without a recorder beside an empty loop's (`live_consumers` has all
+// consumers). `connect count N` only hands 164 samples over N times, `stamp N` stamps 1260 cells, `patch N`
+// sets 164 samples, for counters of instructions such as `valgrind --tool=callgrind`: two runs differ by
+// those of the calls that one has more.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

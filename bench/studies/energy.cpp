@@ -1,12 +1,12 @@
-// How many of many random scenes give more energy than they have, bare and with tank and passivity observer: `energy
-// [scenes]`.
+// How many of many random scenes give more energy than they have, bare and with tank and passivity observer:
+// `energy [scenes]`.
 //
 // A scene: a UR5 by position or velocity at 125, 250 or 500 Hz, 0 to 5 cycles of delay, skills and weights
-// that jump, one or two walls or hands, half of them seen at 50 mm, and brakes of 1 to 20 rad/s^2. Each starts
-// with 1 J at the measured port, and 1 J in the tank at the virtual one. Afterwards a hand leads the arm with
-// 20 N: frozen is one that moves less than a twentieth as far as without anything that watches. By torque, at
-// 1 kHz, the robot itself has the tank: with a touch that is paid for like all else, and with one that is
-// answered for nothing (what it gives then counts twice).
+// that jump, one or two walls or hands, half of them seen at 50 mm, and brakes of 1 to 20 rad/s^2. Each
+// starts with 1 J at the measured port, and 1 J in the tank at the virtual one. Afterwards a hand leads the
+// arm with 20 N: frozen is one that moves less than a twentieth as far as without anything that watches. By
+// torque, at 1 kHz, the robot itself has the tank: with a touch that is paid for like all else, and with one
+// that is answered for nothing (what it gives then counts twice).
 #include <cstdio>
 #include <cstdlib>
 

@@ -1,8 +1,9 @@
 // What a led hand does, recognised: the tables of semantics, on seeds that nothing was tuned on.
 //
-// 4 tasks x 20 people x 3; hand = led robot (250 Hz, 0.2 mm), things by camera (30 Hz, 5 mm, 60 ms, 5 % lost). Labels of two
-// kinds, both fixed before any threshold was chosen (testing/recognition.hpp): by definition, and by intent of the script.
-// `recognition [first seed]`; thresholds and labels were tried on seeds below 1000 only.
+// 4 tasks x 20 people x 3; hand = led robot (250 Hz, 0.2 mm), things by camera (30 Hz, 5 mm, 60 ms, 5 %
+// lost). Labels of two kinds, both fixed before any threshold was chosen (testing/recognition.hpp): by
+// definition, and by intent of the script. `recognition [first seed]`; thresholds and labels were tried on
+// seeds below 1000 only.
 #include "examples/worlds/recognition.hpp"
 
 #include <cstdio>

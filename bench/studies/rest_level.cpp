@@ -1,9 +1,9 @@
-// The rest level of a skin's cells: what it keeps of a contact of an hour, what it releases of a drift, beside the
-// rules of others. `rest_level [share of the cases [folder of recordings [folder for the picture]]]`; without a
-// folder of recordings that part is left out. Returns 1 if a goal is missed.
+// The rest level of a skin's cells: what it keeps of a contact of an hour, what it releases of a drift,
+// beside the rules of others. `rest_level [share of the cases [folder of recordings [folder for the
+// picture]]]`; without a folder of recordings that part is left out. Returns 1 if a goal is missed.
 //
-// Simulated cells have 0.7 steps of noise and a threshold of 80 steps; patches have 64 of them. Recorded taxels
-// (8 bit) have 0.4 steps of noise and a threshold of 8; their proximity is made up.
+// Simulated cells have 0.7 steps of noise and a threshold of 80 steps; patches have 64 of them. Recorded
+// taxels (8 bit) have 0.4 steps of noise and a threshold of 8; their proximity is made up.
 #include "skinctl/sensing/rest_level.hpp"
 
 #include <algorithm>
@@ -46,19 +46,19 @@ double level(const RestCell<T>& c) {
   return double(c.whole) + double(c.fraction);
 }
 
-/// Evidence of a cell's temperature: 2.5 where r is within 30 % of what the change `dT` [K] explains, -0.5 where it
-/// is not, -0.3 where the temperature has changed by 0.5 K at most.
+/// Evidence of a cell's temperature: 2.5 where r is within 30 % of what the change `dT` [K] explains, -0.5
+/// where it is not, -0.3 where the temperature has changed by 0.5 K at most.
 float temperature_evidence(float r, float dT) {
   const float explained = float(per_kelvin) * dT;
   return std::abs(dT) > 0.5f ? std::abs(r - explained) <= 0.3f * std::abs(explained) ? 2.5f : -0.5f : -0.3f;
 }
-/// Share of `T - reference` by which the temperature that belongs to a cell's rest level moves in a step: as the rest
-/// level does.
+/// Share of `T - reference` by which the temperature that belongs to a cell's rest level moves in a step: as
+/// the rest level does.
 float reference_moves(const RestCell<>& c, const RestLevel::Step<float>& k) {
   return c.frozen == 0 ? k.follow : c.below < 0 ? k.release : 0.0f;
 }
-/// Evidence of a joint's torque that was measured apart with a deviation of 1.5 N m: log of the likelihood of `measured`
-/// without the cell's push, over that with the `predicted` one; within +-4.
+/// Evidence of a joint's torque that was measured apart with a deviation of 1.5 N m: log of the likelihood of
+/// `measured` without the cell's push, over that with the `predicted` one; within +-4.
 float torque_evidence(float measured, float predicted) {
   return std::clamp(predicted * (predicted - 2 * measured) / 4.5f, -4.0f, 4.0f);
 }
@@ -222,7 +222,8 @@ void rates(double share) {
        "< 0.1");
 }
 
-// --- Contacts of an hour -------------------------------------------------------------------------------------
+// --- Contacts of an
+// hour -------------------------------------------------------------------------------------
 
 void held(double share) {
   std::puts("\nA contact of an hour, without evidence, 250 Hz: by how much b moves, in % of the contact");
@@ -254,7 +255,8 @@ void held(double share) {
   goal("lost of a contact that grows within 1 s", worst, "%", worst < 1, "< 1");
 }
 
-// --- Latched drifts ------------------------------------------------------------------------------------------
+// --- Latched
+// drifts ------------------------------------------------------------------------------------------
 
 void drifts(double share) {
   std::puts("\nDrifts that cross the threshold: below it again within 60 s, in % (50 Hz, 64 cells)");
@@ -334,7 +336,8 @@ void drifts(double share) {
          percent(torque_back, other_crossed), "%");
 }
 
-// --- Touches of an hour ----------------------------------------------------------------------------------------
+// --- Touches of an
+// hour ----------------------------------------------------------------------------------------
 
 void touches(double share) {
   std::puts(
@@ -396,7 +399,8 @@ void touches(double share) {
        "2 + 3 sigma");
 }
 
-// --- Recorded grasps -------------------------------------------------------------------------------------------
+// --- Recorded
+// grasps -------------------------------------------------------------------------------------------
 
 void recordings(double share, const std::string& folder) {
   const auto grasps = read_recorded_grasps(folder);
@@ -475,11 +479,12 @@ void recordings(double share, const std::string& folder) {
   std::printf("  %.0f untouched taxels got a drift beyond the threshold:\n", drifted);
   goal("released within 60 s", percent(back, drifted), "%", back == drifted, "all");
 }
-// --- Others' rules -----------------------------------------------------------------------------------------------
+// --- Others'
+// rules -----------------------------------------------------------------------------------------------
 
-/// Baselines of a patch as the best-known skin manager has them: every sample, a taxel that is more than half a step
-/// off moves by gain/50 d/threshold, with a gain of 0.2 where it is not touched and 0 where it is; touched ones get
-/// the mean change of the others.
+/// Baselines of a patch as the best-known skin manager has them: every sample, a taxel that is more than half
+/// a step off moves by gain/50 d/threshold, with a gain of 0.2 where it is not touched and 0 where it is;
+/// touched ones get the mean change of the others.
 struct Manager {
   std::vector<double> baseline;
   void sample(const std::vector<double>& x) {
@@ -608,7 +613,8 @@ void others(double share, const std::string& pictures) {
     met = false;
 }
 
-// --- A day in float ----------------------------------------------------------------------------------------------
+// --- A day in
+// float ----------------------------------------------------------------------------------------------
 
 void day(double share) {
   const RestLevel rest;

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "bench/studies/worlds/ur5_excitation.hpp"
 #include "skinctl/calibration/dynamics_excitation.hpp"
 #include "skinctl/calibration/inertial_fit.hpp"
 #include "skinctl/calibration/nees.hpp"
@@ -21,18 +22,9 @@ namespace {
 
 using Model = ur5::Calibrated<>;
 using Theta = InertialParameters<6>;
-const Eigen::VectorXd home = (Eigen::VectorXd(6) << 0.2, -1.3, 1.2, -1.2, -1.4, 0.3).finished();
 
-ExcitationLimits limits() {
-  ExcitationLimits l;
-  l.lower = Eigen::VectorXd::Constant(6, -6.28), l.upper = Eigen::VectorXd::Constant(6, 6.28);
-  l.lower(2) = -3.14, l.upper(2) = 3.14;
-  l.velocity = Eigen::VectorXd::Constant(6, 3.14), l.acceleration = Eigen::VectorXd::Constant(6, 25);
-  l.torque = (Eigen::VectorXd(6) << 150, 150, 150, 28, 28, 28).finished();
-  return l;
-}
-
-// An arm whose bodies are off by a tenth to a quarter from the maker's numbers, with friction and rotors that the maker does not give.
+// An arm whose bodies are off by a tenth to a quarter from the maker's numbers, with friction and rotors that
+// the maker does not give.
 struct Arm {
   Model model = calibrated_from<ur5::Description>();
   Theta theta;
@@ -224,10 +216,10 @@ int main(int argc, char** argv) {
       if (plain) arm.ripple = {}, arm.load = 0;
       DynamicsExcitation::Settings s;
       s.periods = narrow ? 1 : 3, s.seed = std::uint64_t(seed);
-      const DynamicsExcitation wide_motion(ur5::Model{}, home, limits(),
+      const DynamicsExcitation wide_motion(ur5::Model{}, ur5_home, ur5_limits(),
                                            {.periods = 2, .tries = 4, .seed = std::uint64_t(seed) + 50});
       if (narrow) s.range = 0.35;
-      const DynamicsExcitation motion(ur5::Model{}, home, limits(), s);
+      const DynamicsExcitation motion(ur5::Model{}, ur5_home, ur5_limits(), s);
       const TorqueRecording train = record(arm, motion, rng, motion.duration());
       const TorqueRecording test = record(arm, wide_motion, rng, wide_motion.duration());
       const auto started = std::chrono::steady_clock::now();

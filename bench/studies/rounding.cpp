@@ -1,11 +1,12 @@
 // What rounding makes of a closed loop in the long run: `rounding [sub-steps] [seconds of float]`.
 //
-// A UR5 with 260 cells goes to goals, is touched, and follows its commands at once; a goal every four seconds, a touch
-// every second. First three runs whose every result is rounded up or down by lot (`Stochastic`), in double and in
-// float: how far apart they are after so many sub-steps. Then the same loop in float and in double side by side, for
-// so many seconds of the robot's time: the largest difference of a command, against the resolution of an encoder of
-// 17 bits (4.8e-5 rad). Where a comparison (does the skin push against the plan?) falls the other way in float, the plan
-// waits a sub-step more or less, until the next goal. A day is `rounding 43200000 86400` (sub-steps of 2 ms).
+// A UR5 with 260 cells goes to goals, is touched, and follows its commands at once; a goal every four
+// seconds, a touch every second. First three runs whose every result is rounded up or down by lot
+// (`Stochastic`), in double and in float: how far apart they are after so many sub-steps. Then the same loop
+// in float and in double side by side, for so many seconds of the robot's time: the largest difference of a
+// command, against the resolution of an encoder of 17 bits (4.8e-5 rad). Where a comparison (does the skin
+// push against the plan?) falls the other way in float, the plan waits a sub-step more or less, until the
+// next goal. A day is `rounding 43200000 86400` (sub-steps of 2 ms).
 #include <algorithm>
 #include <array>
 #include <cmath>

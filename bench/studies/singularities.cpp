@@ -83,9 +83,9 @@ JointPosition<6> nearest(JointPosition<6> q, const Pose& goal, int steps) {
   }
   return q;
 }
-/// What of a velocity can be reached at q: the tool is asked 2 mm and 2 mrad further along it, and goes to the
-/// nearest pose that the arm can take there. It may turn round before that as far as its tool stays within
-/// these 2 mm: by random walks of its postures. By Eigen, with no number of the law.
+/// What of a velocity can be reached at q: the tool is asked 2 mm and 2 mrad further along it, and goes to
+/// the nearest pose that the arm can take there. It may turn round before that as far as its tool stays
+/// within these 2 mm: by random walks of its postures. By Eigen, with no number of the law.
 Vector6 reachable(const JointPosition<6>& at, const Vector6& asked) {
   const double way = 0.002, size = asked.norm();
   const auto X = pose(at);

@@ -2,13 +2,15 @@
 //
 //   skin_camera [seeds, 8; NEES is of six times as many]
 //
-// Errors of the middles of the patches and of their turns, from starts 30 mm and 15 deg off; the camera from four hypotheses, three
-// of them 60 mm and 5 deg off, one of them nonsense. Baseline: each patch from the single view in which most of its cells are
-// seen, with the camera's true pose. Each pair of numbers: median and worst over the seeds.
+// Errors of the middles of the patches and of their turns, from starts 30 mm and 15 deg off; the camera from
+// four hypotheses, three of them 60 mm and 5 deg off, one of them nonsense. Baseline: each patch from the
+// single view in which most of its cells are seen, with the camera's true pose. Each pair of numbers: median
+// and worst over the seeds.
 //
-// NEES: of a seed, 24 numbers of four patches. If covariances say how large errors are, it is chi^2 / 24, which is 1 +- 0.29; "within 99 %"
-// counts the seeds between its quantiles, 0.412 and 1.898. A mean below 1 is what the loss leaves out: information is counted by the
-// weights of the loss, 0.85 in the mean for normal errors, and not more.
+// NEES: of a seed, 24 numbers of four patches. If covariances say how large errors are, it is chi^2 / 24,
+// which is 1 +- 0.29; "within 99 %" counts the seeds between its quantiles, 0.412 and 1.898. A mean below 1
+// is what the loss leaves out: information is counted by the weights of the loss, 0.85 in the mean for normal
+// errors, and not more.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,7 +1,7 @@
-// Random updates of a skin and the difference of its sums to the exact ones: `skin_exact [updates]`, 1e9 if none
-// are given. 8160 cells on six links; samples late, ahead, stale, swapped, damaged, of unknown cells; silences
-// after which cells fade, end and are heard again. The exact sums are taken in 128-bit integers from what every
-// cell holds; gains make one count 1 N, so that nothing is rounded on the way.
+// Random updates of a skin and the difference of its sums to the exact ones: `skin_exact [updates]`, 1e9 if
+// none are given. 8160 cells on six links; samples late, ahead, stale, swapped, damaged, of unknown cells;
+// silences after which cells fade, end and are heard again. The exact sums are taken in 128-bit integers from
+// what every cell holds; gains make one count 1 N, so that nothing is rounded on the way.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -2,10 +2,10 @@
 //
 //   skin_false_masks [seconds of the skin, 400] [first seed, 1] [-v: each mask]
 //
-// Touches (mean: one begins each second; 2 ms to 1 s to rise, 0.05 to 20 s long, of 0.7 to 3 pitches, half of them
-// slide, 5 % at the end of the sensors' range, 2 % unseen by infrared light), grasps of two to five fingers, taps of
-// 6 ms; drifts of single cells, of patches, creep; noise other than declared by up to 30 %; 1 % of the samples lost,
-// 1 % of them up to 20 ms late.
+// Touches (mean: one begins each second; 2 ms to 1 s to rise, 0.05 to 20 s long, of 0.7 to 3 pitches, half of
+// them slide, 5 % at the end of the sensors' range, 2 % unseen by infrared light), grasps of two to five
+// fingers, taps of 6 ms; drifts of single cells, of patches, creep; noise other than declared by up to 30 %;
+// 1 % of the samples lost, 1 % of them up to 20 ms late.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -1,11 +1,10 @@
-// Filling in masked cells: error of the skin's torque on a UR5 with 383 cells, under one contact anywhere on its upper
-// arm or forearm but for the rims of the patches, with 10 and 30 % of all cells masked at random.
+// Filling in masked cells: error of the skin's torque on a UR5 with 383 cells, under one contact anywhere on
+// its upper arm or forearm but for the rims of the patches, with 10 and 30 % of all cells masked at random.
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
-#include "skinctl/calibration/learnt_fill_in.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/cell_graph.hpp"
 #include "skinctl/tactile/fill_in.hpp"
@@ -62,18 +61,12 @@ int main() {
   const auto cells = cell_places(ur5::skin_patches<count>());
   const CellGraph graph(cells);
   Random rng = seeded(20261123);
-  std::vector<float> frames;
-  for (int k = 0; k < 3000; ++k) {
-    const Pressing body = anywhere(rng, cells, graph, pitch * uniform(rng, 0.7, 2.5));
-    for (const double p : pushes(cells, std::span(&body, 1))) frames.push_back(static_cast<float>(p));
-  }
-  const FillIn mean(graph), learnt = learnt_fill_in(graph, frames), field(graph, cells);
+  const FillIn mean(graph), field(graph, cells);
   std::printf("error of the torque [%% of the healthy skin's, mean of %d contacts]\n", contacts);
-  std::printf(
-      "radius [pitches]   masked   left out   mean of neighbours   learnt on other contacts   two rings\n");
+  std::printf("radius [pitches]   masked   left out   mean of neighbours   two rings\n");
   for (const double radius : {0.7, 1.1, 1.6, 2.0, 2.5})
     for (const double share : {0.1, 0.3}) {
-      double error[4] = {};
+      double error[3] = {};
       int felt = 0;
       while (felt < contacts) {
         const Pressing body = anywhere(rng, cells, graph, pitch * radius);
@@ -87,23 +80,21 @@ int main() {
         JointPosition<6> q;
         for (double& x : q) x = uniform(rng, -3.0, 3.0);
 
-        std::array<std::vector<double>, 4> less{push, push, push, push};
+        std::array<std::vector<double>, 3> less{push, push, push};
         const auto reading = [&](std::size_t j) { return push[j]; };
         const auto counts = [&](std::size_t j) { return !masked[j]; };
         for (std::size_t i = 0; i < count; ++i)
           if (masked[i]) {
             less[0][i] = push[i], less[1][i] = push[i] - mean.filled(i, reading, counts);
-            less[2][i] = push[i] - learnt.filled(i, reading, counts);
-            less[3][i] = push[i] - field.filled(i, reading, counts);
+            less[2][i] = push[i] - field.filled(i, reading, counts);
           } else {
-            less[0][i] = less[1][i] = less[2][i] = less[3][i] = 0;
+            less[0][i] = less[1][i] = less[2][i] = 0;
           }
         const double whole = size(torque(q, cells, push));
-        for (std::size_t m = 0; m < 4; ++m) error[m] += size(torque(q, cells, less[m])) / whole;
+        for (std::size_t m = 0; m < 3; ++m) error[m] += size(torque(q, cells, less[m])) / whole;
       }
-      std::printf("%16.1f   %4.0f %%   %6.1f %%   %16.1f %%   %22.1f %%   %7.1f %%\n", radius, 100 * share,
-                  100 * error[0] / contacts, 100 * error[1] / contacts, 100 * error[2] / contacts,
-                  100 * error[3] / contacts);
+      std::printf("%16.1f   %4.0f %%   %6.1f %%   %16.1f %%   %7.1f %%\n", radius, 100 * share,
+                  100 * error[0] / contacts, 100 * error[1] / contacts, 100 * error[2] / contacts);
     }
   return 0;
 }

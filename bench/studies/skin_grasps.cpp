@@ -2,15 +2,14 @@
 //
 //   skin_grasps [every n-th recording, 1] [seconds that each grasp is held, 10]
 //
-// The recordings have no proximity and no noise of single samples: both are made up. 2 % of the taxels are blind. A tap
-// of 6 ms on a taxel, that its neighbours feel by 40 %, comes every 2 s.
+// The recordings have no proximity and no noise of single samples: both are made up. 2 % of the taxels are
+// blind. A tap of 6 ms on a taxel, that its neighbours feel by 40 %, comes every 2 s.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 
 #include "bench/studies/worlds/recorded_grasps.hpp"
-#include "skinctl/calibration/learnt_fill_in.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/trusted_skin.hpp"
@@ -104,47 +103,31 @@ void play(const RecordedGrasp& grasp, double held, std::uint64_t seed, FalseMask
 void fill_in(const std::vector<RecordedGrasp>& grasps) {
   const CellGraph graph = of_fingers();
   const FillIn mean(graph);
-  std::printf(
-      "\nmasked   left out   mean of the finger   learnt on other objects   [error of the force on a "
-      "finger]\n");
+  std::printf("\nmasked   left out   mean of the finger   [error of the force on a finger]\n");
   for (const double share : {0.1, 0.3}) {
     Normal normal(5);
-    double left_out = 0, by_mean = 0, by_learnt = 0, all = 0;
-    std::string object;
-    std::unique_ptr<FillIn> learnt;
+    double left_out = 0, by_mean = 0, all = 0;
     for (const RecordedGrasp& g : grasps) {
-      if (g.object != object) {
-        object = g.object;
-        std::vector<float> frames;
-        for (const RecordedGrasp& other : grasps)
-          if (other.object != object)
-            for (std::size_t f = 0; f < other.frames.size(); f += 5)
-              for (std::size_t i = 0; i < taxels; ++i)
-                frames.push_back(static_cast<float>(other.frames[f][i] - other.rest[i]));
-        learnt = std::make_unique<FillIn>(learnt_fill_in(graph, frames));
-      }
       std::array<bool, taxels> masked{};
       for (bool& x : masked) x = normal.between(0.0, 1.0) < share;
       for (std::size_t f = 0; f < g.frames.size(); f += 5) {
         const auto reading = [&](std::size_t j) { return g.frames[f][j] - g.rest[j]; };
         const auto counts = [&](std::size_t j) { return !masked[j]; };
         for (std::size_t finger = 0; finger < 5; ++finger) {
-          double force = 0, error[3] = {};
+          double force = 0, error[2] = {};
           for (std::size_t i = 12 * finger; i < 12 * finger + 12; ++i) {
             force += reading(i);
             if (!masked[i]) continue;
             error[0] -= reading(i);
             error[1] += mean.filled(i, reading, counts) - reading(i);
-            error[2] += learnt->filled(i, reading, counts) - reading(i);
           }
           if (force < 60) continue;  // not touched
-          left_out += std::abs(error[0]), by_mean += std::abs(error[1]), by_learnt += std::abs(error[2]);
+          left_out += std::abs(error[0]), by_mean += std::abs(error[1]);
           all += force;
         }
       }
     }
-    std::printf("%5.0f %%   %7.1f %%   %17.1f %%   %22.1f %%\n", 100 * share, 100 * left_out / all,
-                100 * by_mean / all, 100 * by_learnt / all);
+    std::printf("%5.0f %%   %7.1f %%   %17.1f %%\n", 100 * share, 100 * left_out / all, 100 * by_mean / all);
   }
 }
 

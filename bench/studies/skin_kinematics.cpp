@@ -1,4 +1,5 @@
-// Study: joints' axes and cells' places from motion, from nothing, over seeds. Baseline: Mittendorfer's method.
+// Study: joints' axes and cells' places from motion, from nothing, over seeds. Baseline: Mittendorfer's
+// method.
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -7,8 +8,8 @@
 #include <ctime>
 #include <string>
 
+#include "bench/studies/worlds/ur5_excitation.hpp"
 #include "examples/worlds/moved_skin.hpp"
-#include "skinctl/calibration/excitation.hpp"
 #include "skinctl/calibration/joint_lines.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/robots/ur5.hpp"
@@ -17,17 +18,6 @@ using namespace skinctl;
 using namespace skinctl::testing;
 
 namespace {
-
-const Eigen::VectorXd home = (Eigen::VectorXd(6) << 0.2, -1.3, 1.2, -1.2, -1.4, 0.3).finished();
-
-ExcitationLimits ur5_limits() {
-  ExcitationLimits l;
-  l.lower = Eigen::VectorXd::Constant(6, -6.28), l.upper = Eigen::VectorXd::Constant(6, 6.28);
-  l.lower(2) = -3.14, l.upper(2) = 3.14;
-  l.velocity = Eigen::VectorXd::Constant(6, 3.14), l.acceleration = Eigen::VectorXd::Constant(6, 25);
-  l.torque = (Eigen::VectorXd(6) << 150, 150, 150, 28, 28, 28).finished();
-  return l;
-}
 
 // Cells of TUM's size on the tubes of a UR5.
 struct TubeSkin {
@@ -200,7 +190,7 @@ class PosesAndJoints {
 
   explicit PosesAndJoints(Random& rng) {
     for (int k = 0; k < poses; ++k) {
-      pose_.push_back(home);
+      pose_.push_back(ur5_home);
       for (Eigen::Index j = 0; j < 6; ++j) pose_.back()(j) += k == 0 ? 0 : uniform(rng, -1.0, 1.0);
     }
   }
@@ -244,14 +234,14 @@ void signals_at(const PosesAndJoints& motion, const MovedSkinSettings& s, double
            Eigen::Vector3d(s.base.transpose() * Eigen::Vector3d::UnitZ()));
 }
 
-// Mittendorfer's method: the robot's kinematics are given; a cell's turn from means at rest, its place from the single
-// sample of largest acceleration of each pose and joint.
+// Mittendorfer's method: the robot's kinematics are given; a cell's turn from means at rest, its place from
+// the single sample of largest acceleration of each pose and joint.
 double baseline(const std::vector<TrueCell>& cells, const MotionRecording& recording,
                 const PosesAndJoints& motion, const MovedSkinSettings& s) {
   std::vector<Eigen::Vector3d> found(cells.size());
   Score score;
   std::vector<Eigen::Matrix3d> turned(cells.size());
-  const Truth at_home = truth_at(home, 0);
+  const Truth at_home = truth_at(ur5_home, 0);
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto l = std::size_t(cells[c].link);
     const CellReadings& r = recording.cells[c];
@@ -317,7 +307,7 @@ int main(int argc, char** argv) {
   const std::size_t count = argc > 2 ? std::size_t(std::atoi(argv[2])) : 60;
   const std::string only = argc > 3 ? argv[3] : "";
   const bool print = seeds <= 2;
-  const SkinExcitation excitation(home, ur5_limits(), {}, ur5::Model{});
+  const SkinExcitation excitation(ur5_home, ur5_limits(), {}, ur5::Model{});
   for (const auto& a : excitation.announcements()) std::printf("%s\n", a.text.c_str());
   std::printf("largest share of a limit: %.2f, of a torque: %.2f\n", excitation.largest_share(ur5_limits()),
               excitation.torque_share(ur5::Model{}, ur5_limits().torque));

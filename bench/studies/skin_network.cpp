@@ -1,10 +1,12 @@
-// The skin's network: how long it takes to organise itself, and to heal, beside a token that walks it depth first.
+// The skin's network: how long it takes to organise itself, and to heal, beside a token that walks it depth
+// first.
 //
 //   skin_network [rows = columns of the sheet, 100] [seeds, 8]
 //
-// A sheet of cells with the PC at a corner, 0.2 ms a hop. Each line: median and worst over the seeds. "labelled": from the PC's
-// first message until the last label is given. "reported": until the PC has the names of all neighbours, without loss, first seed only. "healed":
-// from the fault until all labels are given again and the tree is what an all-seeing search says.
+// A sheet of cells with the PC at a corner, 0.2 ms a hop. Each line: median and worst over the seeds.
+// "labelled": from the PC's first message until the last label is given. "reported": until the PC has the
+// names of all neighbours, without loss, first seed only. "healed": from the fault until all labels are given
+// again and the tree is what an all-seeing search says.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

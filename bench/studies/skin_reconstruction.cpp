@@ -1,11 +1,12 @@
-// The shape of patches of skin from gravity: errors after rigid alignment beside the Procrustes chain's, consistency of the
-// covariances, time, and what is reported when the poses do not show all.
+// The shape of patches of skin from gravity: errors after rigid alignment beside the Procrustes chain's,
+// consistency of the covariances, time, and what is reported when the poses do not show all.
 //
 //   skin_reconstruction [seeds, 8]
 //
-// Accelerometers of a BMA250 (bias 40 mg, scale 1.5 %, noise 9 mg, steps of 1/256 g, 0.3 % across axes), a hundred samples in each
-// of eight poses, joined ports 0.1 mm off. Each pair of numbers: median and worst over the seeds. "bound": the rms error that the
-// covariances predict, which no estimator from the same readings and priors undercuts in the mean (Bayesian Cramer-Rao).
+// Accelerometers of a BMA250 (bias 40 mg, scale 1.5 %, noise 9 mg, steps of 1/256 g, 0.3 % across axes), a
+// hundred samples in each of eight poses, joined ports 0.1 mm off. Each pair of numbers: median and worst
+// over the seeds. "bound": the rms error that the covariances predict, which no estimator from the same
+// readings and priors undercuts in the mean (Bayesian Cramer-Rao).
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -76,8 +77,9 @@ int main(int argc, char** argv) {
     std::fflush(stdout);
   }
 
-  // A turn of a sensor in its cell looks like a turn of the cell: only loops of connectors tell them apart, and twenty cells
-  // have few. "exact": the bound of readings without cross-axis errors, 0.9 mg, between ports that meet to 0.01 mm.
+  // A turn of a sensor in its cell looks like a turn of the cell: only loops of connectors tell them apart,
+  // and twenty cells have few. "exact": the bound of readings without cross-axis errors, 0.9 mg, between
+  // ports that meet to 0.01 mm.
   std::printf("\nTwenty cells of 0.7 deg by the loops between them, rms over 200 seeds\n");
   std::printf("%-12s %6s %10s %10s %17s %10s %10s %17s %12s\n", "tube [mm]", "loops", "fit [deg]",
               "bound [deg]", "exact [deg]", "fit [mm]", "bound [mm]", "exact [mm]", "below 1.1 deg");

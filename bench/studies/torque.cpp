@@ -1,7 +1,6 @@
 // Arms by torque with the gains of `tracking_settings`: whether they run away behind a delay, with dry
 // friction and with a payload that is not as told; and what friction and a lost payload cost.
 // `torque [SEED] [SCENES]`, a minute.
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 

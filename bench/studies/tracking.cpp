@@ -1,6 +1,6 @@
 // How well a joint law tracks on a UR5: the time base against its closed form, wrong inertial parameters and
-// a cycle of delay against computed torque with PD and PID. `tracking [FOLDER]`, a few seconds; with a folder also two
-// pictures of the tables: time_base.svg, parameters.svg.
+// a cycle of delay against computed torque with PD and PID. `tracking [FOLDER]`, a few seconds; with a folder
+// also two pictures of the tables: time_base.svg, parameters.svg.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

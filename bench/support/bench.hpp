@@ -30,8 +30,9 @@ class CountAllocations {
   testing::AllocationGuard guard_;
 };
 
-/// What `make()` returns, called where GCC does not see it: it takes a function that always calls a cold one (a
-/// constructor, `start`) for cold as a whole, and would compile the measured loop beside that call for size.
+/// What `make()` returns, called where GCC does not see it: it takes a function that always calls a cold one
+/// (a constructor, `start`) for cold as a whole, and would compile the measured loop beside that call for
+/// size.
 template <class F>
 auto prepared(const F& make) {
   decltype(make()) (*volatile call)(const F&) = [](const F& f) { return f(); };

@@ -16,8 +16,8 @@ extern const char __executable_start, etext;  // NOLINT: the linker's names
 
 namespace skinctl::bench {
 
-/// Pushes this program's code, and `bytes` from `data` on, out of all caches. Elsewhere than on x86-64 by reading
-/// much else, which leaves code where it is.
+/// Pushes this program's code, and `bytes` from `data` on, out of all caches. Elsewhere than on x86-64 by
+/// reading much else, which leaves code where it is.
 inline void flush(const void* data, std::size_t bytes) {
 #if defined(__x86_64__)
   const auto lines = [](const char* from, const char* to) {

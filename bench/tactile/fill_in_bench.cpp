@@ -1,4 +1,5 @@
-// What silent cells cost a trusted skin that fills them in: a cycle without a sample, all other cells pressed.
+// What silent cells cost a trusted skin that fills them in: a cycle without a sample, all other cells
+// pressed.
 #include <memory>
 #include <vector>
 

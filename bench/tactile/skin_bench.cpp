@@ -15,8 +15,8 @@ namespace {
 enum class Readings { at_rest, pressed };
 
 /// `events` samples of different cells in a cycle of 2 ms. With `events` > 0 the row is the time of one
-/// event, the time of an empty cycle included in proportion; else the time of the cycle. All cells take their turn,
-/// in another order each time: they keep alive, and none fades.
+/// event, the time of an empty cycle included in proportion; else the time of the cycle. All cells take their
+/// turn, in another order each time: they keep alive, and none fades.
 template <std::size_t Cells, class T>
 void receive(benchmark::State& state, std::size_t events, Readings readings, std::size_t substeps) {
   const auto skin = ur5_skin<Cells, T>({10, 3});

@@ -43,7 +43,8 @@ class ClockedDriver {
   }
 
   skinctl::Heard wait(skinctl::State<joints>& state) noexcept;
-  /// False when it was refused: see `fault()`. While the controller is silent nothing asks, and nothing is sent.
+  /// False when it was refused: see `fault()`. While the controller is silent nothing asks, and nothing is
+  /// sent.
   bool send(const skinctl::PositionCommand<joints>& c) noexcept {
     for (std::size_t i = 0; i < joints; ++i) target_[i] = c.position[i];
     return go(target_);
@@ -95,7 +96,8 @@ class ClockedDriver {
   void judge_counting(std::uint64_t unit, std::int64_t cycles, Clock::duration since) const;
   ClockFault judge(const ClockedStateOf<joints>& s, std::int64_t& ahead) noexcept;
   bool answer(const Joints& q, bool last = false) noexcept;
-  /// The command of a cycle; of one whose state has not come it is kept, for the answer that its number may need.
+  /// The command of a cycle; of one whose state has not come it is kept, for the answer that its number may
+  /// need.
   bool go(const Joints& q, bool last = false) noexcept {
     if (silent_ > 0 && unsent_count_ < unsent_.size()) unsent_[unsent_count_++] = q;
     return answer(q, last);
@@ -323,8 +325,8 @@ bool ClockedDriver<P>::answer(const Joints& q, bool last) noexcept {
   return true;
 }
 
-/// From the motion of the last answers to rest: the velocity is a cubic in time, with the acceleration that it has.
-/// Its jerk is largest at the beginning, (6 v + 4 a T) / T^2.
+/// From the motion of the last answers to rest: the velocity is a cubic in time, with the acceleration that
+/// it has. Its jerk is largest at the beginning, (6 v + 4 a T) / T^2.
 template <ClockProtocol P>
 void ClockedDriver<P>::brake() noexcept {
   const auto before = sent_;

@@ -24,7 +24,8 @@ struct ClockedStateOf {
 };
 using ClockedState = ClockedStateOf<6>;
 
-/// The bytes of a controller, and the dialogue around them. `open` may throw `ConnectionError`; the rest does not.
+/// The bytes of a controller, and the dialogue around them. `open` may throw `ConnectionError`; the rest does
+/// not.
 template <class P>
 concept ClockProtocol =
     requires(P& p, const P& c, std::span<const std::uint8_t> in, ClockedStateOf<P::joints>& state,

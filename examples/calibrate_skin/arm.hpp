@@ -48,7 +48,8 @@ class Arm {
   Stand go(const JointAngles6& q, double speed = 0.8);
   /// Stays where it is told to be [s].
   void stay(double duration);
-  /// Along `path` [rad], from where it is at 0; a second of rest is added at both ends, and the times count from its beginning.
+  /// Along `path` [rad], from where it is at 0; a second of rest is added at both ends, and the times count
+  /// from its beginning.
   [[nodiscard]] Ride follow(const std::function<skinctl::JointPoint(double)>& path, double duration);
 
  private:

@@ -26,7 +26,8 @@ struct ArmOptions {
   std::uint16_t rtde_port = 0, script_port = 0,
                 dashboard_port = 0;  ///< of the host; 0: as the maker has them
   bool own_clock = false;  ///< the host is a simulation: its clock need not agree with this computer's
-  /// At the joints [N m/A]: of the order of what others measured for a UR5. All masses that are found scale with it.
+  /// At the joints [N m/A]: of the order of what others measured for a UR5. All masses that are found scale
+  /// with it.
   JointAngles6 torque_per_ampere = {12.5, 12.5, 12.5, 9, 9, 9};
   const std::atomic<bool>* stop = nullptr;  ///< set: the arm stops, and `Interrupted` is thrown
   std::function<void(const std::string&)> say = [](const std::string&) {};
@@ -58,14 +59,15 @@ struct Options {
       [](const std::vector<std::string>&) { return true; };
 };
 
-/// Does the steps that are missing in the folder, on the skin of this seed, as `run_steps` says, and writes the results; with `truth`
-/// also the skin file of the cells where they truly are. How many cells `skin.json` has; nothing where a step behind `until` is
-/// left. Throws what `run_steps` and `write_results` throw, and `ConfigurationError` for a folder with a calibration of other options.
+/// Does the steps that are missing in the folder, on the skin of this seed, as `run_steps` says, and writes
+/// the results; with `truth` also the skin file of the cells where they truly are. How many cells `skin.json`
+/// has; nothing where a step behind `until` is left. Throws what `run_steps` and `write_results` throw, and
+/// `ConfigurationError` for a folder with a calibration of other options.
 std::optional<std::size_t> calibrate(const Options& options, std::uint64_t seed, const std::string& again,
                                      const std::string& until, const std::string& truth);
 
-/// Writes the simulated skin of a seed for a robot that wears it: `worn.json`, a skin file of all cells where they are, and
-/// `network.json`, what their network reports.
+/// Writes the simulated skin of a seed for a robot that wears it: `worn.json`, a skin file of all cells where
+/// they are, and `network.json`, what their network reports.
 void write_worn(const fs::path& folder, std::uint64_t seed);
 
 }  // namespace calibrate_skin

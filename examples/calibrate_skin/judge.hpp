@@ -19,8 +19,8 @@ struct SkinError {
 /// The index of a patch's link. Throws `std::runtime_error` for a name that no link has.
 [[nodiscard]] std::size_t link_of(const skinctl::SkinFile::Patch& patch);
 
-/// Calibrates into `folder` without a camera, on a simulated robot that wears the skin of this seed and sends its datagrams over
-/// a socket, of which a share is lost. Shares with the reader no more than these.
+/// Calibrates into `folder` without a camera, on a simulated robot that wears the skin of this seed and sends
+/// its datagrams over a socket, of which a share is lost. Shares with the reader no more than these.
 [[nodiscard]] SkinError over_wire(const fs::path& folder, std::uint64_t seed, double loss);
 
 /// The model of a calibration against the robot as it is, in a hundred postures, rotors included.
@@ -39,8 +39,9 @@ struct JobTouch {
   double force[2] = {0, 0};       ///< peak of the finger's [N]: calibrated, true
   double deflection[2] = {0, 0};  ///< farthest that the touched point gave way [m]
 };
-/// Runs the main job twice on a simulated robot that wears the true skin: with `folder`/skin.json and with the truth. Upper arm,
-/// forearm and first wrist are touched. Throws `std::runtime_error` if a run does not end as it should.
+/// Runs the main job twice on a simulated robot that wears the true skin: with `folder`/skin.json and with
+/// the truth. Upper arm, forearm and first wrist are touched. Throws `std::runtime_error` if a run does not
+/// end as it should.
 [[nodiscard]] std::vector<JobTouch> main_job_on(const fs::path& folder, const World& world);
 
 }  // namespace calibrate_skin

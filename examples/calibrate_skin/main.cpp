@@ -1,4 +1,5 @@
-// Calibrates a skin that was glued on this morning: from cells without names to a skin file, a robot model and a report.
+// Calibrates a skin that was glued on this morning: from cells without names to a skin file, a robot model
+// and a report.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +10,7 @@
 #include "examples/calibrate_skin/calibration.hpp"
 #include "examples/support/job.hpp"
 #include "examples/support/output_file.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace {
@@ -91,11 +93,7 @@ int run(int argc, char** argv) {
                  "also write the simulated skin as it truly is, as a skin file to judge by");
   app.add_flag("--quiet", quiet, "print errors only");
   app.footer(job::exit_help());
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const job::StopSignals signals;
   options.folder = folder;
   examples::refuse_own_input((options.folder / "skin.json").string(), {options.placed.string()});

@@ -1,4 +1,5 @@
-// The robot's masses, friction and rotors from its currents: the motion that shows them, the fit, and what it is worth.
+// The robot's masses, friction and rotors from its currents: the motion that shows them, the fit, and what it
+// is worth.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +40,8 @@ struct FoundMasses {
   int base = 0;                            ///< numbers of the bodies that torques show
   std::vector<double> values, deviations;  ///< of these
   bool converged = false;
-  /// Torques of the last fifth of the recording, which the fit has not seen: R^2 of each joint, and by the maker's bodies.
+  /// Torques of the last fifth of the recording, which the fit has not seen: R^2 of each joint, and by the
+  /// maker's bodies.
   JointAngles6 predicted{}, predicted_by_maker{};
 };
 /// `fit_inertia` on all but the last fifth of a recording. Throws as it does.
@@ -57,9 +59,10 @@ struct FoundAxes {
 [[nodiscard]] Eigen::Matrix<double, 6, 6> mass_of(const FoundModel& model, const RobotMasses& masses,
                                                   const JointAngles6& q);
 
-/// A simulated UR5 of these masses follows a motion that no fit has seen by direct torque over its protocol, 500 times a second:
-/// `Y_r Theta` of a model, its friction and rotors, and the same feedback. The rms of the joints' errors [rad]. Throws what
-/// `adapters::ur5::Driver` throws, and `std::runtime_error` where the robot is lost.
+/// A simulated UR5 of these masses follows a motion that no fit has seen by direct torque over its protocol,
+/// 500 times a second: `Y_r Theta` of a model, its friction and rotors, and the same feedback. The rms of the
+/// joints' errors [rad]. Throws what `adapters::ur5::Driver` throws, and `std::runtime_error` where the robot
+/// is lost.
 /// @param model  nullptr: the maker's bodies and axes.
 [[nodiscard]] double following_error(const RobotMasses& truth, const FoundModel* model,
                                      const RobotMasses& friction);

@@ -1,4 +1,5 @@
-// What each step of a calibration does: from files of the folder, the robot and the skin to the contents of its own file.
+// What each step of a calibration does: from files of the folder, the robot and the skin to the contents of
+// its own file.
 #pragma once
 
 #include <string>
@@ -19,8 +20,8 @@ namespace calibrate_skin {
 [[nodiscard]] Json masses_step(const World& world, const Options& options);
 [[nodiscard]] Json result_step(const World& world, const Options& options);
 
-/// Into `placed`, where the patches of `shapes` lie whose first cell is in `file`, as the placing page saves it. Throws
-/// `std::runtime_error` if that lies on another link than it moves with (`moved`).
+/// Into `placed`, where the patches of `shapes` lie whose first cell is in `file`, as the placing page saves
+/// it. Throws `std::runtime_error` if that lies on another link than it moves with (`moved`).
 void place_by(const skinctl::SkinFile& file, const Json& shapes, const Json& moved, Json& placed);
 /// Throws `ConfigurationError` if nobody agrees to this motion.
 void ask(const Options& options, std::vector<std::string> announcement);

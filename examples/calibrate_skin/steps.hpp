@@ -15,22 +15,23 @@ namespace calibrate_skin {
 class World;
 using Json = nlohmann::json;
 
-/// A step: its name, the file it writes, and what it is for. Each reads what those before it wrote; a text in `"said"` of its
-/// result is for the user.
+/// A step: its name, the file it writes, and what it is for. Each reads what those before it wrote; a text in
+/// `"said"` of its result is for the user.
 struct Step {
   std::string name, file, purpose;
   std::function<Json()> run;
 };
 [[nodiscard]] std::vector<Step> steps_of(const Options& options, const World& world);
 
-/// Runs the steps whose files are missing, and all behind the first of them or behind `again`; then writes the results. Before
-/// a step runs, the files of what stands on it are removed. With `until` it ends behind that step, true if that was not the last. Throws `ConfigurationError` or `std::runtime_error` with the step's
-/// name, and `Interrupted`; the files of the steps before it stay.
+/// Runs the steps whose files are missing, and all behind the first of them or behind `again`; then writes
+/// the results. Before a step runs, the files of what stands on it are removed. With `until` it ends behind
+/// that step, true if that was not the last. Throws `ConfigurationError` or `std::runtime_error` with the
+/// step's name, and `Interrupted`; the files of the steps before it stay.
 bool run_steps(const Options& options, const World& world, const std::string& again = {},
                const std::string& until = {});
 
-/// From `result.json` and `lines.json`, each whatever becomes of the others: `skin.json`, `model.urdf`, `dh.txt`, `report.html`. Throws `std::runtime_error` if no
-/// patch is known well enough for a skin file.
+/// From `result.json` and `lines.json`, each whatever becomes of the others: `skin.json`, `model.urdf`,
+/// `dh.txt`, `report.html`. Throws `std::runtime_error` if no patch is known well enough for a skin file.
 void write_results(const Options& options);
 
 /// Throws `std::runtime_error` for a file that is missing or no JSON.

@@ -2,8 +2,9 @@
 //
 //   calibrate_skin_study [seeds, 8] [by_hand]
 //
-// Per seed: cells that count, their errors of place and turn against the truth (rms, worst), and force and way of the main job with the
-// calibrated file, relative to the job with the true one: the farthest of three touches.
+// Per seed: cells that count, their errors of place and turn against the truth (rms, worst), and force and
+// way of the main job with the calibrated file, relative to the job with the true one: the farthest of three
+// touches.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -22,8 +22,8 @@ class WireSkin {
   /// Forgets what was kept, and keeps what comes from now on.
   void begin() { kept_.clear(); }
 
-  /// Mean reading since `begin` [g]. Throws `std::runtime_error`, in words with the id and what arrived, for a cell of which less
-  /// than `least` measurements have come.
+  /// Mean reading since `begin` [g]. Throws `std::runtime_error`, in words with the id and what arrived, for
+  /// a cell of which less than `least` measurements have come.
   [[nodiscard]] Eigen::Vector3d mean(std::uint16_t id, std::size_t least) const;
   /// Readings since `begin`, with times from `from` of the robot's clock on. Throws as `mean`.
   [[nodiscard]] skinctl::CellReadings readings(std::uint16_t id, skinctl::Nanoseconds from, double duration,

@@ -1,4 +1,5 @@
-// A skin whose accelerations come over a socket beside the one that is simulated in the program: places of cells, by motion alone.
+// A skin whose accelerations come over a socket beside the one that is simulated in the program: places of
+// cells, by motion alone.
 //
 //   calibrate_skin_wire [seeds, 3]
 #include <cstdio>

@@ -49,7 +49,8 @@ SkinTopology topology_of(const std::vector<World::Cell>& cells) {
             size[to] += size[from];
           }
     }
-  // A wire from the box to the first free port of each piece; single cells are left over, but for the last link's.
+  // A wire from the box to the first free port of each piece; single cells are left over, but for the last
+  // link's.
   std::vector<bool> wired(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i)
     for (std::size_t p = 0; p < 4; ++p) {

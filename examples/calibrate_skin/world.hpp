@@ -1,4 +1,5 @@
-// A simulated UR5 with a skin that was glued on this morning: what its network, its accelerometers and a camera report.
+// A simulated UR5 with a skin that was glued on this morning: what its network, its accelerometers and a
+// camera report.
 #pragma once
 
 #include <array>
@@ -20,7 +21,8 @@ namespace calibrate_skin {
 
 /// Where the robot stands before each motion.
 inline constexpr JointAngles6 home = {0.2, -1.6, 0.9, -0.9, -1.4, 0.3};
-/// Joints of the elbow and behind it, and the flange, stay that far above the foot of the robot in all motions [m].
+/// Joints of the elbow and behind it, and the flange, stay that far above the foot of the robot in all
+/// motions [m].
 inline constexpr double clearance = 0.10;
 
 /// The lowest of these in a posture [m].
@@ -79,20 +81,19 @@ class World {
   [[nodiscard]] const RobotMasses& robot() const noexcept { return robot_; }
   /// Poses in which gravity turns as much as it can in every link.
   [[nodiscard]] std::vector<JointAngles6> rest_poses() const;
-  /// Mean readings of a hundred samples where the robot stood [g]. `by_hand`: the cell's patch was turned by hand before it was
-  /// glued on.
+  /// Mean readings of a hundred samples where the robot stood [g]. `by_hand`: the cell's patch was turned by
+  /// hand before it was glued on.
   [[nodiscard]] std::vector<Eigen::Vector3d> at_rest(std::uint16_t id, const std::vector<JointAngles6>& poses,
                                                      bool by_hand) const;
   /// What the cells of these ids felt of a motion.
   [[nodiscard]] skinctl::MotionRecording moved(const std::vector<std::uint16_t>& ids, const Ride& ride) const;
   [[nodiscard]] std::vector<JointAngles6> camera_poses() const;
-  /// The lights of cells that show in the camera, but a seventh; with `errors` half a pixel off, a tenth read as other cells
-  /// and a tenth anywhere.
+  /// The lights of cells that show in the camera, but a seventh; with `errors` half a pixel off, a tenth read
+  /// as other cells and a tenth anywhere.
   [[nodiscard]] CameraReport seen(const std::vector<JointAngles6>& stood, bool errors = true) const;
   /// As a person would put the marker: 30 mm and 15 deg off.
   [[nodiscard]] skinctl::FitPose placed_by_hand(std::uint16_t root) const;
   [[nodiscard]] skinctl::FitPose camera_by_hand() const;
-  [[nodiscard]] const skinctl::FitPose& true_camera() const noexcept { return X_BaseCam_; }
 
  private:
   std::uint64_t seed_;

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "examples/compliant_allegro/run.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/io/formatted.hpp"
 
@@ -54,11 +55,7 @@ int run(int argc, char** argv) {
   app.add_option("--report", s.report, "HTML report with plots");
   app.add_option("--json", s.json, "summary as JSON");
   app.add_flag("--quiet", s.quiet, "print errors and assumptions only");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const bool real = !s.can.empty() || !s.udp.empty();
   if (simulate && real)
     throw skinctl::ConfigurationError("--simulate and a real hand's address: one of them");
@@ -106,22 +103,11 @@ int run(int argc, char** argv) {
         log.max_us);
     write(s.json, line);
   }
-  if (end != Exit::fine)
-    std::fprintf(stderr, "compliant_allegro: %s%s%s\n", examples::job::words(end),
-                 log.reason.empty() ? "" : ": ", log.reason.c_str());
-  return examples::job::code(end);
+  return examples::job::ended("compliant_allegro", end, log.reason);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const skinctl::ConfigurationError& e) {
-    std::fprintf(stderr, "compliant_allegro: %s\n", e.what());
-    return examples::job::code(Exit::refused);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "compliant_allegro: %s\n", e.what());
-    return examples::job::code(Exit::lost);
-  }
+  return examples::job::main_of("compliant_allegro", run, argc, argv);
 }

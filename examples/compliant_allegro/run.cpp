@@ -26,8 +26,8 @@ std::string text(const char* format, double value) {
   return out;
 }
 
-/// While the hand holds something, what its cells feel of that is no touch to give way to: readings count above
-/// `level` only.
+/// While the hand holds something, what its cells feel of that is no touch to give way to: readings count
+/// above `level` only.
 template <class Skin>
 struct GripSkin {
   Skin skin;
@@ -97,7 +97,8 @@ Exit run_on(Link link, const Settings& s, const std::atomic<bool>& stop,
     if (std::string_view(g.name) == "open" && g.at > closes) opens = g.at;
   }
 
-  // The first joints of a left hand's fingers turn about the same axis, so a mirrored posture has them negated.
+  // The first joints of a left hand's fingers turn about the same axis, so a mirrored posture has them
+  // negated.
   const auto goal_of = [&](std::size_t k) {
     JointPosition<16> q(s.task[k].q);
     for (std::size_t i = 0; i < 12 && who.side == Side::left; i += 4) q[i] = -q[i];

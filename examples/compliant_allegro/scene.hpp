@@ -19,7 +19,8 @@ using HandSkin = skinctl::SkinOf<HandModel, double, 16>;
 inline auto make_scene(const Settings& s, Side side, const adapters::allegro::TorqueScale& scale,
                        skinctl::Nanoseconds period, skinctl::Nanoseconds lag) {
   using namespace skinctl;
-  // The joints' own friction, which no maker states, is left alone: it calms the hand and costs the last millimetres.
+  // The joints' own friction, which no maker states, is left alone: it calms the hand and costs the last
+  // millimetres.
   const auto hand =
       by_torque(skinctl::allegro::hand(side),
                 {.limits = adapters::allegro::limits(scale), .period = period, .delay = lag + 1ms},

@@ -43,8 +43,8 @@ class CellFinder {
   std::array<CellPose, 16> cells_;
 };
 
-/// Touches that the cells felt, apart from the time when the hand presses by itself; without cells those of the
-/// simulation.
+/// Touches that the cells felt, apart from the time when the hand presses by itself; without cells those of
+/// the simulation.
 std::vector<TouchSummary> touches_of(const Settings& s, const RunLog& log, double closes, double opens) {
   std::vector<TouchSummary> out;
   const auto on = [&](const LogEntry& e, std::size_t k) {

@@ -4,6 +4,7 @@
 
 #include "examples/adapters/franka/libfranka_driver.hpp"
 #include "examples/compliant_arm/scene.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/io/urdf.hpp"
 
@@ -96,11 +97,7 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(0.1, 100.0));
   app.add_option("--duration", s.duration, "[s]")->check(CLI::Range(0.1, 1e6));
   app.add_flag("--any-kernel", any_kernel, "on a kernel without PREEMPT_RT too");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const auto kernel = any_kernel ? ::franka::RealtimeConfig::kIgnore : ::franka::RealtimeConfig::kEnforce;
   const Urdf urdf = read_urdf(SIMULATED_ARM_FR3);
   const auto model = calibrated_from<Chain<7>>(urdf);
@@ -123,13 +120,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const skinctl::ConfigurationError& e) {
-    std::fprintf(stderr, "compliant_fr3: %s\n", e.what());
-    return examples::job::code(Exit::refused);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "compliant_fr3: %s\n", e.what());
-    return examples::job::code(Exit::lost);
-  }
+  return examples::job::main_of("compliant_fr3", run, argc, argv);
 }

@@ -1,5 +1,6 @@
 // compliant_arm: an arm whose controller is the clock gives way at its tool. Stiff by position: KUKA by RSI,
-// ABB by EGM, FANUC by stream motion. On springs, by joint impedance: KUKA's iiwa by FRI, Franka's FR3 by FCI.
+// ABB by EGM, FANUC by stream motion. On springs, by joint impedance: KUKA's iiwa by FRI, Franka's FR3 by
+// FCI.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
@@ -7,6 +8,7 @@
 
 #include "examples/adapters/socket.hpp"
 #include "examples/compliant_arm/run.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/io/formatted.hpp"
 
@@ -129,11 +131,7 @@ int run(int argc, char** argv) {
       ->check(CLI::IsMember({0.0, 1.0}));
   app.add_option("--json", s.json, "summary as JSON");
   app.add_flag("--quiet", s.quiet, "print errors only");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   s.simulate = bind.empty() && host.empty();
   if (simulate && !s.simulate) skinctl::refuse("--simulate and a real controller's address: one of them");
   const bool has_host = s.robot == Robot::stream_motion || s.robot == Robot::franka;
@@ -167,22 +165,11 @@ int run(int argc, char** argv) {
     std::ofstream out(s.json);
     if (!(out << json(end, log)).flush()) throw skinctl::ConfigurationError("cannot write " + s.json);
   }
-  if (end != Exit::fine)
-    std::fprintf(stderr, "compliant_arm: %s%s%s\n", examples::job::words(end), log.reason.empty() ? "" : ": ",
-                 log.reason.c_str());
-  return examples::job::code(end);
+  return examples::job::ended("compliant_arm", end, log.reason);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const skinctl::ConfigurationError& e) {
-    std::fprintf(stderr, "compliant_arm: %s\n", e.what());
-    return examples::job::code(Exit::refused);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "compliant_arm: %s\n", e.what());
-    return examples::job::code(Exit::lost);
-  }
+  return examples::job::main_of("compliant_arm", run, argc, argv);
 }

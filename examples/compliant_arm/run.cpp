@@ -46,7 +46,8 @@ double distance(const Xyz<double>& a, const Xyz<double>& b) {
   return std::sqrt(dot(d, d));
 }
 
-/// What may be commanded: a share of what URDF, the user and the robot allow; of RSI around where the arm stands.
+/// What may be commanded: a share of what URDF, the user and the robot allow; of RSI around where the arm
+/// stands.
 template <std::size_t N>
 Limits<N> limits_of_run(const Settings& s, const Urdf& urdf,
                         const std::array<std::array<double, N>, 3>* robot, const std::array<double, N>& at,

@@ -85,7 +85,8 @@ struct RunLog {
   simulated_arm::Standing last;  ///< of the simulated arm
 };
 
-/// Throws `ConfigurationError` for what is refused, `ConnectionError` for a controller that cannot be reached.
+/// Throws `ConfigurationError` for what is refused, `ConnectionError` for a controller that cannot be
+/// reached.
 examples::job::Exit run(const Settings& settings, const std::atomic<bool>& stop, RunLog& log);
 
 }  // namespace compliant_arm

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 #include "examples/compliant_arm/run.hpp"
 #include "skinctl/control/gravity_control.hpp"
@@ -118,9 +119,9 @@ auto make_scene(const Kind& kind, const Model<Kind::joints>& model, const Settin
   using namespace skinctl;
   constexpr std::size_t N = Kind::joints;
   const auto arm = kind.robot(model, s, limits, heavier, hand(s));
-  auto back = tracking_settings(arm);
-  back.lambda = 12 / std::sqrt(heavier);
-  back.K_c = 4 / std::sqrt(heavier);
+  auto back = tracking_settings(arm, limits.jerk);
+  back.lambda = std::min(back.lambda, 12 / std::sqrt(heavier));
+  back.K_c = std::min(back.K_c, 4 / std::sqrt(heavier));
   back.tb = {};
   back.max_velocity = JointVelocity<N>::constant(0.3);
   return Cycle(arm, kind.touch(model, s, heavier),

@@ -15,7 +15,7 @@ inline compliant_ur5::CarriedHand carried(skinctl::allegro::Side side, const std
   using namespace skinctl;
   const auto fingers = centre_of_mass(allegro::hand(side), JointPosition<16>(q));
   const auto& palm = allegro::palm;
-  const Xyz<double> f = fingers.p.xyz;
+  const Xyz<double> f = fingers.p;
   compliant_ur5::CarriedHand out;
   out.mass = fingers.mass + palm.mass;
   const double places[3] = {f.x, f.y, f.z};

@@ -10,6 +10,7 @@
 #include "examples/compliant_ur5/run.hpp"
 #include "examples/compliant_ur5/skin.hpp"
 #include "examples/support/machine_watch.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace {
@@ -63,11 +64,7 @@ int run(int argc, char** argv) {
   app.add_option("--hand-unplugged-at", hand.faults.unplug_at,
                  "simulated: the hand's link goes at this time [s]");
   app.add_flag("--quiet", quiet, "print errors and assumptions only");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   if (simulate && !(robot.empty() && hand.can.empty() && hand.udp.empty()))
     throw skinctl::ConfigurationError("--simulate and a real device's address: one of them");
   if (!robot.empty()) arm.robot = robot;
@@ -140,22 +137,12 @@ int run(int argc, char** argv) {
         us(0.5), us(0.99), us(0.999), static_cast<unsigned long long>(machine.by_a_millisecond()),
         static_cast<unsigned long long>(machine.late().count()));
   }
-  if (ran.exit() != Exit::fine)
-    std::fprintf(stderr, "compliant_arm_and_hand: %s%s%s\n", examples::job::words(ran.exit()),
-                 hand_log.reason.empty() ? "" : ": the hand: ", hand_log.reason.c_str());
-  return examples::job::code(ran.exit());
+  return examples::job::ended("compliant_arm_and_hand", ran.exit(),
+                              hand_log.reason.empty() ? "" : "the hand: " + hand_log.reason);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const skinctl::ConfigurationError& e) {
-    std::fprintf(stderr, "compliant_arm_and_hand: %s\n", e.what());
-    return examples::job::code(Exit::refused);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "compliant_arm_and_hand: %s\n", e.what());
-    return examples::job::code(Exit::lost);
-  }
+  return examples::job::main_of("compliant_arm_and_hand", run, argc, argv);
 }

@@ -24,8 +24,8 @@ struct End {
 
 struct Pair {
   End arm, hand;
-  /// Of the one that ended badly first: a hand that is lost makes the arm blind, too. One that was stopped because of
-  /// the other is not the reason.
+  /// Of the one that ended badly first: a hand that is lost makes the arm blind, too. One that was stopped
+  /// because of the other is not the reason.
   [[nodiscard]] Exit exit() const noexcept {
     const auto reason = [](const End& e) { return e.exit != Exit::fine && !e.stopped_with_other; };
     if (reason(arm) && reason(hand)) return arm.order < hand.order ? arm.exit : hand.exit;
@@ -35,9 +35,9 @@ struct Pair {
   }
 };
 
-/// Runs `arm(stop)` and `hand(stop)`, each on a thread of its own; each gives an exit and stops its device by itself
-/// when its flag is set. `asked` stops both; so does the end of one that is not `fine`. A job that is done well
-/// leaves the other one to its work.
+/// Runs `arm(stop)` and `hand(stop)`, each on a thread of its own; each gives an exit and stops its device by
+/// itself when its flag is set. `asked` stops both; so does the end of one that is not `fine`. A job that is
+/// done well leaves the other one to its work.
 template <class Arm, class Hand>
 Pair run_both(Arm&& arm, Hand&& hand, const std::atomic<bool>& asked) {
   Pair out;

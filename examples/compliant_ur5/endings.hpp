@@ -1,4 +1,5 @@
-// How the main job ends: one table, from which the program, its `--help` and its README take reaction, time and words.
+// How the main job ends: one table, from which the program, its `--help` and its README take reaction, time
+// and words.
 #pragma once
 
 #include <array>

@@ -10,8 +10,8 @@
 
 namespace compliant_ur5 {
 
-/// Judges once a cycle, from the memory of the scene's resolver. A finger that holds the arm is no fault: while the skin
-/// feels a touch, and 0.5 s after it, a standing joint does not count.
+/// Judges once a cycle, from the memory of the scene's resolver. A finger that holds the arm is no fault:
+/// while the skin feels a touch, and 0.5 s after it, a standing joint does not count.
 template <std::size_t N>
 class FollowingJudge {
  public:

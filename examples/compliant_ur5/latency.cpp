@@ -9,6 +9,7 @@
 #include "examples/compliant_ur5/tests/beside.hpp"
 #include "examples/simulated_ur5/faults.hpp"
 #include "examples/support/machine_watch.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/hardware/histogram.hpp"
 
 namespace {
@@ -77,11 +78,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
   app.add_flag("--simulate", simulate, "a simulated UR5 (there is no other)");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const job::StopSignals signals;
   using namespace compliant_ur5;
   Settings s;

@@ -1,5 +1,5 @@
-// ur5_long_run: hours' worth of cycles of a law, a driver and a simulated UR5 in lock-step: what leaks, what drifts, which state
-// was missed. `ur5_long_run 8` is a working day: 3.6 million cycles at 125 Hz.
+// ur5_long_run: hours' worth of cycles of a law, a driver and a simulated UR5 in lock-step: what leaks, what
+// drifts, which state was missed. `ur5_long_run 8` is a working day: 3.6 million cycles at 125 Hz.
 //
 // Promise: a working day leaks nothing, drifts nowhere, misses nothing
 // Tried: 3.6 million cycles of law, driver and simulated UR5 in lock-step: heap in use 182 kB after ten
@@ -18,6 +18,7 @@
 #include "examples/adapters/ur5/driver.hpp"
 #include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/spline_joint.hpp"
 #include "skinctl/cycle/cycle.hpp"
@@ -61,11 +62,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--simulate", simulate, "a simulated UR5 (there is no other)");
   app.add_flag("--quiet", quiet, "no progress");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const job::StopSignals signals;
 
   simulated_ur5::Config simulated;

@@ -10,6 +10,7 @@
 #include "examples/compliant_ur5/report.hpp"
 #include "examples/compliant_ur5/run.hpp"
 #include "examples/support/output_file.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace {
@@ -129,11 +130,7 @@ int run(int argc, char** argv) {
       "to the robot and back, beyond one cycle [s]; without it measured before the start (replays need it)");
   app.add_flag("--endings", endings, "print how a run can end, as a table, and leave");
   app.footer(examples::job::exit_help());
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : static_cast<int>(compliant_ur5::Outcome::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   if (endings) {
     std::fputs(compliant_ur5::endings_as_markdown().c_str(), stdout);
     return 0;
@@ -192,13 +189,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const skinctl::ConfigurationError& e) {
-    std::fprintf(stderr, "compliant_ur5: %s\n", e.what());
-    return static_cast<int>(compliant_ur5::Outcome::refused);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "compliant_ur5: %s\n", e.what());
-    return static_cast<int>(compliant_ur5::Outcome::lost);
-  }
+  return examples::job::main_of("compliant_ur5", run, argc, argv);
 }

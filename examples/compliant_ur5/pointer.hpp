@@ -10,12 +10,13 @@
 
 namespace compliant_ur5 {
 
-/// The topic `/simulation/finger` of a live view: whoever sees the page presses the arm, which is no real one.
+/// The topic `/simulation/finger` of a live view: whoever sees the page presses the arm, which is no real
+/// one.
 ///
-/// A message: `{"press": 7, "link": "forearm_link", "point": [x, y, z], "normal": [x, y, z], "stiffness": 3000,
-/// "travel": 0.06, "aside": [x, y, z]}`, several times a second while it presses. A new number of `press` is a new
-/// press, 0 lifts the finger. Point and normal in the frame of the link that `/tf` calls so, aside in the
-/// base's; m, N/m.
+/// A message: `{"press": 7, "link": "forearm_link", "point": [x, y, z], "normal": [x, y, z], "stiffness":
+/// 3000, "travel": 0.06, "aside": [x, y, z]}`, several times a second while it presses. A new number of
+/// `press` is a new press, 0 lifts the finger. Point and normal in the frame of the link that `/tf` calls so,
+/// aside in the base's; m, N/m.
 class Pointer {
  public:
   static constexpr const char* topic = "/simulation/finger";
@@ -24,8 +25,8 @@ class Pointer {
       : robot_(robot), frames_(std::move(frames)) {}
 
   [[nodiscard]] adapters::live::Inlet inlet();
-  /// The answer is the force on the finger, which not every place of the arm feels [N]. Not done: not understood, and
-  /// nothing happens.
+  /// The answer is the force on the finger, which not every place of the arm feels [N]. Not done: not
+  /// understood, and nothing happens.
   adapters::live::Answer take(std::string_view message);
   void lift();
 

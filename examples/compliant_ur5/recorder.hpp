@@ -16,11 +16,12 @@ namespace compliant_ur5 {
 /// Joints, frames, cells, robot and skin of the job, for files and streams.
 skinctl::RunDescription run_description(const Settings& settings);
 
-/// The scene in words: every setting that a command depends on, and the skin file's contents. Recordings of another
-/// scene are refused.
+/// The scene in words: every setting that a command depends on, and the skin file's contents. Recordings of
+/// another scene are refused.
 skinctl::RunIdentity run_identity(const Settings& settings);
 
-/// Hands the cycles of a run to a file, if the settings ask for one, and to others. Without any it does nothing.
+/// Hands the cycles of a run to a file, if the settings ask for one, and to others. Without any it does
+/// nothing.
 template <class Scene>
 class JobRecorder {
  public:

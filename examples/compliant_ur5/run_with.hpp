@@ -237,8 +237,8 @@ inline double network_delay(const Settings& s, RunLog& log) {
   return beyond;
 }
 
-/// Words where this computer did not keep the pace, which then is the cause of what ended the run; else empty. So much
-/// is two periods, or the 20 ms after which a UR's program counts a command as missing.
+/// Words where this computer did not keep the pace, which then is the cause of what ended the run; else
+/// empty. So much is two periods, or the 20 ms after which a UR's program counts a command as missing.
 /// @param behind  farthest that the simulated robot was behind the clock [s of its time]; 0 for a real one.
 /// @param load    longest time from a state to its command, likewise.
 inline std::string too_slow(double behind, double load, double period) {
@@ -364,8 +364,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     const double t = seconds<double>(input.now - first);
     clear.look(scene, m, input);
     input.request = live.take();
-    // The scene stops by itself where too little of the skin reports; the job ends then, and says why.
-    // What others send to the skin's port is dropped, and so is what the skin itself garbles: then it is silent.
+    // The scene stops by itself where too little of the skin reports; the job ends then, and says why. What
+    // others send to the skin's port is dropped, and so is what the skin itself garbles: then it is silent.
     if (ending == Ending::finished) {
       const auto slowed = [&]() -> std::string {
         const double slider = driver.report().slider;

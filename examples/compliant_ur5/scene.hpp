@@ -34,8 +34,8 @@ inline skinctl::JointLimits<6> limits(const Settings& s) {
                          .torque = JointTorque<6>(ur5::Description::max_torque)});
 }
 
-/// Gains of the way back to the task: as stiff to a hand whatever the arm's felt mass, `heavier` times that of
-/// its links.
+/// Gains of the way back to the task: as stiff to a hand whatever the arm's felt mass, `heavier` times that
+/// of its links.
 template <class Arm>
 skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s, double heavier) {
   auto t = skinctl::tracking_settings(arm);
@@ -122,13 +122,14 @@ inline skinctl::RobotConfiguration<6> configuration<skinctl::Interface::torque>(
           .virtual_inertia = JointTorque<6>(s.torque.motor_inertia)};
 }
 
-/// Weights may change while it runs: how firmly the task is followed, and how much the skin counts. At most those of the
-/// start, for which contacts come to rest; the task never to 0, which would forget it.
+/// Weights may change while it runs: how firmly the task is followed, and how much the skin counts. At most
+/// those of the start, for which contacts come to rest; the task never to 0, which would forget it.
 struct WeightLimits {
   static constexpr double least_task = 0.1, least_skin = 0, most = 1;
 };
 
-/// The controller holds the weight; the friction that it leaves over is learnt, so that the arm comes back to its task.
+/// The controller holds the weight; the friction that it leaves over is learnt, so that the arm comes back to
+/// its task.
 inline auto scene_by_torque(const Settings& s) {
   using namespace skinctl;
   const auto arm = by_torque(ur5::Model{}, configuration<Interface::torque>(s), RobotHoldsGravity{},
@@ -169,9 +170,9 @@ auto places_of_touch(const Settings& s, double heavier = 1) {
   }
 }
 
-/// What may touch the arm, for which it must be felt heavy enough: a finger, or an edge, that stays where it is, and
-/// hands, whose tissue loses a third of a swing. Delay and lag are declared in full, so that little margin is enough.
-/// The observer of the motors filters, and waits for the end of a cycle.
+/// What may touch the arm, for which it must be felt heavy enough: a finger, or an edge, that stays where it
+/// is, and hands, whose tissue loses a third of a swing. Delay and lag are declared in full, so that little
+/// margin is enough. The observer of the motors filters, and waits for the end of a cycle.
 inline skinctl::Nanoseconds delay_of_sense(const Settings& s) {
   return s.sense == Sense::motors ? skinctl::nanoseconds(1 / s.motors.rate + 1 / s.rate)
                                   : skinctl::Nanoseconds(0);
@@ -265,8 +266,8 @@ skinctl::FeltPlaces<max_cells> felt_places(const Settings& s) {
   return felt_places(s, configuration<I>(s), UrSkin(skin_patches(s), {}).places());
 }
 
-/// The same, as the job runs it: it does not move before its skin is heard, stops when a patch falls silent, and leads
-/// with no place that feels nothing. It keeps clear where its type says so.
+/// The same, as the job runs it: it does not move before its skin is heard, stops when a patch falls silent,
+/// and leads with no place that feels nothing. It keeps clear where its type says so.
 template <skinctl::Interface I, Sense S = Sense::skin, bool Clear = false>
 auto make_watched_scene(const Settings& s) {
   static_assert(S == Sense::skin || !Clear, "what keeps clear sees by its skin");

@@ -31,8 +31,8 @@ class SenseReader<Sense::wrist> {
  public:
   explicit SenseReader(const Settings& s) : sensor_(wrist_touch(s)) {}
   static void ask(adapters::ur5::DriverConfig& config) { config.tool = true; }
-  /// Throws `adapters::ConnectionError` for a robot without such a sensor, or whose base has other axes than the
-  /// model.
+  /// Throws `adapters::ConnectionError` for a robot without such a sensor, or whose base has other axes than
+  /// the model.
   void check(const adapters::ur5::Driver& driver) const {
     if (driver.controller().major < 5)
       throw adapters::ConnectionError(
@@ -62,8 +62,8 @@ class SenseReader<Sense::wrist> {
     if (valid) good_ = last_;
     return {&sample_, 1};
   }
-  /// What it reads in `samples` at rest at `q` becomes its zero. Throws `skinctl::ConfigurationError` if somebody
-  /// touches.
+  /// What it reads in `samples` at rest at `q` becomes its zero. Throws `skinctl::ConfigurationError` if
+  /// somebody touches.
   void tare(std::span<const skinctl::WrenchSample> samples, const skinctl::JointPosition<6>& q) {
     const auto bias = sensor_.tared(samples, q).settings().bias;
     rest_ = {bias.force.x, bias.force.y, bias.force.z, bias.moment.x, bias.moment.y, bias.moment.z};
@@ -126,8 +126,8 @@ void observe(TouchObserver& observer, double t, const Reader& reader, const UrWr
   if (touched) felt.normal = (-1 / size) * force;
   observer.cycle(t, touched ? size : 0, felt, q, target);
 }
-/// What motors feel, nobody knows where: as if the flange were pushed in the direction in which the torque moves
-/// it.
+/// What motors feel, nobody knows where: as if the flange were pushed in the direction in which the torque
+/// moves it.
 template <class Reader>
 void observe(TouchObserver& observer, double t, const Reader&, const UrMotors::Memory& m,
              const skinctl::JointPosition<6>& q, const skinctl::JointPosition<6>& target) {

@@ -54,7 +54,8 @@ struct ControlSettings {
   double force_limit = 65;         ///< on a body of `stiffest_wall` that a place meets, or it goes slower [N]
   double stopping = 3;             ///< deceleration of a place that is touched, along its normal [m/s^2]
   double skin_patience = 2;        ///< after so long without them the job ends [s]
-  /// Without a skin: of each joint, as a tool on a long lever turns a flange that weighs next to nothing [kg m^2].
+  /// Without a skin: of each joint, as a tool on a long lever turns a flange that weighs next to nothing [kg
+  /// m^2].
   PerJoint virtual_inertia = same(0.3);
   double max_velocity = 0.5;       ///< of motions to goals [rad/s]
   double velocity_limit = 3;       ///< of commands [rad/s]
@@ -104,7 +105,8 @@ struct MotorControl {
   PerJoint damping = same(60);  ///< friction that the arm is felt to have: its filter is late [N m s/rad]
   double stiffest = 1000;       ///< of what it may meet, for the same reason [N/m]
   PerJoint threshold{9, 9, 6.5, 2.5, 2.5, 2.5};  ///< beyond dry friction and noise [N m]
-  /// Of what is found, standard deviation [N m]: six times as much counts as life, so beyond dry friction that turns.
+  /// Of what is found, standard deviation [N m]: six times as much counts as life, so beyond dry friction
+  /// that turns.
   PerJoint noise{1.1, 1.1, 0.8, 0.3, 0.3, 0.3};
   PerJoint rotor_inertia{0.5, 0.5, 0.5, 0.1, 0.1, 0.1};  ///< at the joints [kg m^2]
   PerJoint viscous{7, 7, 5, 1.5, 1.5, 1.5};              ///< friction of the gears [N m s/rad]

@@ -23,8 +23,8 @@ inline constexpr std::uint32_t palm_cell = 60000;  ///< id of the cell of a carr
 /// stiffest wall that it may touch.
 [[nodiscard]] double proximity_gain(const Settings& settings, std::size_t link);
 
-/// The patches of `ur5_skin<260>` with the gains of the settings, or those of the file `Settings::skin`, divided by
-/// `heavier`. On a rigid arm all gains are 0. The palm of a carried hand is one more. Throws
+/// The patches of `ur5_skin<260>` with the gains of the settings, or those of the file `Settings::skin`,
+/// divided by `heavier`. On a rigid arm all gains are 0. The palm of a carried hand is one more. Throws
 /// `skinctl::ConfigurationError`.
 std::vector<skinctl::SkinPatch> skin_patches(const Settings& settings, double heavier = 1);
 

@@ -37,7 +37,8 @@ class TouchObserver {
   [[nodiscard]] const std::vector<TouchSummary>& touches() const noexcept { return touches_; }
   [[nodiscard]] bool touching() const noexcept { return touching_; }
 
-  /// Where a place of a link is in the base's frame [m], and a direction of the base along the axes of a link.
+  /// Where a place of a link is in the base's frame [m], and a direction of the base along the axes of a
+  /// link.
   [[nodiscard]] static skinctl::Xyz<double> point(const skinctl::JointPosition<6>& q,
                                                   const ObservedCell& at) noexcept;
   [[nodiscard]] static skinctl::Xyz<double> in_link(const skinctl::JointPosition<6>& q, int link,

@@ -1,5 +1,6 @@
-// What a robot that gives way can be, behind a delay: the least mass and friction with which it rests on a wall and
-// between hands. To be read before a robot and a skin are bought; `StiffestContact` checks a whole scene.
+// What a robot that gives way can be, behind a delay: the least mass and friction with which it rests on a
+// wall and between hands. To be read before a robot and a skin are bought; `StiffestContact` checks a whole
+// scene.
 #include <CLI/CLI.hpp>
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "examples/support/program.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/passivity/detail/contact_modes.hpp"
 
@@ -33,8 +35,8 @@ struct Loop {
     c.force_lead = nanoseconds(lead * seconds<double>(c.delay + c.lag + 3 * c.period / 2));
     return c;
   }
-  /// How many times too stiff a contact of `k` [N/m] is for a mass [kg] and a friction [N s/m]; before a body [kg], of
-  /// which two grip; 0: a wall.
+  /// How many times too stiff a contact of `k` [N/m] is for a mass [kg] and a friction [N s/m]; before a body
+  /// [kg], of which two grip; 0: a wall.
   [[nodiscard]] double lack(double mass, double friction, double k, double body, double lead) const {
     const detail::ContactPath<double> path(robot(lead), nanoseconds(1e-3 * skin_delay));
     MassMatrix<1> M, B;
@@ -144,11 +146,7 @@ int main(int argc, char** argv) try {
       ->capture_default_str();
   app.add_option("--plot", plot, "SVG of the least mass over the delay");
   app.footer("Exit codes: 0 said, 1 the picture cannot be written, 2 an option is wrong");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   print_table(loop, skins, body, friction);
   return plot.empty() || plotting::write_svg(plot, picture(loop, skins, body, friction)) ? 0 : 1;
 } catch (const std::exception& e) {

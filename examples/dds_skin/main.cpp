@@ -1,5 +1,6 @@
-// One skin, several computers: `dds_skin send` stands for the computer at the skin and publishes its cells; `dds_skin
-// control` runs an arm that gives way to a skin which it only knows from DDS. See README.md beside this file.
+// One skin, several computers: `dds_skin send` stands for the computer at the skin and publishes its cells;
+// `dds_skin control` runs an arm that gives way to a skin which it only knows from DDS. See README.md beside
+// this file.
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cmath>
@@ -10,6 +11,7 @@
 
 #include "examples/adapters/dds/skin.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/io/ros_messages.hpp"
 #include "skinctl/skinctl.hpp"
 
@@ -174,11 +176,7 @@ int run(int argc, char** argv) {
   send_command->add_option("--rate", rate, "frames a second")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1000.0));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const job::StopSignals signals;
   job::Progress progress(quiet);
   return job::code(*send_command ? send(options, rate, seconds_long, signals.asked(), progress)

@@ -81,8 +81,8 @@ struct Fault {
   const char* back = "";  ///< how it must come back; empty: it was never away
 };
 
-/// The gripper is told to close on nothing while the fault begins, and the fault ends 2.6 s later: is it noticed, and does
-/// it come back?
+/// The gripper is told to close on nothing while the fault begins, and the fault ends 2.6 s later: is it
+/// noticed, and does it come back?
 template <class G>
 Row suffer(Kind kind, const char* device, const Fault& fault) {
   Bench bench(kind);

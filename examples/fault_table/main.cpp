@@ -1,5 +1,6 @@
-// fault_table: what goes wrong between a program and a device, as it is seen, with the exit code and the way back. Simulated
-// devices, real sockets. Nothing may hang: a case that takes a minute ends the program with 3.
+// fault_table: what goes wrong between a program and a device, as it is seen, with the exit code and the way
+// back. Simulated devices, real sockets. Nothing may hang: a case that takes a minute ends the program
+// with 3.
 //
 // Promise: what goes wrong between a program and its devices ends as its table says, and nothing hangs:
 // cables, killed peers, half-open connections, bytes one by one, bursts, other versions, duplicates,
@@ -18,6 +19,7 @@
 
 #include "examples/fault_table/row.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 
 namespace fault_table {
 
@@ -49,11 +51,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 32));
   app.add_flag("--simulate", simulate, "simulated devices (there are no others)");
   app.add_flag("--quiet", quiet, "no progress");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const job::StopSignals signals;
   job::Progress progress(quiet, 0.5);
   const auto wanted = [&](const char* name) {
@@ -85,7 +83,8 @@ int main(int argc, char** argv) {
         lane.since = Clock::now().time_since_epoch().count();
         try {
           rows[k] = cases[k].run();
-          // On a machine that is busy a robot and its program may miss each other: what is not so again was not so.
+          // On a machine that is busy a robot and its program may miss each other: what is not so again was
+          // not so.
           for (int again = 0; again < 2 && !rows[k].expected && !signals.asked(); ++again, ++repeated) {
             lane.since = Clock::now().time_since_epoch().count();
             rows[k] = cases[k].run();

@@ -12,9 +12,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
-#include <functional>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -22,6 +20,7 @@
 #include "examples/compliant_ur5/tests/beside.hpp"
 #include "examples/fault_table/network_link.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 
 namespace {
 
@@ -222,11 +221,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--each", each, "a line for each run, on standard error");
   app.add_flag("--quiet", quiet, "no progress");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   become_root_of_own_namespace();
   try {
     NetworkLink(0);

@@ -1,4 +1,5 @@
-// Faults between a skin and its receiver, in simulated time: datagrams through a real socket, clocks that are counted.
+// Faults between a skin and its receiver, in simulated time: datagrams through a real socket, clocks that are
+// counted.
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>

@@ -26,7 +26,8 @@ struct Fault {
   bool by_hand = false;  ///< only a person at the panel can put it right
   bool dead = false;     ///< the simulation has ended, and nobody sees how the arm comes to rest
   double share = 1;      ///< of the usual number of cycles
-  /// By torque the robot waits 40 ms for a command: a busy computer that gets half of the states may be too late once.
+  /// By torque the robot waits 40 ms for a command: a busy computer that gets half of the states may be too
+  /// late once.
   bool may_be_late = false;
 };
 

@@ -24,7 +24,8 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
   return 0;
 }
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  // The first byte still chooses among all, so that inputs can be packed; those of other parsers are passed over.
+  // The first byte still chooses among all, so that inputs can be packed; those of other parsers are passed
+  // over.
   if (size == 0 || (only != nullptr && &fuzz::parsers()[data[0] % fuzz::parsers().size()] != only)) return 0;
   fuzz::feed({data, size});
   return 0;

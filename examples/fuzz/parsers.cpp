@@ -35,7 +35,6 @@
 #include "skinctl/io/skin_cloud_reader.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/skin_xml.hpp"
-#include "skinctl/io/ur_calibration.hpp"
 #include "skinctl/io/urdf.hpp"
 #include "skinctl/recording/mcap_reader.hpp"
 
@@ -201,9 +200,6 @@ void skin_xml(Bytes bytes) {
 void urdf(Bytes bytes) {
   allow_refusal([&] { return skinctl::parse_urdf(text(bytes)); });
 }
-void ur_calibration(Bytes bytes) {
-  allow_refusal([&] { return skinctl::parse_ur_calibration(text(bytes), "calibration"); });
-}
 /// Files of others: every topic of them as a table.
 void mcap(Bytes bytes) {
   std::vector<std::string> topics;
@@ -295,7 +291,6 @@ constexpr std::array all{Parser{"rtde_answers", rtde_answers},
                          Parser{"skin_file", skin_file},
                          Parser{"skin_xml", skin_xml},
                          Parser{"urdf", urdf},
-                         Parser{"ur_calibration", ur_calibration},
                          Parser{"mcap", mcap},
                          Parser{"skin_cloud", skin_cloud},
                          Parser{"ros1_calls", ros1_calls},

@@ -1,5 +1,5 @@
-// Identifies how an arm answers position commands: delay, lag, stiffness of its servos, gap and resolution of its
-// encoders. Moves a UR5 gently, real or simulated, or reads a log.
+// Identifies how an arm answers position commands: delay, lag, stiffness of its servos, gap and resolution of
+// its encoders. Moves a UR5 gently, real or simulated, or reads a log.
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdio>
@@ -9,6 +9,7 @@
 #include "examples/identify_robot/result.hpp"
 #include "examples/support/job.hpp"
 #include "examples/support/output_file.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/calibration/response_motion.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/robots/ur5.hpp"
@@ -133,11 +134,7 @@ int main(int argc, char** argv) {
   bool simulated = false;
   app.add_flag("--simulate", simulated, "a simulated arm (the default)")->excludes(host);
   app.footer(job::exit_help());
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const job::StopSignals signals;
   try {
     for (const std::string& file : {save, output}) examples::refuse_own_input(file, {read});

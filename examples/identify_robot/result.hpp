@@ -16,8 +16,8 @@ using Response = skinctl::RobotResponse<6>;
 [[nodiscard]] std::string why_unusable(const Response& found);
 /// A table for people, with what to do about it.
 [[nodiscard]] std::string in_words(const Response& found);
-/// A TOML file: `[control]` with delay and lag, as the scenario of `compliant_ur5` has them, and `[robot_found]` with
-/// all numbers and their deviations.
+/// A TOML file: `[control]` with delay and lag, as the scenario of `compliant_ur5` has them, and
+/// `[robot_found]` with all numbers and their deviations.
 [[nodiscard]] std::string as_toml(const Response& found);
 
 }  // namespace identify_robot

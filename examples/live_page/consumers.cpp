@@ -1,6 +1,7 @@
-// What watching costs a loop: a scene of 1260 cells at 250 Hz without a consumer, recorded, streamed to a live view with a
-// client, published over DDS, and all at once, beside a loop that does nothing, alone and with the same consumers at work.
-// Rows take turns, so that a machine that is busy for a while is busy for all of them; how late it woke each one is printed.
+// What watching costs a loop: a scene of 1260 cells at 250 Hz without a consumer, recorded, streamed to a
+// live view with a client, published over DDS, and all at once, beside a loop that does nothing, alone and
+// with the same consumers at work. Rows take turns, so that a machine that is busy for a while is busy for
+// all of them; how late it woke each one is printed.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include "examples/adapters/live/live_view.hpp"
 #include "examples/live_page/page.hpp"
 #include "examples/live_page/tests/byte_client.hpp"
+#include "examples/support/program.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/recording/mcap_recorder.hpp"
 #include "skinctl/skinctl.hpp"
@@ -297,11 +299,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.2, 1e4));
   app.add_option("--rounds", rounds, "of all rows")->capture_default_str()->check(CLI::Range(1, 10000));
   app.add_option("--picture", picture, "SVG file of the distributions");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   try {
     return work(seconds_long, rounds, picture);
   } catch (const std::exception& e) {

@@ -1,4 +1,5 @@
-// move_gripper: opens or closes a gripper and says what it holds. Without an address a simulated one stands in.
+// move_gripper: opens or closes a gripper and says what it holds. Without an address a simulated one stands
+// in.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include "examples/adapters/gripper/robotiq.hpp"
 #include "examples/simulated_gripper/server.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace {
@@ -120,11 +122,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
   app.add_flag("-q,--quiet", wish.quiet, "no progress");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? job::code(job::Exit::fine) : job::code(job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   try {
     std::unique_ptr<simulated_gripper::Server> simulated;
     simulated_gripper::ServerConfig config{.object = {object, stiffness}};

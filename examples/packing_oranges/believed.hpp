@@ -1,4 +1,4 @@
-// What an arm believes of oranges that its detector sees, and does not number.
+// What an arm believes of oranges, box and bins that its detector sees, and does not number.
 #pragma once
 
 #include <vector>
@@ -9,18 +9,19 @@ namespace packing {
 
 class Believed {
  public:
-  static constexpr std::size_t capacity = 16;  ///< all oranges of the world, ghosts and flashes
+  static constexpr std::size_t capacity = 24;  ///< all oranges of the world, trays, ghosts and flashes
   using Tracks = skinctl::Tracks<capacity>;
   using Objects = skinctl::ObjectWorld<capacity>;
   using Place = skinctl::Xyz<double>;
 
-  /// A picture that has arrived, while the arm's hand is there. What is beside the hand may be hidden: from
-  /// where it was when the picture was taken, at 0.8 m/s for 60 ms.
-  void see(const Picture& picture, const Place& hand) {
+  /// Whether a hand there may hide what is at `p`: from where it was at the picture, at 0.8 m/s for 60 ms.
+  [[nodiscard]] static bool hides(const Place& hand, const Place& p) {
     constexpr double beside = Detector::hides + 0.06, below = Detector::hides_below + 0.03;
-    const auto shows = [&](const Place& p) {
-      return std::hypot(hand.x - p.x, hand.y - p.y) > beside || hand.z - p.z > below;
-    };
+    return std::hypot(hand.x - p.x, hand.y - p.y) <= beside && hand.z - p.z <= below;
+  }
+  /// A picture that has arrived, while the arm's hand is there.
+  void see(const Picture& picture, const Place& hand) {
+    const auto shows = [&](const Place& p) { return !hides(hand, p); };
     static_cast<void>(tracks_.see(m_, picture.taken, std::span(picture.things), shows));
   }
   /// Writes what is believed to objects with the numbers of the tracks; not the one in the hand.
@@ -33,6 +34,25 @@ class Believed {
       o.known = t.kind == orange_class && Tracks::belief(m_, t) > 0;
       o.X_WO = skinctl::ObjectPose<>::translation_xyz(p.x, p.y, p.z);
       o.sigma = t.sigma, o.time = t.seen, o.misses = 0;
+    }
+  }
+  /// Where box and bins are believed to be, and when each was seen last.
+  struct FoundTrays {
+    Trays at = first_trays;
+    std::array<skinctl::Nanoseconds, tray_count> seen{};
+  };
+  /// Brings them up to date: each is the believed place of its class that was seen last, the bins each the one
+  /// near where it was.
+  void find(FoundTrays& known) const {
+    for (std::size_t n = 0; n < tray_count; ++n) {
+      Tray& tray = known.at[n];
+      for (const auto& t : m_.tracks) {
+        const Place p = t.p + m_.bias;
+        const bool fits = t.kind == (n == 0 ? box_class : bin_class) && Tracks::belief(m_, t) > 0 &&
+                          t.sigma <= found_within &&
+                          (n == 0 || std::hypot(p.x - tray.x, p.y - tray.y) <= carried_within);
+        if (fits && t.seen > known.seen[n]) known.seen[n] = t.seen, tray.x = p.x, tray.y = p.y;
+      }
     }
   }
   /// The number of the orange to take, of those that fit, at the least cost; `no_object`: none.
@@ -85,6 +105,9 @@ class Believed {
   }
 
  private:
+  static constexpr double found_within = 0.003;  ///< deviation of a place that is found; three pictures [m]
+  static constexpr double carried_within =
+      0.35;  ///< way of a bin while it is not seen; the bins are 1 m apart [m]
   static constexpr double left_within =
       0.06;  ///< what slipped lies so far from where it was taken, at most [m]
   /// Its track now: numbers may change while the hand is on its way.

@@ -103,24 +103,29 @@ class Detector {
     }
   }
   void look(const World& world, std::vector<skinctl::ClassDetection<>>& out) {
-    const auto add = [&](const Place& p) {
+    const auto add = [&](const Place& p, skinctl::ObjectClass kind) {
       const auto noisy = [&](double x) { return x + s_.sigma * normal_(random_); };
+      const skinctl::ObjectClass wrong = kind == bin_class ? box_class : bin_class;
       out.push_back({{noisy(p.x) + bias_.x, noisy(p.y) + bias_.y, noisy(p.z)},
                      s_.sigma,
-                     happens(s_.wrong_class) ? bin_class : orange_class});
+                     happens(s_.wrong_class) ? wrong : kind});
     };
-    const auto see = [&](const Place& p) {
+    const auto see = [&](const Place& p, skinctl::ObjectClass kind) {
       bool hidden = false;
       for (std::size_t a = 0; a < arms; ++a) {
         const Place hand = world.hand(a);
         hidden = hidden || (std::hypot(hand.x - p.x, hand.y - p.y) < hides && hand.z - p.z < hides_below);
       }
-      if (!hidden && !happens(s_.missed)) add(p);
-      if (happens(s_.flashes)) add(anywhere_in(happens(0.5) ? 1 : 0));
+      if (!hidden && !happens(s_.missed)) add(p, kind);
+      if (happens(s_.flashes)) add(anywhere_in(happens(0.5) ? 1 : 0), orange_class);
     };
     for (std::size_t k = 0; k < arms * slots; ++k)
-      if (world.there(k)) see(world.orange(k));
-    for (const Place& p : ghosts_) see(p);
+      if (world.there(k)) see(world.orange(k), orange_class);
+    for (const Place& p : ghosts_) see(p, orange_class);
+    for (std::size_t k = 0; k < tray_count; ++k) {
+      const Tray t = world.tray(k);
+      see({t.x, t.y, 0}, k == 0 ? box_class : bin_class);
+    }
     std::shuffle(out.begin(), out.end(), random_);
   }
 

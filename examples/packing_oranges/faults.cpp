@@ -35,7 +35,7 @@ std::string table_of_faults(const RunSettings& settings,
       s.supply.share = step >= step::lift_bad && step <= step::drop ? 0 : 1;
       s.touch_every = 0;
       s.touch_force = 30;
-      s.work.executor.place = std::chrono::seconds(4);
+      s.work.executor.max_place_wait = std::chrono::seconds(4);
       s.fault = fault;
       s.fault_step = step;
       const Outcome o = run(s);

@@ -21,11 +21,13 @@ class GivingWay {
   using Others = typename Plan::Others;
 
   /// @param carry  height from which a hand is over everything [m].
-  explicit GivingWay(std::size_t arm, double carry)
+  explicit GivingWay(std::size_t arm, double carry, const Trays& trays = first_trays)
       : X_BW_(A::base(arm).inverse()),
         carry_(carry),
         retreat_(typename A::Model{},
-                 {.own = A::clearance_at_work().own, .exposed = A::clearance_at_work().exposed}, A::home()) {}
+                 {.own = A::clearance_at_work(arm, trays).own,
+                  .exposed = A::clearance_at_work(arm, trays).exposed},
+                 A::home()) {}
 
   /// At `q` beside what is seen; `lying`: middles of the oranges that are neither in the hand nor between its fingers.
   [[nodiscard]] skinctl::JointVelocity<6> operator()(const skinctl::JointPosition<6>& q,

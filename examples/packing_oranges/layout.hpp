@@ -36,6 +36,12 @@ inline constexpr Tray box_tray{0, 0, 0.17, 0.13, 0.08};
 [[nodiscard]] constexpr Tray bin_tray(std::size_t arm) noexcept {
   return {-0.30 * side(arm), 0.42 * side(arm), 0.12, 0.12, 0.06};
 }
+/// Box and bins by their numbers, where they stand at first: 0 the box, `1 + arm` the bin of an arm.
+inline constexpr std::size_t tray_count = 1 + arms;
+using Trays = std::array<Tray, tray_count>;
+inline constexpr Trays first_trays{box_tray, bin_tray(0), bin_tray(1)};
+/// Thickness of the bottom of a box or bin that can be moved: it takes along what it holds [m].
+inline constexpr double tray_bottom = 0.003;
 [[nodiscard]] constexpr Tray feed_tray(std::size_t arm) noexcept {
   return {-0.24 * side(arm), -0.40 * side(arm), 0.22, 0.09, 0.04};
 }

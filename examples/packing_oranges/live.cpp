@@ -47,10 +47,10 @@ std::string json(const Scenery& s) {
          ",\"oranges\":" + each(s.oranges, orange) + ",\"things\":" + each(s.things, orange) +
          text(",\"box\":%d,\"bins\":%d,\"lost\":%d,\"all\":%d}", s.box, s.bins, s.lost, s.all);
 }
-std::string json_of_trays() {
-  std::vector<Tray> trays{box_tray};
-  for (std::size_t a = 0; a < arms; ++a) trays.push_back(bin_tray(a)), trays.push_back(feed_tray(a));
-  return each(trays, [](const Tray& t) {
+std::string json_of_trays(const Trays& standing) {
+  std::vector<Tray> all{standing[0]};
+  for (std::size_t a = 0; a < arms; ++a) all.push_back(standing[1 + a]), all.push_back(feed_tray(a));
+  return each(all, [](const Tray& t) {
     return text("[%.3f,%.3f,%.3f,%.3f,%.3f]", t.x, t.y, t.half_x, t.half_y, t.wall);
   });
 }
@@ -59,6 +59,7 @@ struct LivePage::Impl {
   std::atomic<skinctl::CycleRequest> asked{skinctl::CycleRequest::none};
   std::unique_ptr<adapters::live::FoxgloveServer> server;
   std::uint32_t trays = 0, state = 0;
+  std::string trays_shown;
 };
 
 LivePage::LivePage(std::uint16_t port, bool allow_control) : impl_(std::make_unique<Impl>()) {
@@ -84,7 +85,7 @@ LivePage::LivePage(std::uint16_t port, bool allow_control) : impl_(std::make_uni
       Service{"/packing/stop", false, ask(skinctl::CycleRequest::stop, "both arms brake, and hold")});
   impl_->server->add(Service{"/packing/resume", true, ask(skinctl::CycleRequest::resume, "both arms go on")});
   impl_->server->start();
-  impl_->server->publish(impl_->trays, skinctl::Nanoseconds(0), bytes_of(json_of_trays()));
+  show({});
 }
 LivePage::~LivePage() = default;
 
@@ -92,6 +93,10 @@ std::string LivePage::url() const {
   return impl_->server->url();
 }
 void LivePage::show(const Scenery& s) {
+  if (std::string trays = json_of_trays(s.trays); trays != impl_->trays_shown) {
+    impl_->server->publish(impl_->trays, skinctl::nanoseconds(s.time), bytes_of(trays));
+    impl_->trays_shown = std::move(trays);
+  }
   if (impl_->server->wanted(impl_->state))
     impl_->server->publish(impl_->state, skinctl::nanoseconds(s.time), bytes_of(json(s)));
 }

@@ -19,6 +19,7 @@
 #include "examples/packing_oranges/teach.hpp"
 #include "examples/packing_oranges/ur10e.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 #include "examples/support/svg_plot.hpp"
 
 namespace {
@@ -183,15 +184,16 @@ int main(int argc, char** argv) {
   app.add_option("--touch-every", s.touch_every, "a person pushes each forearm so often [s]; 0: never")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
-  std::string world = "ideal";
+  std::string world = "honest";
   app.add_option("--world", world,
-                 "ideal: the detector tells which orange it sees; honest: class and place only, 2 % flashes, "
+                 "ideal: the detector tells which orange it sees, box and bins stand where they are known; "
+                 "honest: class and place only, of box and bins that slide, too, 2 % flashes, "
                  "1 % of wrong "
                  "classes, what hands hide, and --ghosts")
       ->check(CLI::IsMember({"ideal", "honest"}))
       ->capture_default_str();
   app.add_option("--ghosts", s.detector.ghosts,
-                 "honest: oranges that the detector sees in the feeds, and that do not exist")
+                 "oranges that the detector sees in the feeds, and that do not exist")
       ->check(CLI::Range(0, 6))
       ->capture_default_str();
   app.add_option("--friction", s.world.friction, "of the oranges")
@@ -200,6 +202,10 @@ int main(int argc, char** argv) {
   double bias = 0;
   app.add_option("--bias", bias, "the detector is off by this, in some direction [mm]")
       ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
+  app.add_option("--move-box", s.move_box,
+                 "a person moves the box by this, up to three times [m]; an arm finds it again")
+      ->check(CLI::Range(0.0, 0.12))
       ->capture_default_str();
   app.add_option("--obstacle", s.obstacle,
                  "something moves through the room at this speed [m/s]: the arms' skin sees it and they give "
@@ -248,11 +254,7 @@ int main(int argc, char** argv) {
   app.add_flag("--allow-control", live.control, "whoever sees the page may let the arms go on after a stop");
   app.add_option("--report", page, "writes a page with pictures to this file");
   app.add_flag("--quiet", quiet, "no progress");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : code(Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   try {
     if (grasps) return show_grasps(s.seed, page);
     if (!task.empty() && (taught || taught_lessons > 0 || faults))
@@ -260,7 +262,8 @@ int main(int argc, char** argv) {
     s.fault = fault_named(fault);
     s.honest = world == "honest";
     s.detector.bias = 1e-3 * bias;
-    if (!s.honest && s.detector.ghosts > 0) throw std::runtime_error("--ghosts: --world honest");
+    if (!s.honest && s.move_box > 0) throw std::runtime_error("--move-box: not with --world ideal");
+    if (!s.honest && s.detector.ghosts > 0) throw std::runtime_error("--ghosts: not with --world ideal");
     if (onto && (gripper.rfind("hand", 0) != 0 || (!taught && taught_lessons == 0)))
       throw std::runtime_error("--onto: a lesson with hands: --teach or --lessons, and --gripper hand");
     if (s.supply.oranges == 0 && (taught_lessons == 0 || gripper != "hand"))

@@ -17,11 +17,6 @@ namespace packing {
 /// How a cell sees: readings of `1 - distance/range`.
 inline constexpr double sight_range = 0.2, sight_cone = 25;  ///< [m], half angle [degrees]
 
-/// A capsule in the frame of a link.
-struct LinkPart {
-  std::size_t link;
-  skinctl::Capsule<> shape;
-};
 /// Cells all around capsules of link `I`, ends included, `size` times as long as TUM's; ids from `first` on.
 template <std::size_t I>
 [[nodiscard]] std::vector<skinctl::PlacedCell<I>> cells_around(

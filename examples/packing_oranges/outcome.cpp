@@ -11,7 +11,7 @@ WorkSettings by_hand(WorkSettings s) {
   s.lightly = 1.7;
   s.above_near = 0.003;
   s.let_go = 0.015;
-  s.aside = 0.03;  // a thumb stands out further than the fingers stand
+  s.aside = 0.04;  // a thumb stands out further than the fingers stand; 10 mm for a bin that is only seen
   s.judge_from = 0.9;
   s.judge_to = 3.4;
   s.judge_span = 1.5;

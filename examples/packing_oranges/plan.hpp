@@ -36,9 +36,11 @@ enum : std::uint8_t {
   take,
   squeeze,
   lift_good,
+  find_box,
   to_box,
   let_go,
   lift_bad,
+  find_bin,
   to_bin,
   drop,
   back,
@@ -59,20 +61,25 @@ inline constexpr Plan pack_oranges = [] {
   Plan out;
   out.name = "pack oranges";
   out.size = step::count;
-  out.steps = {step_of<activity::Look>({.role = O, .done = above, .no = finish}),
-               step_of<activity::ReachAbove>({.role = O, .done = reach}),
-               step_of<activity::Reach>({.role = O, .done = take}),
-               step_of<activity::Take>({.role = O, .done = squeeze}),
-               step_of<activity::Squeeze>({.role = O, .done = lift_good, .no = lift_bad, .border = 0}),
-               step_of<Lift>({.role = O, .done = to_box, .needs = fact::good}),
-               step_of<activity::Put>(
-                   {.role = O, .place = place::box, .done = let_go, .needs = fact::good | fact::carried}),
-               step_of<activity::Release>({.role = O, .place = place::box, .done = back}),
-               step_of<Lift>({.role = O, .done = to_bin, .needs = fact::bad}),
-               step_of<activity::Put>(
-                   {.role = O, .place = place::bin, .done = drop, .needs = fact::bad | fact::carried}),
-               step_of<activity::Release>({.role = O, .place = place::bin, .done = back}),
-               step_of<GoBack>({.role = O, .done = look})};
+  out.steps = {
+      step_of<activity::Look>({.role = O, .done = above, .no = finish}),
+      step_of<activity::ReachAbove>({.role = O, .done = reach}),
+      step_of<activity::Reach>({.role = O, .done = take}),
+      step_of<activity::Take>({.role = O, .done = squeeze}),
+      step_of<activity::Squeeze>({.role = O, .done = lift_good, .no = lift_bad, .border = 0}),
+      step_of<Lift>({.role = O, .done = find_box, .needs = fact::good}),
+      step_of<activity::Find>({.role = O, .place = place::box, .done = to_box, .needs = fact::good}),
+      step_of<activity::Put>({.role = O,
+                              .place = place::box,
+                              .done = let_go,
+                              .needs = fact::good | fact::carried | fact::marked}),
+      step_of<activity::Release>({.role = O, .place = place::box, .done = back}),
+      step_of<Lift>({.role = O, .done = find_bin, .needs = fact::bad}),
+      step_of<activity::Find>({.role = O, .place = place::bin, .done = to_bin, .needs = fact::bad}),
+      step_of<activity::Put>(
+          {.role = O, .place = place::bin, .done = drop, .needs = fact::bad | fact::carried | fact::marked}),
+      step_of<activity::Release>({.role = O, .place = place::bin, .done = back}),
+      step_of<GoBack>({.role = O, .done = look})};
   out.places = {{{box_class, Transform<ObjectFrame, Tool>::translation_xyz(-0.04, 0, 0)}, {bin_class, {}}}};
   out.place_count = 2;
   out.borders = {3873 / 2.0};
@@ -85,7 +92,9 @@ static_assert([](Plan plan) { return check(plan).error; }(pack_oranges) == skinc
 [[nodiscard]] constexpr const char* name_of(const Plan& plan, std::uint8_t k) noexcept {
   using namespace skinctl;
   const Step& s = plan.steps[k];
-  if (s.does == &activity::Put::rule) return plan.places[s.place].mark == box_class ? "to box" : "to bin";
+  const bool box = s.place != no_place && plan.places[s.place].mark == box_class;
+  if (s.does == &activity::Put::rule) return box ? "to box" : "to bin";
+  if (s.does == &activity::Find::rule) return box ? "find the box" : "find the bin";
   return s.does == &activity::ReachAbove::rule             ? "reach above"
          : s.does == &GoBack::rule                         ? "go back"
          : s.does == &Lift::rule && s.needs.has(fact::bad) ? "lift a bad one"

@@ -87,10 +87,11 @@ std::string summary(const Outcome& o, const RunSettings& s) {
     const ArmOutcome& m = o.arm[a];
     out += text(
         "arm %zu: %zu judged, %d steps failed, %d times back, %d times asked; waited %.1f s for the box; "
-        "touched %d times; %llu ms at walls, %llu ms at the other arm, went "
+        "touched %d times; %llu ms at walls (%llu at once, %.1f N), %llu ms at the other arm, went "
         "aside for it %d times\n",
         a + 1, m.judged.size(), failed(m), went_back(m), m.asked, m.waited, m.touches,
-        static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.other_arm), m.went_aside);
+        static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.longest_at_wall),
+        m.wall_force, static_cast<unsigned long long>(m.other_arm), m.went_aside);
     out += failures(m, s.work.plan);
   }
   for (std::size_t a = 0; a < arms && s.honest; ++a) {
@@ -100,6 +101,8 @@ std::string summary(const Outcome& o, const RunSettings& s) {
     for (const auto& p : m.doubted) out += text(" %+.2f %+.2f", p.x, p.y);
     out += m.doubted.empty() ? " nothing\n" : " m\n";
   }
+  if (s.move_box > 0)
+    out += text("a person moved the box by %.0f mm %d times\n", 1e3 * s.move_box, o.box_moved);
   if (s.obstacle > 0)
     out += text(
         "something passed %d times, at %.2f m/s: the arms gave way %d times, nearest %.0f mm (as capsules), "

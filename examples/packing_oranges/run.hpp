@@ -28,9 +28,10 @@ struct RunSettings {
   double touch_lasts = 0.6;       ///< [s]
   std::array<bool, arms> hand{};  ///< the arm has an Allegro hand instead of a gripper
   double skin_noise = 0.1;        ///< deviation of a cell's force [N]
-  bool honest = false;         ///< the detector tells no numbers and is wrong at times; the arms believe less
+  bool honest = true;          ///< the detector tells no numbers and is wrong at times; the arms believe less
   bool see_each_other = true;  ///< false: only places and their order keep the arms apart
   double obstacle = 0;         ///< something moves through the room at this speed [m/s]; 0: nothing
+  double move_box = 0;         ///< honest: a person moves the box so far, see `BoxMover` [m]; 0: nobody does
   Fault fault = Fault::none;
   double fault_at = 12;    ///< [s]
   int fault_step = -1;     ///< if it is one of the plan's: when the first arm begins that step, instead
@@ -61,6 +62,8 @@ struct ArmOutcome {
   int touches = 0, asked = 0;              ///< how often it was touched, and a person was asked
   int went_aside = 0;                      ///< how often, for the other arm
   std::uint64_t other_arm = 0, walls = 0;  ///< milliseconds in contact
+  std::uint64_t longest_at_wall = 0;       ///< milliseconds at a wall or the table without a break
+  double wall_force = 0;                   ///< largest force between the arm and a wall or the table [N]
   std::uint64_t obstacle = 0;              ///< the same with what moves through the room
   double into_obstacle = 0;                ///< its own speed when they met [m/s]
   int gave_way = 0;                        ///< how often, to something that its skin saw
@@ -88,6 +91,7 @@ struct Outcome {
   double computed = 0;    ///< processor time [s]
   double cycle = 0;       ///< mean processor time of a cycle of an arm with its executor [us]
   double hand_cycle = 0;  ///< the same of a hand; 0: it has none
+  int box_moved = 0;      ///< how often, by a person
   int passes = 0;         ///< of the thing that moves through the room
   double nearest = 1e9;   ///< it came to an arm, as capsules [m]
   bool over = false;  ///< both plans have ended; all oranges are packed, or (honest) the others are doubted

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "examples/packing_oranges/hand.hpp"
+#include "examples/packing_oranges/mover.hpp"
 #include "examples/packing_oranges/obstacle.hpp"
 #include "examples/packing_oranges/run.hpp"
 #include "examples/packing_oranges/worker.hpp"
@@ -63,21 +64,21 @@ class Run {
         world_(bodies(s), worlds(s), s.seed * 7919 + 1),
         supply_(supplies(s), s.seed * 7919 + 2),
         detector_(detectors(s), s.seed * 7919 + 3),
-        scene_(A::scene()),
         box_(60s),
         places_(box_.start()) {
     world_.step();
+    const auto skin = A::skin();
     for (std::size_t a = 0; a < arms; ++a) {
       WorkSettings work = s.hand[a] ? by_hand(s.work) : s.work;
       work.honest = s.honest;
       if (!s.hand[a]) work.shown.reset();  // by a hand, which this arm has not
-      workers_.push_back(std::make_unique<Worker<R>>(a, scene_, work, world_.joints(a)));
+      workers_.push_back(std::make_unique<Worker<R>>(a, work, world_.joints(a)));
       if (s.hand[a]) hands_[a] = std::make_unique<Hand>(grasp(s), world_.fingers(a));
-      touchers_.push_back(
-          std::make_unique<Toucher<R>>(s, scene_.skin().places().size(), s.seed * 7919 + 4 + a));
+      touchers_.push_back(std::make_unique<Toucher<R>>(s, skin.places().size(), s.seed * 7919 + 4 + a));
       next_touch_[a] = s.touch_every * (a == 0 ? 0.4 : 0.9);
-      if (s.obstacle > 0) eyes_.emplace_back(scene_.skin().places(), s.seed * 7919 + 9 + a);
+      if (s.obstacle > 0) eyes_.emplace_back(skin.places(), s.seed * 7919 + 9 + a);
     }
+    if (s.move_box > 0) mover_.emplace(s.move_box, s.seed * 7919 + 10);
     if (s.obstacle > 0) passer_.emplace(s.obstacle, s.seed * 7919 + 8);
     lasts_ = s.fault_lasts > 0 ? s.fault_lasts : duration(s.fault);
   }
@@ -108,6 +109,7 @@ class Run {
       }
       if (tick_ % 3 == 0) hold();
       if (passer_) pass();
+      if (mover_) out_.box_moved = mover_->step(world_);
       world_.step();
       ++tick_;
     }
@@ -127,6 +129,7 @@ class Run {
   }
   [[nodiscard]] static WorldSettings worlds(const RunSettings& s) {
     WorldSettings out = s.world;
+    out.trays_move = s.honest || s.move_box > 0;
     out.wrists = s.work.shown && s.work.shown->until_touched;
     return out;
   }
@@ -320,6 +323,7 @@ class Run {
       ++(p.end == Packed::End::box ? out.box : p.end == Packed::End::bin ? out.bins : out.lost);
     for (std::size_t k = 0; k < arms * slots; ++k)
       if (world_.there(k)) out.oranges.push_back({world_.orange(k)});
+    for (std::size_t k = 0; k < tray_count; ++k) out.trays[k] = world_.tray(k);
     if (obstacle_.radius > 0) out.things.push_back({obstacle_.from, obstacle_.radius});
     for (std::size_t a = 0; a < arms; ++a) {
       const Worker<R>& w = *workers_[a];
@@ -362,6 +366,8 @@ class Run {
       o.set_down_by_touch = static_cast<int>(workers_[a]->touched().size());
       o.other_arm = world_.record(a).other_arm;
       o.walls = world_.record(a).walls;
+      o.longest_at_wall = world_.record(a).longest_at_wall;
+      o.wall_force = world_.record(a).wall_force;
       o.went_aside = workers_[a]->went_aside();
       o.obstacle = world_.record(a).obstacle;
       o.into_obstacle = world_.record(a).into_obstacle;
@@ -383,7 +389,6 @@ class Run {
   World world_;
   Supply supply_;
   Detector detector_;
-  typename A::Scene scene_;
   skinctl::Resources<1, arms + 1> box_;
   typename skinctl::Resources<1, arms + 1>::Memory places_;
   std::vector<std::unique_ptr<Worker<R>>> workers_;
@@ -399,6 +404,7 @@ class Run {
   };
   std::array<Falling, arms> falling_{};
   std::optional<Passer> passer_;
+  std::optional<BoxMover> mover_;
   std::vector<Eyes> eyes_;
   std::array<std::vector<skinctl::Capsule<>>, arms> shapes_;
   skinctl::Capsule<> obstacle_{{0, 0, 0}, {0, 0, 0}, 0};

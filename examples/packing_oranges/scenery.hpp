@@ -30,13 +30,14 @@ struct Scenery {
   double time = 0;  ///< [s]
   std::string robot;
   std::array<ArmScenery, arms> arm;
+  Trays trays = first_trays;
   std::vector<OrangeScenery> oranges, things;  ///< things: what else moves through the room
   int box = 0, bins = 0, lost = 0, all = 0;    ///< oranges that ended there; how many there are
 };
 
 /// As JSON, without line breaks; lengths in m to the millimetre.
 std::string json(const Scenery& s);
-/// What does not move: the trays.
-std::string json_of_trays();
+/// Box, bins and feeds.
+std::string json_of_trays(const Trays& standing);
 
 }  // namespace packing

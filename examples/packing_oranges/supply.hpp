@@ -64,9 +64,9 @@ class Supply {
     for (auto& place : at_[arm])
       if (place == k && (s_.waits ? !waits && !held : !waits || p.z > 0.1)) place = nobody;
     if (waits || held) return;
-    const bool in_box = box_tray.holds(p);
+    const bool in_box = world.tray(0).holds(p);
     bool in_bin = false;
-    for (std::size_t a = 0; a < arms; ++a) in_bin = in_bin || bin_tray(a).holds(p);
+    for (std::size_t a = 0; a < arms; ++a) in_bin = in_bin || world.tray(1 + a).holds(p);
     const auto patience = in_box || in_bin ? 500ms : 3000ms;
     if (now - o.lies < patience && norm(p) < 3) return;
     ended_.push_back({arm, o.good, o.stiffness,

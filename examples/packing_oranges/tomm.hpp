@@ -143,7 +143,8 @@ struct Arm {
     return c;
   }
   /// The same, and what an arm that gives way keeps clear of by itself: its own links, the table, the walls of the trays.
-  static skinctl::ClearanceAround<near_most> clearance_at_work() {
+  static skinctl::ClearanceAround<near_most> clearance_at_work(std::size_t arm = 0,
+                                                               const Trays& trays = first_trays) {
     using namespace skinctl;
     auto c = clearance();
     auto& own = c.own.capsules;
@@ -168,7 +169,7 @@ struct Arm {
     meet({finger(0.06, 0, 0.004), finger(-0.06, 0, 0.004)}, ground(0.004));
     const std::size_t held =
         add(5, {{0, 0, tips}, {0, 0, tips}, 0.042});  // an orange hangs lower than the fingers
-    const auto X_BW = base(0).inverse();              // the other arm has its trays at the same places
+    const auto X_BW = base(arm).inverse();
     const auto edge = [&](const Tray& t, double x0, double y0, double x1, double y1) {
       constexpr double half = 0.004;  // of the wall
       const auto at = [&](double x, double y) {
@@ -177,7 +178,7 @@ struct Arm {
       };
       meet({left, right, held}, add(LinkCapsule::fixed, {at(x0, y0), at(x1, y1), half}));
     };
-    for (const Tray& t : {box_tray, bin_tray(0), bin_tray(1)})
+    for (const Tray& t : trays)
       edge(t, -1, -1, 1, -1), edge(t, 1, -1, 1, 1), edge(t, 1, 1, -1, 1), edge(t, -1, 1, -1, -1);
     return c;
   }
@@ -279,10 +280,11 @@ struct Arm {
         Patch<5, c[3]>(cells_around<5>({R::shapes[5], around_hand}, first(last)), gains),
         Patch<forearm, c[4]>(cells_around<forearm>({R::shapes[forearm]}, first(more), 1.2), gains), settings);
   }
-  static auto scene() {
+  /// The cycle of an arm among trays that stand there.
+  static auto scene(std::size_t number = 0, const Trays& trays = first_trays) {
     using namespace skinctl;
     const auto arm = robot();
-    const auto clear = clearance_at_work();
+    const auto clear = clearance_at_work(number, trays);
     auto o = operational_settings(arm);
     o.tracking.lambda = 40;
     o.tracking.K_c = 6;  // an arm that was pushed aside comes back at 6 times the way in a second

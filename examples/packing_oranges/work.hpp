@@ -42,7 +42,7 @@ struct WorkSettings {
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
   Plan plan = pack_oranges;
   std::optional<Shown> shown{};  ///< by leading arm and hand
-  skinctl::ExecutorSettings executor{.place = 12s};
+  skinctl::ExecutorSettings executor{.max_place_wait = 12s};
 };
 
 /// A step of the plan, as it went.

@@ -32,15 +32,15 @@ class Worker {
     double time = 0;
   };
 
-  Worker(std::size_t arm, const Scene& scene, const WorkSettings& settings, const skinctl::State<6>& measured)
+  Worker(std::size_t arm, const WorkSettings& settings, const skinctl::State<6>& measured)
       : arm_(arm),
         s_(settings),
-        scene_(scene),
+        scene_(new Scene(A::scene(arm))),
         executor_(settings.plan, settings.executor),
         grip_(settings.hold, settings.max_hold),
         squeeze_({.from = settings.judge_from,
                   .to = settings.judge_to,
-                  .own = 1e9,
+                  .finger_stiffness = 1e9,
                   .swing = 3,
                   .min_span = settings.judge_span}),
         objects_([] {
@@ -50,10 +50,11 @@ class Worker {
         }()),
         known_(objects_.start()),
         X_WB_(A::base(arm)),
-        sight_(typename A::Model{}, scene.skin().places(), {.range = sight_range, .half_angle = sight_cone}),
+        sight_(typename A::Model{}, scene_->skin().places(),
+               {.range = sight_range, .half_angle = sight_cone}),
         retreat_(arm, settings.carry),
         memory_(std::make_unique<typename Scene::Memory>()) {
-    scene_.start(*memory_, measured);
+    scene_->start(*memory_, measured);
     plan_ = executor_.start(measured.time);
     X_WH_ = X_WB_ * A::hand(measured.q);
     const auto x = X_WH_.axis_x();
@@ -80,6 +81,8 @@ class Worker {
     if (!s_.honest) return;
     believed_.see(picture, X_WH_.origin());
     believed_.write(known_);
+    believed_.find(found_);
+    keep_clear_of_trays();
   }
   /// What it says about the box, before a cycle.
   [[nodiscard]] skinctl::PlaceRequest place_request() const {
@@ -112,7 +115,7 @@ class Worker {
   /// How often it went aside for the other arm.
   [[nodiscard]] int went_aside() const { return way_.times(); }
   /// What its links and hand may fill until it stands, if it brakes now; and what the other arm may fill.
-  [[nodiscard]] auto occupied() const { return skinctl::occupied(scene_, *memory_, X_WB_); }
+  [[nodiscard]] auto occupied() const { return skinctl::occupied(*scene_, *memory_, X_WB_); }
   template <class Filled>
   void keep_clear_of(skinctl::Nanoseconds now, const Filled& other) {
     input_.around.count = 0;
@@ -129,7 +132,8 @@ class Worker {
     const std::size_t seen = sight_.look(
         measured.q,
         [&](std::size_t i) {
-          return scene_.skin().held(memory_->skin, i).proximity * double(skinctl::CellCounts::proximity_unit);
+          return scene_->skin().held(memory_->skin, i).proximity *
+                 double(skinctl::CellCounts::proximity_unit);
         },
         input_.around);
     if (seen > 0) seen_at_ = measured.time;
@@ -174,7 +178,7 @@ class Worker {
       given_way_ += now - input_.now;
     } else {
       const auto result = executor_.step(plan_, {.now = now - given_way_,
-                                                 .seen = observed(features_),
+                                                 .seen = seen(),
                                                  .skill = report_,
                                                  .answer = answer_,
                                                  .granted = granted,
@@ -196,7 +200,7 @@ class Worker {
     input_.measured = measured;
     input_.samples = samples;
     input_.gripper = gripper;
-    const auto out = scene_.step(*memory_, input_);
+    const auto out = scene_->step(*memory_, input_);
     input_.request = skinctl::CycleRequest::none;
     kept_ = out.status.has(skinctl::Reason::clearance_kept);
     displaced_ = out.status.has(skinctl::Reason::displaced);
@@ -245,7 +249,34 @@ class Worker {
     using namespace skinctl::activity;
     return does(Reach::rule, Take::rule) || (does(Squeeze::rule) && now_at().place == skinctl::no_place);
   }
-  static bool is_near_box(const skinctl::Xyz<double>& p) { return std::hypot(p.x, p.y) <= 0.3; }
+  [[nodiscard]] bool is_near_box(const skinctl::Xyz<double>& p) const {
+    const Tray& box = found_.at[0];
+    return std::hypot(p.x - box.x, p.y - box.y) <= 0.3;
+  }
+  /// The number of the tray at which the step puts; what it is about is no orange.
+  [[nodiscard]] std::size_t tray_number() const { return mark() == bin_class ? 1 + arm_ : 0; }
+  /// Walls are where box and bins are believed to be; with others the arm's cycle is built anew.
+  void keep_clear_of_trays() {
+    double off = 0;
+    for (std::size_t k = 0; k < tray_count; ++k)
+      off = std::max(off, std::hypot(found_.at[k].x - walls_at_[k].x, found_.at[k].y - walls_at_[k].y));
+    if (off < walls_off) return;
+    walls_at_ = found_.at;
+    scene_.reset(new Scene(A::scene(arm_, walls_at_)));
+    retreat_ = GivingWay<R>(arm_, s_.carry, walls_at_);
+  }
+  static constexpr double walls_off = 0.005;  ///< walls are moved; the clearance's margin is 20 mm [m]
+  /// Whether the tray of the present step was seen so lately; what the hand hides is where it was.
+  [[nodiscard]] bool has_seen_tray(skinctl::Nanoseconds within) const {
+    if (!s_.honest) return true;
+    const std::size_t k = tray_number();
+    const Tray& t = found_.at[k];
+    return now_ - found_.seen[k] <= within || Believed::hides(X_WH_.origin(), {t.x, t.y, 0});
+  }
+  /// Age of a place that is known, and of one between whose walls a hand may go: nine pictures.
+  static constexpr skinctl::Nanoseconds marked_for = 1s, goes_down_for = 300ms;
+  static constexpr double strays =
+      0.012;  ///< a place that moved is gone for anew; the walls are 50 mm away [m]
   static constexpr double closing_speed = 0.015;  ///< of `Squeezing` [m/s]
   using Goal = typename Scene::Goal;
   struct Part {
@@ -258,6 +289,13 @@ class Worker {
     double most = 1e9;    ///< force of a finger at which it has ended, at most [N]
   };
 
+  [[nodiscard]] skinctl::Observed seen() const {
+    using namespace skinctl;
+    const auto out = observed(features_);
+    // A release forgets the place, though it is still seen.
+    const bool matters = s_.honest && does(activity::Find::rule, activity::Put::rule) && mark() != 0;
+    return matters ? also(out, fact::marked, has_seen_tray(marked_for)) : out;
+  }
   /// The log of the steps.
   void note(const typename Executor::Memory& was, const typename Executor::Memory& is,
             const skinctl::StepRequest&) {
@@ -310,8 +348,13 @@ class Worker {
     using Kind = skinctl::StepRequest::Kind;
     if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
     if (report_.phase != skinctl::SkillPhase::running) return;
+    if (does(skinctl::activity::Find::rule)) return find();
     if (parts_.empty()) return look();
     if (way_.is_aside()) return;
+    if (goes_to_tray()) {
+      if (norm(skinctl::Xyz<double>(hand_at(r.place) - goes_to_)) > strays) begin(r);
+      if (!asked_ && parts_[part_].to.z < s_.carry && !has_seen_tray(goes_down_for)) return;
+    }
     if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside(parts_[part_].request);
     const auto told = Set::report_of(memory_->law, ticket_);
     if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
@@ -361,6 +404,14 @@ class Worker {
     part.slowest = 0;
     asked_ = false;
     touched_.push_back(part.to);
+  }
+  /// Whether it is on its way to a place in box or bin.
+  [[nodiscard]] bool goes_to_tray() const {
+    return does(skinctl::activity::Put::rule) && plan_.phase == Executor::Phase::run && mark() != 0;
+  }
+  /// The tray of this step: it is there when it was seen lately.
+  void find() {
+    if (has_seen_tray(goes_down_for)) end(true);
   }
   void end(bool well) {
     report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
@@ -557,7 +608,7 @@ class Worker {
     constexpr double passing = 0.06;
     if (s_.shown) R_ = mark() == box_class ? s_.shown->X_WH.axes() : s_.shown->X_OH.axes();
     if (r.does == &activity::Look::rule) return;
-    if (r.does == &activity::Find::rule) return end(true);  // box and bins stay where they are
+    if (r.does == &activity::Find::rule) return;
     if (r.does == &activity::ReachAbove::rule) {
       if (!s_.shown) R_ = turned(turned_);
       const auto p = known_.objects[object_].X_WO.origin();
@@ -590,7 +641,9 @@ class Worker {
       grip({0, grip_.hold(), 0.02});
     } else if (r.does == &activity::Put::rule) {
       if (!s_.shown) R_ = turned_at(r.place);
-      const auto p = hand_at(r.place);
+      const auto p = goes_to_ = hand_at(r.place);
+      if (here.z < 0.8 * s_.carry && std::hypot(p.x - here.x, p.y - here.y) > strays)
+        add(skill, at(here, s_.carry), passing);
       add(skill, at(p, s_.carry), passing);
       if (mark() == box_class && s_.shown && s_.shown->until_touched) {
         // From before where it was touched in the lesson to beyond.
@@ -602,7 +655,8 @@ class Worker {
         return;
       }
       const bool as_shown = mark() == box_class && s_.shown;
-      add(skill, as_shown ? p : at(p, std::max(p.z, taken_.z + s_.let_go)), 0.01);
+      const double floor = s_.honest ? tray_bottom : 0;
+      add(skill, as_shown ? p : at(p, floor + std::max(p.z, taken_.z + s_.let_go)), 0.01);
     } else if (r.does == &GoBack::rule) {
       if (!s_.shown) R_ = straight_;
       const Tray feed = feed_tray(arm_);
@@ -631,10 +685,12 @@ class Worker {
   /// `aside` of the place.
   [[nodiscard]] skinctl::Xyz<double> hand_at(std::uint8_t place) const {
     const auto& [mark, X_MH] = executor_.task().places[place];
-    if (mark == box_class && s_.shown) return s_.shown->X_WH.origin();
+    const Tray& box = found_.at[0];
+    if (mark == box_class && s_.shown)
+      return s_.shown->X_WH.origin() + skinctl::Xyz<double>{box.x - box_tray.x, box.y - box_tray.y, 0};
     const auto p = seen_by(arm_, X_MH.origin());
     if (mark == 0) return p + seen_by(arm_, {-R::stands, 0, 0});
-    const Tray tray = mark == bin_class ? bin_tray(arm_) : box_tray;
+    const Tray& tray = mark == bin_class ? found_.at[1 + arm_] : box;
     return p + skinctl::Xyz<double>{tray.x, tray.y - side(arm_) * s_.aside, 0};
   }
   /// The hand is turned from how it points down as it was turned in the lesson from how it took.
@@ -712,7 +768,10 @@ class Worker {
 
   std::size_t arm_;
   WorkSettings s_;
-  const Scene& scene_;
+  std::unique_ptr<const Scene> scene_;  ///< of walls where `walls_at_` says
+  Trays walls_at_ = first_trays;
+  Believed::FoundTrays found_;
+  skinctl::Xyz<double> goes_to_{0, 0, 0};  ///< place in box or bin to which the present step goes
   Executor executor_;
   Grip grip_;
   skinctl::Squeeze<> squeeze_;

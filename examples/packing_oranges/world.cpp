@@ -116,15 +116,31 @@ void write_arm(std::string& xml, std::size_t arm, const ArmBody& body) {
   xml += "</body>";
 }
 
-void write_tray(std::string& xml, const Tray& t) {
-  const auto wall = [&](double x, double y, double hx, double hy) {
-    xml += "<geom type='box' pos='" + list({x, y, t.wall / 2}) + "' size='" + list({hx, hy, t.wall / 2}) +
+// A wooden tray on a wooden table, and what it holds.
+constexpr double tray_mass = 1.5, tray_friction = 0.4;  // [kg], of its weight
+
+/// Walls, and a bottom where something fills it or it moves: on two slides then, which hold it by friction.
+void write_tray(std::string& xml, std::size_t k, double fill, bool moves) {
+  const Tray& t = first_trays[k];
+  xml += "<body name='" + name("tray", 0, k) + "' pos='" + list({t.x, t.y, 0}) + "'>";
+  if (moves) {
+    xml += "<inertial mass='" + list({tray_mass}) + "' pos='0 0 0.03' diaginertia='0.03 0.03 0.05'/>";
+    for (const char* axis : {"1 0 0", "0 1 0"})
+      xml += std::string("<joint type='slide' axis='") + axis + "' damping='5' frictionloss='" +
+             list({tray_friction * tray_mass * 9.81}) + "'/>";
+  }
+  const auto add = [&](double x, double y, double hx, double hy, double height) {
+    xml += "<geom type='box' pos='" + list({x, y, height / 2}) + "' size='" + list({hx, hy, height / 2}) +
            "'" + collides(is_table, 0) + "/>";
   };
   constexpr double half = 0.004;
-  wall(t.x - t.half_x - half, t.y, half, t.half_y), wall(t.x + t.half_x + half, t.y, half, t.half_y);
-  wall(t.x, t.y - t.half_y - half, t.half_x + 2 * half, half),
-      wall(t.x, t.y + t.half_y + half, t.half_x + 2 * half, half);
+  for (const double side : {-1.0, 1.0}) {
+    add(side * (t.half_x + half), 0, half, t.half_y, t.wall);
+    add(0, side * (t.half_y + half), t.half_x + 2 * half, half, t.wall);
+  }
+  if (const double height = std::max(fill, moves ? tray_bottom : 0); height > 0)
+    add(0, 0, t.half_x, t.half_y, height);
+  xml += "</body>";
 }
 
 std::string thing_text(const Thing& t, double friction) {
@@ -144,14 +160,9 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSetti
       "<option timestep='0.001' cone='elliptic' impratio='100' gravity='0 0 -9.81'/><worldbody>"
       "<geom type='plane' size='2 2 0.1'" +
       collides(is_table, 0) + "/>";
-  write_tray(xml, box_tray);
-  if (settings.floor > 0)
-    xml += "<geom type='box' pos='" + list({box_tray.x, box_tray.y, settings.floor / 2}) + "' size='" +
-           list({box_tray.half_x, box_tray.half_y, settings.floor / 2}) + "'" + collides(is_table, 0) + "/>";
-  for (std::size_t arm = 0; arm < arms; ++arm) {
-    write_tray(xml, bin_tray(arm));
-    write_arm(xml, arm, bodies[arm]);
-  }
+  for (std::size_t k = 0; k < tray_count; ++k)
+    write_tray(xml, k, k == 0 ? settings.floor : 0, settings.trays_move);
+  for (std::size_t arm = 0; arm < arms; ++arm) write_arm(xml, arm, bodies[arm]);
   xml +=
       "<body name='obstacle' mocap='true' pos='0 0 9'><geom name='obstacle' type='capsule' size='0.04 0.2'" +
       collides(is_obstacle, 0) + "/></body>";
@@ -219,6 +230,9 @@ struct World::Bodies {
   int thing_q = -1, thing_v = -1;  // addresses
   std::array<double, 7> thing_rests{5, 1, 1, 1, 0, 0, 0};
   bool thing_held = true;                                  // by a person
+  std::array<int, tray_count> tray{}, tray_v{};            // bodies; dofs of the first of two slides, or -1
+  std::array<Xyz<double>, tray_count> pulled{};            // by a person
+  std::array<std::uint64_t, arms> at_wall{};               // milliseconds without a break
   int obstacle = -1, obstacle_at = 0;                      // geom, and its place among the moved bodies
   std::array<bool, arms> meets_other{}, meets_obstacle{};  // a millisecond ago
   std::mt19937_64 random;
@@ -255,6 +269,10 @@ struct World::Bodies {
     owner.assign(static_cast<std::size_t>(model->ngeom), -1);
     obstacle = id(mjOBJ_GEOM, "obstacle");
     obstacle_at = model->body_mocapid[id(mjOBJ_BODY, "obstacle")];
+    for (std::size_t k = 0; k < tray_count; ++k) {
+      tray[k] = id(mjOBJ_BODY, name("tray", 0, k));
+      tray_v[k] = settings.trays_move ? model->body_dofadr[tray[k]] : -1;
+    }
     orange_of = owner;
     for (std::size_t a = 0; a < arms; ++a) {
       Arm& m = arm[a];
@@ -425,6 +443,7 @@ struct World::Bodies {
     std::array<std::array<double, parts>, arms> force{};
     for (Arm& m : arm) m.phalanges = {};
     std::array<bool, arms> walls{}, other{}, blocked{};
+    std::array<double, arms> on_wall{};
     std::array<double, arms> into_other{}, into_obstacle{};  // how fast, 0 for an arm that is moved into
     for (int c = 0; c < data->ncon; ++c) {
       const mjContact& contact = data->contact[c];
@@ -453,6 +472,9 @@ struct World::Bodies {
       const int orange = orange_of[o1 >= 0 ? g2 : g1];
       if (orange < 0) {
         walls[a] = true;
+        double f[6];
+        mj_contactForce(model, data, c, f);
+        on_wall[a] += f[0];
         continue;
       }
       if (orange == the_thing) feel(arm[a], c, model->geom_bodyid[o1 >= 0 ? g1 : g2]);
@@ -480,6 +502,9 @@ struct World::Bodies {
       r.worst_force = std::max(r.worst_force, largest);
       if (hold > 1) r.worst_grip = std::max(r.worst_grip, largest);
       r.walls += walls[a];
+      at_wall[a] = walls[a] ? at_wall[a] + 1 : 0;
+      r.longest_at_wall = std::max(r.longest_at_wall, at_wall[a]);
+      r.wall_force = std::max(r.wall_force, on_wall[a]);
       r.other_arm += other[a];
       r.obstacle += blocked[a];
       if (other[a] && !meets_other[a]) r.into_arm = into_other[a];
@@ -560,6 +585,10 @@ void World::step() {
   Bodies& b = *b_;
   mju_zero(b.data->qfrc_applied, b.model->nv);
   for (std::size_t a = 0; a < arms; ++a) b.drive(a);
+  for (std::size_t k = 0; k < tray_count; ++k)
+    if (b.tray_v[k] >= 0)
+      b.data->qfrc_applied[b.tray_v[k]] += b.pulled[k].x,
+          b.data->qfrc_applied[b.tray_v[k] + 1] += b.pulled[k].y;
   mj_step2(b.model, b.data);
   ++b.ticks;
   b.look_at_contacts();
@@ -637,6 +666,20 @@ void World::put_obstacle(const skinctl::Capsule<>& shape) {
   b.model->geom_rbound[b.obstacle] = size[0] + size[1];
 }
 
+Tray World::tray(std::size_t k) const {
+  Tray out = first_trays[k];
+  const double* p = b_->data->xpos + 3 * b_->tray[k];
+  out.x = p[0], out.y = p[1];
+  return out;
+}
+Xyz<double> World::tray_velocity(std::size_t k) const {
+  const int v = b_->tray_v[k];
+  return v < 0 ? Xyz<double>{0, 0, 0} : Xyz<double>{b_->data->qvel[v], b_->data->qvel[v + 1], 0};
+}
+void World::pull_tray(std::size_t k, const Xyz<double>& force) {
+  b_->pulled[k] = force;
+}
+
 skinctl::State<6> World::joints(std::size_t arm) const {
   const Bodies::Arm& m = b_->arm[arm];
   skinctl::State<6> s;
@@ -654,10 +697,6 @@ Xyz<double> World::hand(std::size_t arm) const {
     return palm[k] + m.grasps.x * R[3 * k] + m.grasps.y * R[3 * k + 1] + m.grasps.z * R[3 * k + 2];
   };
   return {at(0), at(1), at(2)};
-}
-Xyz<double> World::link_origin(std::size_t arm, std::size_t link) const {
-  const double* p = b_->data->xpos + 3 * b_->arm[arm].body[link];
-  return {p[0], p[1], p[2]};
 }
 const ArmRecord& World::record(std::size_t arm) const {
   return b_->arm[arm].record;

@@ -30,6 +30,7 @@ struct WorldSettings {
   double friction = 0.8;     ///< of an orange
   double floor = 0;          ///< height of what lies in the box, under everything [m]
   bool wrists = false;       ///< the arms have force sensors at their wrists
+  bool trays_move = false;   ///< box and bins slide on the table when they are pushed
   bool interpolate = true;   ///< false: commands are steps, as a servo without interpolation takes them
 };
 
@@ -48,9 +49,11 @@ struct ArmRecord {
   std::uint64_t samples = 0;  ///< ... so many milliseconds since `clear_shake`
   double set_down =
       0;  ///< the largest force with which something that it held was on the table or in the box [N]
-  std::uint64_t other_arm = 0;  ///< milliseconds in which it touched the other arm
-  std::uint64_t walls = 0;      ///< ... a wall or the table
-  std::uint64_t obstacle = 0;   ///< ... the obstacle
+  std::uint64_t other_arm = 0;        ///< milliseconds in which it touched the other arm
+  std::uint64_t walls = 0;            ///< ... a wall or the table
+  std::uint64_t longest_at_wall = 0;  ///< ... a wall or the table without a break
+  double wall_force = 0;              ///< largest force between it and a wall or the table [N]
+  std::uint64_t obstacle = 0;         ///< ... the obstacle
   /// Speed with which its own point moved into the other arm, and into the obstacle, when they began to touch last [m/s].
   double into_arm = 0, into_obstacle = 0;
 };
@@ -81,6 +84,12 @@ class World {
   /// Something in the way: it is there from now on, whatever it meets. A radius of 0: it is gone.
   void put_obstacle(const skinctl::Capsule<>& shape);
 
+  /// A box or bin, by its number in `first_trays`, where it really is.
+  [[nodiscard]] Tray tray(std::size_t k) const;
+  [[nodiscard]] skinctl::Xyz<double> tray_velocity(std::size_t k) const;
+  /// From now on a person pulls at it with this force [N].
+  void pull_tray(std::size_t k, const skinctl::Xyz<double>& force);
+
   [[nodiscard]] skinctl::State<6> joints(std::size_t arm) const;
   [[nodiscard]] skinctl::GripperState gripper(std::size_t arm) const;
   /// The joints of a hand: angles to the steps of its encoders (333.3 degrees in 65 536).
@@ -94,7 +103,6 @@ class World {
   [[nodiscard]] const std::array<double, 4>& true_tips(std::size_t arm) const;
   /// The point between the fingers, where it really is.
   [[nodiscard]] skinctl::Xyz<double> hand(std::size_t arm) const;
-  [[nodiscard]] skinctl::Xyz<double> link_origin(std::size_t arm, std::size_t link) const;
   [[nodiscard]] const ArmRecord& record(std::size_t arm) const;
   void clear_shake(std::size_t arm);
 

@@ -1,4 +1,5 @@
-// The simulated arm of the playground: drives, skin, wrist sensor and finger, without a controller's protocols.
+// The simulated arm of the playground: drives, skin, wrist sensor and finger, without a controller's
+// protocols.
 #pragma once
 
 #include <functional>

@@ -46,7 +46,7 @@ struct OwnRobot::Shape {
   [[nodiscard]] double radius(std::size_t i) const {
     return std::min(0.065, reach * (0.06 - 0.004 * static_cast<double>(i)));
   }
-  [[nodiscard]] CanonicalLinks<Chain> links(const Robot& r) const {
+  [[nodiscard]] TurnedLinks<Chain> links(const Robot& r) const {
     std::array<PlacedLink, 6> placed;
     for (std::size_t i = 0; i < 6; ++i) {
       const Robot::Place& at = r.joint[i].place;

@@ -49,7 +49,7 @@ class OwnRobot {
   [[nodiscard]] Joints posture(double height, double distance, const Joints* near = nullptr) const noexcept;
   void cover_tubes();
 
-  skinctl::CanonicalLinks<Chain> canonical_;
+  skinctl::TurnedLinks<Chain> canonical_;
   Model model_;
   Joints lower_{}, upper_{}, velocity_{}, torque_{};
   double reach_;                ///< [m]

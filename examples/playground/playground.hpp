@@ -1,5 +1,6 @@
-// The playground's core: an arm that gives way beside the same arm that does not, both simulated, and a finger that is
-// led. Flat structs of numbers, so that a page reads them from the memory of a WebAssembly module as they stand.
+// The playground's core: an arm that gives way beside the same arm that does not, both simulated, and a
+// finger that is led. Flat structs of numbers, so that a page reads them from the memory of a WebAssembly
+// module as they stand.
 #pragma once
 
 #include <array>
@@ -15,7 +16,8 @@ namespace playground {
 /// What the arm feels touch by.
 enum class Feeling : unsigned char { nothing, skin, wrist, motors };
 
-/// What a visitor chooses; it counts from the next `start` on. Numbers only: `double` holds all of them exactly.
+/// What a visitor chooses; it counts from the next `start` on. Numbers only: `double` holds all of them
+/// exactly.
 struct Choice {
   double feeling = 1;       ///< `Feeling`
   double interface = 0;     ///< `skinctl::Interface`; torque: with the skin only
@@ -103,8 +105,8 @@ class Arms {
   virtual ~Arms() = default;
   /// One cycle of both; it allocates nothing.
   virtual void cycle(View& view) noexcept = 0;
-  /// The finger comes to a place of `link` (its frame); the rigid arm begins where this one is, so that the press
-  /// is the same. It allocates nothing.
+  /// The finger comes to a place of `link` (its frame); the rigid arm begins where this one is, so that the
+  /// press is the same. It allocates nothing.
   virtual void press(std::size_t link, const double* point, const double* normal) noexcept = 0;
   virtual void release() noexcept = 0;
   /// Of the cells nearest to the last place `dead` fall silent, and the next `stuck` stick; or all are whole.
@@ -119,8 +121,8 @@ class Arms {
   Finger finger;
 };
 
-/// Both arms stand at `q` [rad]. Throws `skinctl::ConfigurationError` for numbers out of range, and for what does not
-/// exist.
+/// Both arms stand at `q` [rad]. Throws `skinctl::ConfigurationError` for numbers out of range, and for what
+/// does not exist.
 std::unique_ptr<Arms> make_arms(const Scenario& scenario, const Choice& choice,
                                 const compliant_ur5::PerJoint& q);
 /// The same of a robot that somebody brought, by its skin, by position and velocity; without `q` where its

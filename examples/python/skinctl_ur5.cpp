@@ -1,5 +1,5 @@
-// Python: a simulated UR5 with 260 cells that goes to goals and gives way to touch. The loop runs in a thread of its own;
-// Python gives goals and touches, and gets copies of what happened, as arrays.
+// Python: a simulated UR5 with 260 cells that goes to goals and gives way to touch. The loop runs in a thread
+// of its own; Python gives goals and touches, and gets copies of what happened, as arrays.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>

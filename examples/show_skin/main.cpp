@@ -12,6 +12,7 @@
 #include "examples/adapters/socket.hpp"
 #include "examples/show_skin/screen.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/io/skin_export.hpp"
 #include "skinctl/io/skin_file.hpp"
@@ -170,11 +171,7 @@ int main(int argc, char** argv) {
   app.add_option("--rate", o.rate, "pictures a second")->check(CLI::Range(0.1, 100.0))->capture_default_str();
   app.add_option("--seconds", o.seconds, "ends after so long; 0: at a signal")->check(CLI::NonNegativeNumber);
   app.add_flag("--plain", o.plain, "without colours");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? job::code(job::Exit::fine) : job::code(job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   try {
     return job::code(run(o, port->count() == 0));
   } catch (const adapters::ConnectionError& e) {

@@ -17,8 +17,9 @@ struct Layout {
   int rows = 0, columns = 0;
 };
 
-/// Cells of a patch on a plane or around an axis, half a pitch a column and a pitch a row; no two have the same
-/// place. A patch whose normals turn by more than 30 degrees is unrolled around the axis to which they are square.
+/// Cells of a patch on a plane or around an axis, half a pitch a column and a pitch a row; no two have the
+/// same place. A patch whose normals turn by more than 30 degrees is unrolled around the axis to which they
+/// are square.
 Layout unrolled(const skinctl::SkinFile::Patch& patch);
 
 }  // namespace show_skin

@@ -35,8 +35,8 @@ struct Config {
   int hardware = -1;         ///< upper byte of its hardware version; -1: its generation
   unsigned hand = 0;         ///< number on the bus
   double full_torque = 0.7;  ///< V4: at 1200 PWM [N m]
-  /// 1: real time. 0: as fast as commands come: time stands still after each set of positions until the torques
-  /// are there, or for `patience` seconds.
+  /// 1: real time. 0: as fast as commands come: time stands still after each set of positions until the
+  /// torques are there, or for `patience` seconds.
   double speed = 1;
   double patience = 1;
   PlantConfig plant;

@@ -1,4 +1,5 @@
-// The bytes of a simulated hand on CAN, written from the maker's guide and not from the driver that reads them.
+// The bytes of a simulated hand on CAN, written from the maker's guide and not from the driver that reads
+// them.
 #pragma once
 
 #include <deque>

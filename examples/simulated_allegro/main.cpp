@@ -5,6 +5,7 @@
 
 #include "examples/simulated_allegro/simulated_hand.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
 
 namespace {
@@ -49,11 +50,7 @@ int run(int argc, char** argv) {
         std::tuple{"--hot-at", &f.hot_at, "it becomes too hot [s]"},
         std::tuple{"--late-at", &f.late_at, "30 ms late [s]"}})
     app.add_option(name, *time, words);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   if (udp && config.generation != Generation::v5_sense)
     throw skinctl::ConfigurationError("--udp: only a V5 Sense has it");
   if (ball) config.plant.ball = Ball{};
@@ -88,13 +85,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const skinctl::ConfigurationError& e) {
-    std::fprintf(stderr, "simulated_allegro: %s\n", e.what());
-    return examples::job::code(Exit::refused);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "simulated_allegro: %s\n", e.what());
-    return examples::job::code(Exit::lost);
-  }
+  return examples::job::main_of("simulated_allegro", run, argc, argv);
 }

@@ -1,4 +1,5 @@
-// The bytes of a simulated V5 Sense on UDP, written from the maker's tables and not from the driver that reads them.
+// The bytes of a simulated V5 Sense on UDP, written from the maker's tables and not from the driver that
+// reads them.
 #pragma once
 
 #include <deque>

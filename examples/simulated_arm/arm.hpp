@@ -1,4 +1,5 @@
-// The body of a simulated industrial arm: six stiff joints that follow positions late, and a sensor in the wrist.
+// The body of a simulated industrial arm: six stiff joints that follow positions late, and a sensor in the
+// wrist.
 #pragma once
 
 #include <cmath>

@@ -9,6 +9,7 @@
 #include "examples/simulated_arm/rsi.hpp"
 #include "examples/simulated_arm/stream_motion.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
 #if SIMULATED_ARM_FRI
 #include "skinctl/io/urdf.hpp"
@@ -78,11 +79,7 @@ int run(int argc, char** argv) {
       ->expected(4);
   app.add_option("--duration", seconds, "[s]")->check(CLI::Range(0.1, 1e9));
   app.add_flag("--quiet", quiet, "errors only");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return examples::job::code(app.exit(e) == 0 ? Exit::fine : Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   if (!push.empty())
     config.pushes = {{.start = push[0], .duration = 1, .force = {push[1], push[2], push[3]}}};
   const bool waits = protocol == "stream_motion" || protocol == "franka";

@@ -60,7 +60,8 @@ class OnRobotDevice {
   bool started_ = false;
 };
 
-/// A Lacquey behind a thread of the robot's program: words, no answers, deaf for a second after each motion's word.
+/// A Lacquey behind a thread of the robot's program: words, no answers, deaf for a second after each motion's
+/// word.
 class LacqueyDevice {
  public:
   /// Moves the fingers to `now` [s], then hears a word.

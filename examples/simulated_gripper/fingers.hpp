@@ -13,7 +13,8 @@ struct Object {
   double stiffness = std::numeric_limits<double>::infinity();  ///< of its middle, both sides together [N/m]
 };
 
-/// Fingers that go to an opening at a speed, and stop where an object pushes back with the force that is allowed.
+/// Fingers that go to an opening at a speed, and stop where an object pushes back with the force that is
+/// allowed.
 class Fingers {
  public:
   explicit Fingers(double opening) : most_(opening), opening_(opening), goal_(opening) {}

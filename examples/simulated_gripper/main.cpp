@@ -5,9 +5,10 @@
 #include <thread>
 
 #include "examples/simulated_gripper/server.hpp"
+#include "examples/support/program.hpp"
 
 namespace {
-constexpr int exit_ok = 0, exit_configuration = 2, exit_network = 3;
+constexpr int exit_ok = 0, exit_network = 3;
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) {
   interrupted = 1;
@@ -39,11 +40,7 @@ int main(int argc, char** argv) {
   app.add_flag("--active", config.active, "a Robotiq that was activated before");
   app.add_option("--seconds", seconds, "ends after so long; 0: at a signal [s]")
       ->check(CLI::NonNegativeNumber);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? exit_ok : exit_configuration;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   config.kind = kind == "robotiq" ? Kind::robotiq : kind == "onrobot" ? Kind::onrobot : Kind::lacquey;
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);

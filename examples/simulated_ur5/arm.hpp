@@ -29,8 +29,8 @@ inline constexpr double rigid = std::numeric_limits<double>::infinity();
 struct ArmConfig {
   /// Pure delay from a command to the drive [s], 0 to 0.5.
   double delay = 0.008;
-  /// Time constant of the drive's first-order lag [s], 0 to 0.5, for speedj, movej and `servoj(gain=2000)`; of
-  /// softer gains lag * 2000 / gain. servoj comes behind a lag of its own besides, `lookahead_time`.
+  /// Time constant of the drive's first-order lag [s], 0 to 0.5, for speedj, movej and `servoj(gain=2000)`;
+  /// of softer gains lag * 2000 / gain. servoj comes behind a lag of its own besides, `lookahead_time`.
   double lag = 0.008;
   Joints velocity_limit = {pi, pi, pi, pi, pi, pi};                   ///< [rad/s]
   Joints acceleration_limit = {40, 40, 40, 40, 40, 40};               ///< of the target [rad/s^2]
@@ -43,8 +43,8 @@ struct ArmConfig {
   Joints stiffness = {rigid, rigid, rigid, rigid, rigid, rigid};
   /// The loop's integral takes the droop back with this time constant [s], 0.01 to infinite (none).
   double integral_time = rigid;
-  /// Mass at the flange that the controller does not know of [kg], 0 to 20: the arm droops by its weight, or under
-  /// torque sinks, until a program tells it (`set_payload`).
+  /// Mass at the flange that the controller does not know of [kg], 0 to 20: the arm droops by its weight, or
+  /// under torque sinks, until a program tells it (`set_payload`).
   double unknown_payload = 0;
   Vec3 payload_centre{};            ///< its centre of mass in the flange's frame [m]
   JointDrives drives;               ///< the position loop overcomes it; its currents show it
@@ -89,9 +89,9 @@ class Arm {
   /// `velocity`; a `duration` > 0 [s] replaces them.
   void move(const Joints& q, double acceleration, double velocity, double duration);
 
-  /// direct_torque: the joints move freely under `tau` [N m] for one cycle. The controller adds what holds the arm's
-  /// weight, and of the friction these shares (0 to 1), by the measured speed. Without a new command in the next
-  /// cycle the arm comes to rest under position control.
+  /// direct_torque: the joints move freely under `tau` [N m] for one cycle. The controller adds what holds
+  /// the arm's weight, and of the friction these shares (0 to 1), by the measured speed. Without a new
+  /// command in the next cycle the arm comes to rest under position control.
   void torque(const Joints& tau, const Joints& viscous_scale, const Joints& coulomb_scale);
 
   /// Target of the end of the coming cycle. A speed fraction below 1 slows every motion but stops.
@@ -105,8 +105,8 @@ class Arm {
   /// True under commands that come cycle by cycle: servoj, speedj, direct_torque.
   bool streamed() const { return mode_ == Mode::servo || mode_ == Mode::speed || mode_ == Mode::torque; }
   bool under_torque() const { return mode_ == Mode::torque; }
-  /// What the motors gave without load, the mean of the last cycle, without its noise; under direct torque what they give,
-  /// compensation included [N m].
+  /// What the motors gave without load, the mean of the last cycle, without its noise; under direct torque
+  /// what they give, compensation included [N m].
   const Joints& motor_torque() const { return motor_torque_; }
   /// Noise, bias and creep of the measured torque, new with each `measure` [N m].
   const Joints& torque_noise() const { return torque_noise_; }

@@ -51,8 +51,8 @@ struct Touch {
   /// contact.
   bool follow = false;
 
-  /// True: somebody leads the finger while the world runs, by `ContactWorld::place` and `lead`; start, approach, travel
-  /// and hold do not count.
+  /// True: somebody leads the finger while the world runs, by `ContactWorld::place` and `lead`; start,
+  /// approach, travel and hold do not count.
   bool led = false;
 
   /// Not empty: the finger repeats this recording instead of approach, travel and hold.
@@ -92,8 +92,8 @@ class ContactWorld {
   /// step.
   void advance(double t, double h, const Links& links);
   /// Puts the led finger of touch `i` in front of a place of `link` (its frame), before a new touch; `cell`
-  /// is an index, or `no_cell`: a plane. Touches by the clock end with it: who leads a finger is alone with the
-  /// arm. It allocates nothing.
+  /// is an index, or `no_cell`: a plane. Touches by the clock end with it: who leads a finger is alone with
+  /// the arm. It allocates nothing.
   void place(std::size_t i, std::size_t link, Vec3 point, Vec3 normal, std::size_t cell);
   /// How far it is beyond the surface at which it was placed, along the inward normal, and beside its line
   /// (base's frame) [m].

@@ -12,7 +12,8 @@ namespace {
 // Torque per current at the joint [N m/A]: of the order of what such gears and motors give; not the maker's
 // numbers.
 constexpr Joints torque_constant = {12.5, 12.5, 12.5, 9, 9, 9};
-/// A real controller stops when target and joints are about so far apart [rad]; here it is told, not acted on.
+/// A real controller stops when target and joints are about so far apart [rad]; here it is told, not acted
+/// on.
 constexpr double stopping_deviation = 0.6;
 
 std::array<double, 6> six(Vec3 a, Vec3 b) {
@@ -272,8 +273,9 @@ void check(const ForceSensorConfig& c) {
   in("force per kelvin", c.force_per_kelvin, 10, "-10 to 10 N/K");
 }
 
-/// The wrench at the tool's point, along the axes of the base: of a CB3, which has no sensor, all that acts on the arm;
-/// of an e-Series what acts beyond the flange and on link 5, less the payload that the controller was told.
+/// The wrench at the tool's point, along the axes of the base: of a CB3, which has no sensor, all that acts
+/// on the arm; of an e-Series what acts beyond the flange and on link 5, less the payload that the controller
+/// was told.
 void Controller::publish_wrench(const Links& actual, Vec3 tool) {
   RobotState& s = state_;
   s.wrench_by_currents = six(world_.force(), world_.moment_about(tool));

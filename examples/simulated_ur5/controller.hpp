@@ -69,8 +69,8 @@ class Controller {
   const ControllerConfig& config() const { return config_; }
   Version version() const { return config_.version.value_or(version_of(config_.series)); }
   Skin& skin() { return skin_; }
-  /// The finger of the first touch that is `led` comes to a place of `link` (its frame), once the scenario runs;
-  /// without such a touch nothing happens. It leaves when nobody has said for 0.5 s how it is led.
+  /// The finger of the first touch that is `led` comes to a place of `link` (its frame), once the scenario
+  /// runs; without such a touch nothing happens. It leaves when nobody has said for 0.5 s how it is led.
   void press(std::size_t link, Vec3 point, Vec3 normal);
   void lead_finger(const LedFinger::Wish& wish);
   void release_finger() { finger_.release(); }

@@ -1,4 +1,5 @@
-// What can happen between a robot and its program: a wire that delays, loses, repeats and garbles what passes through it.
+// What can happen between a robot and its program: a wire that delays, loses, repeats and garbles what passes
+// through it.
 #pragma once
 
 #include <atomic>
@@ -13,7 +14,8 @@ namespace simulated_ur5 {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Where the fields of an RTDE data package are, as the wire has overheard them: byte offsets in the whole package.
+/// Where the fields of an RTDE data package are, as the wire has overheard them: byte offsets in the whole
+/// package.
 class RtdeLayout {
  public:
   /// Reads a client's request for outputs, and the robot's answer to it.
@@ -68,8 +70,8 @@ class FaultyWire {
     reset,       ///< both ends are hung up on, at once
   };
 
-  /// Listens on a free port (or `listen`), and connects each client on to `target`. `rtde`: cut into packages, which
-  /// `set(Change)` wants.
+  /// Listens on a free port (or `listen`), and connects each client on to `target`. `rtde`: cut into
+  /// packages, which `set(Change)` wants.
   explicit FaultyWire(std::uint16_t target, bool rtde, std::uint16_t listen = 0);
   ~FaultyWire();
   FaultyWire(const FaultyWire&) = delete;

@@ -24,8 +24,8 @@ struct JointDrives {
 ///
 ///     M dq' + h (viscous dq' + f) = M dq + h (torque - C dq - G),  |f| <= coulomb
 ///
-/// with f such that a joint that f can hold stands still and one that moves is slowed by all of it. Friction is
-/// implicit: it takes energy at any step.
+/// with f such that a joint that f can hold stands still and one that moves is slowed by all of it. Friction
+/// is implicit: it takes energy at any step.
 /// @param held  f of the step before, replaced by that of this one: where the search for it begins.
 Joints speeds_after(const Joints& q, const Joints& dq, const Joints& torque, const Bodies& bodies,
                     const JointDrives& drives, double h, Joints& held);

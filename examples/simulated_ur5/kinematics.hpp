@@ -19,8 +19,8 @@ Pose inverse(const Pose& pose);
 /// Joints near `near` whose flange is at `pose`, to 1e-9 m and rad; nothing where Newton's steps find none.
 std::optional<Joints> joints_that_reach(const Pose& pose, const Joints& near);
 
-/// Joint speeds that come next to a speed and turn rate of the tool's point at `point` (base's frame), damped near
-/// singular poses.
+/// Joint speeds that come next to a speed and turn rate of the tool's point at `point` (base's frame), damped
+/// near singular poses.
 Joints joint_speeds(const Links& links, Vec3 point, const std::array<double, 6>& twist);
 
 }  // namespace simulated_ur5

@@ -1,5 +1,5 @@
-// Lines on the script ports that are no URScript: they steer the controller and leave the running program alone,
-// but for those that stop it.
+// Lines on the script ports that are no URScript: they steer the controller and leave the running program
+// alone, but for those that stop it.
 #pragma once
 
 #include <string_view>

@@ -88,10 +88,6 @@ std::size_t input_key_count();
 
 std::optional<Output> find_output(std::string_view name);
 std::optional<Input> find_input(std::string_view name);
-/// Names of all outputs (inputs), registers included.
-std::vector<std::string> output_names();
-std::vector<std::string> input_names();
-
 /// Comma-separated names; one trailing comma is allowed.
 std::vector<std::string_view> split_names(std::string_view names);
 

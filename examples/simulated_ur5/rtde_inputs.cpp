@@ -91,13 +91,4 @@ std::optional<Input> find_input(std::string_view name) {
   return std::nullopt;
 }
 
-std::vector<std::string> input_names() {
-  std::vector<std::string> names;
-  for (const NamedInput& i : inputs) names.emplace_back(i.name);
-  for (const InputFamily& f : input_families)
-    for (std::size_t i = f.first; i < f.count; ++i)
-      names.push_back(std::string(f.prefix) + std::to_string(i));
-  return names;
-}
-
 }  // namespace simulated_ur5::rtde

@@ -218,12 +218,4 @@ std::optional<Output> find_output(std::string_view name) {
   return std::nullopt;
 }
 
-std::vector<std::string> output_names() {
-  std::vector<std::string> names;
-  for (const NamedOutput& o : outputs) names.emplace_back(o.name);
-  for (const OutputFamily& f : output_families)
-    for (std::size_t i = 0; i < f.count; ++i) names.push_back(std::string(f.prefix) + std::to_string(i));
-  return names;
-}
-
 }  // namespace simulated_ur5::rtde

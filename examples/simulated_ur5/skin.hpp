@@ -28,7 +28,8 @@ struct SkinCell {
 /// plane.
 void complete(SkinCell& cell);
 
-/// How the accelerometers of cheap cells err: standard deviations of what stays with a cell, and the shaking of a link.
+/// How the accelerometers of cheap cells err: standard deviations of what stays with a cell, and the shaking
+/// of a link.
 struct AccelerometerFaults {
   double bias = 0;          ///< of an axis [g]
   double scale = 0;         ///< of an axis
@@ -61,7 +62,8 @@ struct SkinConfig {
   std::vector<skinctl::testing::FaultyCell> faults;
 };
 void check(const SkinConfig& config);
-/// Accelerometers of a calibration: `AccelerometerFaults::cheap`, noise of 9 mg, and each measurement is sent.
+/// Accelerometers of a calibration: `AccelerometerFaults::cheap`, noise of 9 mg, and each measurement is
+/// sent.
 void err_as_cheap_ones(SkinConfig& config);
 
 /// One sample as it goes out, by the skin's clock.

@@ -18,6 +18,7 @@
 #include "examples/skin_bridge/pads.hpp"
 #include "examples/support/job.hpp"
 #include "examples/support/output_file.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
 #include "skinctl/sensing/unrest.hpp"
@@ -339,11 +340,7 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", o.seconds, "ends after so long; 0: at the end or a signal [s]")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("-q,--quiet", o.quiet, "no progress");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? job::code(job::Exit::fine) : job::code(job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   try {
     return job::code(run(o));
   } catch (const ConnectionError& e) {

@@ -1,4 +1,5 @@
-// Skin files: write that of the UR5, check one, draw one, convert TUM's patch files. See README.md beside this file.
+// Skin files: write that of the UR5, check one, draw one, convert TUM's patch files. See README.md beside
+// this file.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -6,6 +7,7 @@
 #include "examples/skin_file/geometry.hpp"
 #include "examples/skin_file/picture.hpp"
 #include "examples/support/output_file.hpp"
+#include "examples/support/program.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "skinctl/io/skin_export.hpp"
 #include "skinctl/io/skin_file.hpp"
@@ -63,11 +65,7 @@ int run(int argc, char** argv) {
   convert->add_option("--force-gain", force, "of all patches [N per unit of the three readings]");
   for (auto* command : {ur5, draw, convert})
     command->add_option("-o,--output", output, "standard output if left out");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const auto write = [&](const std::string& text) {
     if (output.empty()) {
       std::fputs(text.c_str(), stdout);

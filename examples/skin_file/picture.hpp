@@ -21,8 +21,8 @@ Pose ur5_at(const std::vector<double>& q);
 /// number of positions than joints.
 Pose urdf_at(const skinctl::Urdf& urdf, const std::vector<double>& q);
 
-/// Two views from opposite sides, each with the cells that face the viewer in the colour of their
-/// patch; those that look away are outlines, masked ones are crossed out, those of a region have a dot. Colours
+/// Two views from opposite sides, each with the cells that face the viewer in the colour of their patch;
+/// those that look away are outlines, masked ones are crossed out, those of a region have a dot. Colours
 /// follow the viewer's preference for light or dark.
 std::string picture(const skinctl::SkinFile& file, const std::vector<skinctl::PlacedSkinPatch>& placed,
                     const Pose& pose);

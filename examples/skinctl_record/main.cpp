@@ -1,4 +1,5 @@
-// Recorded runs: what is in a file, an end for one that was cut, a topic as a table. See README.md beside this file.
+// Recorded runs: what is in a file, an end for one that was cut, a topic as a table. See README.md beside
+// this file.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -8,6 +9,7 @@
 #include "examples/skinctl_record/csv.hpp"
 #include "examples/skinctl_record/view.hpp"
 #include "examples/support/output_file.hpp"
+#include "examples/support/program.hpp"
 #include "skinctl/recording/mcap_file.hpp"
 
 namespace {
@@ -56,11 +58,7 @@ int run(int argc, char** argv) {
     command->add_option("file", file, "MCAP file")->required();
   csv_command->add_option("topic", topic, "such as /joint_states")->required();
   csv_command->add_option("--output", output, "file; without it the standard output");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   if (*info_command) return info(file);
   if (*view_command) return skinctl_record::view(file, port);
   if (*recover_command) {

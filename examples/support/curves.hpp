@@ -51,7 +51,8 @@ inline std::vector<plotting::Band> while_above_zero(const Curve& curve, const st
 }
 
 /// Draws panels one below the other over the same time, as an SVG file: at the path given on the command
-/// line, or `name` in the working directory; `head` stands above. Returns 0, or 1 if the file cannot be written.
+/// line, or `name` in the working directory; `head` stands above. Returns 0, or 1 if the file cannot be
+/// written.
 inline int draw(int argc, char** argv, const std::string& name, const std::string& title,
                 const std::vector<Panel>& panels, const std::vector<plotting::Band>& bands = {},
                 const plotting::Head& head = {}) {

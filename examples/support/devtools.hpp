@@ -1,5 +1,5 @@
-// A page in headless Chromium that a test talks to: scripts evaluated, pictures taken. By the browser's own protocol over
-// two pipes, so that no port is open.
+// A page in headless Chromium that a test talks to: scripts evaluated, pictures taken. By the browser's own
+// protocol over two pipes, so that no port is open.
 #pragma once
 
 #include <cstring>
@@ -10,7 +10,8 @@
 
 namespace examples::browser {
 
-/// A browser with one page. Every call fails the test (by an exception) where the browser does not answer in time.
+/// A browser with one page. Every call fails the test (by an exception) where the browser does not answer in
+/// time.
 class Page {
  public:
   Page(const std::string& program, const Folder& folder, const std::vector<std::string>& more = {}) {

@@ -1,11 +1,12 @@
 // The main program of the examples' tests: doctest's runner, and a rule for those that need the clock.
 //
-// A case in the suite "real time" has a robot and its job wait for each other by the clock. Beside every case runs a thread that
-// asks to be woken each millisecond. A case of that suite that fails while this thread was once left waiting for more than 20 ms
-// (SKINCTL_TOLERATED_PAUSE in the environment says otherwise), or while other programs took more than a fifth of the processors
-// (SKINCTL_TOLERATED_SHARE), is tried again, twice at most: an empty thread is soon served where one that computes waits for its
-// turn. If it still fails, and the machine still does not run what is due, nothing is proven: it says so and exits with 77, which
-// ctest counts as skipped. A case that fails on a machine that kept time has failed. So has a filter that no case matches.
+// A case in the suite "real time" has a robot and its job wait for each other by the clock. Beside every case
+// runs a thread that asks to be woken each millisecond. A case of that suite that fails while this thread was
+// once left waiting for more than 20 ms (SKINCTL_TOLERATED_PAUSE in the environment says otherwise), or while
+// other programs took more than a fifth of the processors (SKINCTL_TOLERATED_SHARE), is tried again, twice at
+// most: an empty thread is soon served where one that computes waits for its turn. If it still fails, and the
+// machine still does not run what is due, nothing is proven: it says so and exits with 77, which ctest counts
+// as skipped. A case that fails on a machine that kept time has failed. So has a filter that no case matches.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 #include <sys/resource.h>

@@ -25,9 +25,10 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t
               "set by a signal handler");
 }  // namespace detail
 
-/// While it lives, the first SIGINT, SIGTERM or SIGHUP sets `asked()`, and another one 0.2 s later or more ends the
-/// process as usual: who signals a process and its group, as timeout(1) does, asks once. A reader of standard output that goes away does not end a program that has a device to stop, nor later, when the
-/// rest of the output is written at exit. One at a time.
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP sets `asked()`, and another one 0.2 s later or more
+/// ends the process as usual: who signals a process and its group, as timeout(1) does, asks once. A reader of
+/// standard output that goes away does not end a program that has a device to stop, nor later, when the rest
+/// of the output is written at exit. One at a time.
 class StopSignals {
  public:
   StopSignals() {

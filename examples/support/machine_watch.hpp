@@ -1,4 +1,5 @@
-// How late the machine runs what is due, beside a job in real time: deadlines that were missed while it slept are not the job's.
+// How late the machine runs what is due, beside a job in real time: deadlines that were missed while it slept
+// are not the job's.
 #pragma once
 
 #include <atomic>

@@ -9,8 +9,9 @@
 
 namespace examples {
 
-/// To be called before `output` is opened, which would empty it. Throws `ConfigurationError` if it is one of the files
-/// `inputs`, by whatever name: relative, a symbolic link, a hard link. Empty names, devices and pipes pass.
+/// To be called before `output` is opened, which would empty it. Throws `ConfigurationError` if it is one of
+/// the files `inputs`, by whatever name: relative, a symbolic link, a hard link. Empty names, devices and
+/// pipes pass.
 inline void refuse_own_input(const std::string& output, std::initializer_list<std::string> inputs) {
   std::error_code none;  // a file that is not there is no input
   if (!std::filesystem::is_regular_file(output, none)) return;

@@ -12,8 +12,8 @@
 
 namespace examples {
 
-/// Runs `program arguments`, in which IN stands for a file with `content` and OUT for the same file by each of its
-/// names; the program must end with `code` and words, and leave the file as it was.
+/// Runs `program arguments`, in which IN stands for a file with `content` and OUT for the same file by each
+/// of its names; the program must end with `code` and words, and leave the file as it was.
 inline void check_own_input_is_kept(const std::string& program, const std::string& arguments,
                                     const std::string& content, int code) {
   namespace fs = std::filesystem;

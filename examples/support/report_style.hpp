@@ -1,5 +1,5 @@
-// Style sheet of all pages and reports: what a page needs beside it, it joins to it. Colours are variables, for
-// light and dark.
+// Style sheet of all pages and reports: what a page needs beside it, it joins to it. Colours are variables,
+// for light and dark.
 #pragma once
 
 namespace examples {

@@ -17,7 +17,8 @@
 
 namespace examples {
 
-/// What `program arguments` writes to both of its outputs. Fails unless it ends within 30 s with the code `expected`.
+/// What `program arguments` writes to both of its outputs. Fails unless it ends within 30 s with the code
+/// `expected`.
 inline std::string run_program(const std::string& program, const std::string& arguments, int expected) {
   std::FILE* pipe = ::popen(("timeout 30 '" + program + "' " + arguments + " 2>&1").c_str(), "r");
   REQUIRE(pipe);
@@ -30,7 +31,8 @@ inline std::string run_program(const std::string& program, const std::string& ar
   return out;
 }
 
-/// Waits until process `id` has a handler for `signal`, at most 30 s: a busy machine may take long to start it.
+/// Waits until process `id` has a handler for `signal`, at most 30 s: a busy machine may take long to start
+/// it.
 inline void wait_until_handled(pid_t id, int signal) {
   const std::string path = "/proc/" + std::to_string(id) + "/status";
   for (int k = 0; k < 30'000; ++k) {
@@ -44,8 +46,8 @@ inline void wait_until_handled(pid_t id, int signal) {
   FAIL("the program never handles signal " << signal);
 }
 
-/// The exit code of a program whose outputs nobody reads; it gets `signal`, if not 0, `ms` milliseconds after it began
-/// to handle it. Minus the number of the signal that has ended it.
+/// The exit code of a program whose outputs nobody reads; it gets `signal`, if not 0, `ms` milliseconds after
+/// it began to handle it. Minus the number of the signal that has ended it.
 inline int run_and_signal(const char* program, std::vector<const char*> arguments, int signal = 0,
                           int ms = 0) {
   int replaced[2];  // closed where the program takes this one's place, whose handlers it does not inherit

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
-#include <utility>
 
 #include "skinctl/core/xml_text.hpp"
 #include "skinctl/io/formatted.hpp"

@@ -23,8 +23,8 @@ inline toml::table read_toml(const std::string& file) {
   }
 }
 
-/// One table of a TOML file, with every key that was asked for ticked off. What is wrong is refused with file,
-/// line and key.
+/// One table of a TOML file, with every key that was asked for ticked off. What is wrong is refused with
+/// file, line and key.
 class TomlTable {
  public:
   TomlTable(const std::string& file, const std::string& name, const toml::table& table)

@@ -8,12 +8,12 @@
 
 namespace examples {
 
-/// Looks at the first bytes of a connection: any web page can open a connection to a port of this computer and send a
-/// text in the body of a request, which a protocol of lines would take for commands.
+/// Looks at the first bytes of a connection: any web page can open a connection to a port of this computer
+/// and send a text in the body of a request, which a protocol of lines would take for commands.
 class WebGuard {
  public:
-  /// True: `bytes`, the next of the connection, make what came so far the beginning of an HTTP request (a method in
-  /// capitals and a path, a URL or an asterisk) or of a TLS handshake. Nothing of them may be used.
+  /// True: `bytes`, the next of the connection, make what came so far the beginning of an HTTP request (a
+  /// method in capitals and a path, a URL or an asterisk) or of a TLS handshake. Nothing of them may be used.
   [[nodiscard]] bool refuses(std::span<const std::uint8_t> bytes) {
     for (const std::uint8_t b : bytes) {
       if (decided_) break;

@@ -1,4 +1,5 @@
-// A world without forces in which a hand does what an executor asks: other places, other things than were shown.
+// A world without forces in which a hand does what an executor asks: other places, other things than were
+// shown.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
-// Teaches a task by demonstrations: records them, learns a task that people read back, and runs it among other things.
+// Teaches a task by demonstrations: records them, learns a task that people read back, and runs it among
+// other things.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -8,6 +9,7 @@
 
 #include "examples/support/job.hpp"
 #include "examples/support/output_file.hpp"
+#include "examples/support/program.hpp"
 #include "examples/teach/kinematic_world.hpp"
 #include "examples/teach/player.hpp"
 #include "examples/teach/written.hpp"
@@ -146,11 +148,7 @@ int main(int argc, char** argv) {
   lives->add_option("file", file, "a recording");
   lives->add_option("--speed", speed, "times real time; 0: as fast as possible")
       ->check(CLI::Range(0.0, 1000.0));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   try {
     const examples::job::StopSignals signals;
     for (const auto& in : files)

@@ -1,7 +1,6 @@
 #include "examples/teach/written.hpp"
 
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include "examples/support/text.hpp"

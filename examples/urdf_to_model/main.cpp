@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "examples/support/output_file.hpp"
+#include "examples/support/program.hpp"
 #include "write_model.hpp"
 
 namespace {
@@ -51,11 +52,7 @@ int main(int argc, char** argv) try {
   app.add_option("--snap", settings.snap, "Angles this close to a right one become exact [rad]")
       ->check(CLI::Range(0.0, 1e-3));
   app.footer("Exit codes: 0 written, 1 the file cannot be read or written, 2 an option is wrong");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   for (std::size_t k = 0; k < gravity.size(); ++k) settings.gravity[k] = gravity[k];
 
   for (const std::string& lock : locks) add_lock(options, lock);

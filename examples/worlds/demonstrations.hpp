@@ -212,8 +212,8 @@ template <std::size_t C>
   }
   return out + (at == finish ? "end" : "?");
 }
-/// What `in_line` says of the tasks as they were meant: a bottle, a spatula used at the pan, a knife at the bread, a
-/// slice of bread put on the plate; three things put on the table.
+/// What `in_line` says of the tasks as they were meant: a bottle, a spatula used at the pan, a knife at the
+/// bread, a slice of bread put on the plate; three things put on the table.
 [[nodiscard]] inline const char* meant_in_line(LedTask task) {
   return task == LedTask::pancake
              ? "take 4 at 4, use 4 at 5, release 4 at 0, take 6 at 6, use 6 at 5, release 6 at 0, end"

@@ -67,7 +67,8 @@ inline void add_errors(TrueCell& cell, const MovedSkinSettings& s, Random& rng) 
     for (int k = 0; k < 3; ++k) cell.cross_axis(i, k) = i == k ? 0 : s.cross_axis * normal(rng);
 }
 
-/// Records a motion. Links' poses are differenced twice: nothing is shared with the recursion that is judged by it.
+/// Records a motion. Links' poses are differenced twice: nothing is shared with the recursion that is judged
+/// by it.
 /// @param motion  the joints' `JointPoint` at a time, from 0.4 s before 0 to 0.4 s after `duration`.
 template <RobotModel M, class Motion>
 [[nodiscard]] MotionRecording record_motion(const M& model, const Motion& motion, double duration,

@@ -41,9 +41,11 @@ inline void say(Words& words, double t, Activity a) {
   if (words.empty() || words.back().word != a) words.push_back({t, a});
 }
 
-/// The rules' words by definition: on signals without noise, tremor, delay and debounce, at 1 kHz. Moving: faster than
-/// 0.03 m/s. In hand: from 0.5 N until below 0.25 N. Squeezed: from 1.45 times the largest force before it was carried
-/// until below 1.33 times. Carried: 15 mm from where contact began. Left: as the rules say, at the true places.
+/// The rules' words by definition: on signals without noise, tremor, delay and debounce, at 1 kHz. Moving:
+/// faster than
+/// 0.03 m/s. In hand: from 0.5 N until below 0.25 N. Squeezed: from 1.45 times the largest force before it
+/// was carried until below 1.33 times. Carried: 15 mm from where contact began. Left: as the rules say, at
+/// the true places.
 [[nodiscard]] inline Words words_by_definition(const LedRun& run) {
   Words words;
   bool in_hand = false, carried = false, squeezed = false, left = true;
@@ -210,9 +212,9 @@ struct Score {
   [[nodiscard]] double by_segments() const { return right_segments / segments; }
 };
 
-/// Compares what was said with the truth every 4 ms. Later: as it is known `delay` after the instant, by the stamps of
-/// what was said until then. Segments: stretches of one true word of at least 0.1 s; right: the word of most of its time,
-/// as known later, is the true one.
+/// Compares what was said with the truth every 4 ms. Later: as it is known `delay` after the instant, by the
+/// stamps of what was said until then. Segments: stretches of one true word of at least 0.1 s; right: the
+/// word of most of its time, as known later, is the true one.
 [[nodiscard]] inline Score compare(const std::vector<Said>& said, const Words& truth, double lasts,
                                    double delay = 0.06) {
   Score s;

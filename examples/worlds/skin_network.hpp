@@ -54,7 +54,8 @@ struct SkinTopology {
     t.join(0, 0, 1, 2);
     return t;
   }
-  /// Cells joined at random, in one piece or not: loops, stars, chains, double links, cells joined to themselves by no port.
+  /// Cells joined at random, in one piece or not: loops, stars, chains, double links, cells joined to
+  /// themselves by no port.
   [[nodiscard]] static SkinTopology random(Random& rng, std::size_t cells, std::size_t boxes) {
     SkinTopology t(cells, boxes);
     const auto any = [&](std::size_t n) { return std::size_t(rng() % n); };

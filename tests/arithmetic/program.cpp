@@ -1,5 +1,5 @@
-// Builds a scene and prints bits of its arithmetic: the flags that it was compiled with are refused by the headers or by
-// the scene (exit 3 and the reason), or change no bit.
+// Builds a scene and prints bits of its arithmetic: the flags that it was compiled with are refused by the
+// headers or by the scene (exit 3 and the reason), or change no bit.
 #include <cstdio>
 
 #include "skinctl/control/gravity_control.hpp"

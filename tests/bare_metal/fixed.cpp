@@ -1,5 +1,5 @@
-// What poses, G, inverse dynamics and M of a UR5 cost on a Cortex-M3, which has no floating point, in instructions: float and
-// double in software, and fixed point.
+// What poses, G, inverse dynamics and M of a UR5 cost on a Cortex-M3, which has no floating point, in
+// instructions: float and double in software, and fixed point.
 #include "../../bench/studies/fixed_point/fixed.hpp"
 
 #include <cstdint>
@@ -15,7 +15,8 @@ using namespace skinctl;
 
 namespace {
 
-// The processor's own timer, at 25 MHz: 40 instructions a tick where each takes a nanosecond of the emulator's clock.
+// The processor's own timer, at 25 MHz: 40 instructions a tick where each takes a nanosecond of the
+// emulator's clock.
 volatile std::uint32_t* const systick = reinterpret_cast<volatile std::uint32_t*>(0xE000E010);
 
 template <class V>

@@ -1,6 +1,7 @@
-// The preset `tiny` on a Cortex-M4 with a floating-point unit for float: a UR5 with 260 cells that gives way to touch, at 125 Hz.
-// Prints what a cycle costs in instructions (the emulator gives each of them a nanosecond of its clock), the memory, and what the
-// start needs for tables. After the start nothing is allocated: the program fails if it is.
+// The preset `tiny` on a Cortex-M4 with a floating-point unit for float: a UR5 with 260 cells that gives way
+// to touch, at 125 Hz. Prints what a cycle costs in instructions (the emulator gives each of them a
+// nanosecond of its clock), the memory, and what the start needs for tables. After the start nothing is
+// allocated: the program fails if it is.
 //
 // Promise: a cycle of the preset `tiny` (UR5, 260 cells, float, one sub-step) takes at most 16 000
 // instructions on a Cortex-M4, and nothing is allocated after the start

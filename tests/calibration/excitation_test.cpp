@@ -3,23 +3,15 @@
 
 #include <doctest/doctest.h>
 
+#include "bench/studies/worlds/ur5_excitation.hpp"
 #include "skinctl/calibration/activation.hpp"
 #include "skinctl/calibration/dynamics_excitation.hpp"
 #include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
+using namespace skinctl::testing;
 
 namespace {
-
-ExcitationLimits limits() {
-  ExcitationLimits l;
-  l.lower = Eigen::VectorXd::Constant(6, -6.2), l.upper = Eigen::VectorXd::Constant(6, 6.2);
-  l.velocity = Eigen::VectorXd::Constant(6, 3.0), l.acceleration = Eigen::VectorXd::Constant(6, 20);
-  l.torque = Eigen::VectorXd::Constant(6, 150);
-  l.torque.tail(3).setConstant(28);
-  return l;
-}
-const Eigen::VectorXd home = (Eigen::VectorXd(6) << 0.2, -1.3, 1.2, -1.2, -1.4, 0.3).finished();
 
 // At rest at home at both ends; velocities and accelerations are derivatives; no jump.
 void check_motion(const Excitation& motion) {
@@ -41,10 +33,10 @@ void check_motion(const Excitation& motion) {
 }  // namespace
 
 TEST_CASE("Excitation of a skin: within every limit, each joint alone, then all, and announced") {
-  const SkinExcitation motion(home, limits(), {}, ur5::Model{});
+  const SkinExcitation motion(ur5_home, ur5_limits(), {}, ur5::Model{});
   check_motion(motion);
-  CHECK(motion.largest_share(limits()) <= 0.9 + 1e-9);
-  CHECK(motion.torque_share(ur5::Model{}, limits().torque) <= 0.9);
+  CHECK(motion.largest_share(ur5_limits()) <= 0.9 + 1e-9);
+  CHECK(motion.torque_share(ur5::Model{}, ur5_limits().torque) <= 0.9);
   REQUIRE(motion.announcements().size() == 7);
   for (int j = 0; j < 6; ++j) {
     const Announcement& a = motion.announcements()[std::size_t(j)];
@@ -53,8 +45,8 @@ TEST_CASE("Excitation of a skin: within every limit, each joint alone, then all,
     for (double t = a.from; t < a.to; t += 0.01) {
       const JointPoint p = motion.at(t);
       for (int i = 0; i < 6; ++i)
-        if (i != j) CHECK(p.q(i) == home(i));
-      moved = std::max(moved, std::abs(p.q(j) - home(j)));
+        if (i != j) CHECK(p.q(i) == ur5_home(i));
+      moved = std::max(moved, std::abs(p.q(j) - ur5_home(j)));
     }
     CHECK(moved > 0.3);
   }
@@ -63,7 +55,7 @@ TEST_CASE("Excitation of a skin: within every limit, each joint alone, then all,
 
 TEST_CASE("Excitation of a skin: recorded from its first instant on, each joint is seen to move alone") {
   for (const double begins : {0.0, -0.5}) {
-    const SkinExcitation motion(home, limits(), {}, ur5::Model{});
+    const SkinExcitation motion(ur5_home, ur5_limits(), {}, ur5::Model{});
     JointRecording joints;
     CellReadings cell;
     const auto rows = static_cast<Eigen::Index>((motion.duration() - begins) * 125);
@@ -77,39 +69,40 @@ TEST_CASE("Excitation of a skin: recorded from its first instant on, each joint 
     CHECK((measured.first() - motion.at(begins).q).norm() < 1e-4);
     const auto data = detail::fit::block_means({cell}, measured.start() + 0.2, measured.end() - 0.2, 0.04);
     const Activation found = find_activation(data, measured);
-    CHECK((found.home - home).norm() < 1e-4);
+    CHECK((found.home - ur5_home).norm() < 1e-4);
     CHECK(found.alone == std::vector<bool>(6, true));
   }
 }
 
 TEST_CASE("Excitation of a skin: a slow robot in a narrow place still moves within its limits") {
-  ExcitationLimits narrow = limits();
+  ExcitationLimits narrow = ur5_limits();
   narrow.velocity.setConstant(0.3), narrow.acceleration.setConstant(1);
-  for (Eigen::Index j = 0; j < 6; ++j) narrow.lower(j) = home(j) - 0.2, narrow.upper(j) = home(j) + 0.15;
-  const SkinExcitation motion(home, narrow);
+  for (Eigen::Index j = 0; j < 6; ++j)
+    narrow.lower(j) = ur5_home(j) - 0.2, narrow.upper(j) = ur5_home(j) + 0.15;
+  const SkinExcitation motion(ur5_home, narrow);
   check_motion(motion);
   CHECK(motion.largest_share(narrow) <= 0.9 + 1e-9);
   CHECK(motion.largest_share(narrow) > 0.5);
-  narrow.lower(3) = home(3) - 0.05;
-  CHECK_THROWS_AS(SkinExcitation(home, narrow), ConfigurationError);
+  narrow.lower(3) = ur5_home(3) - 0.05;
+  CHECK_THROWS_AS(SkinExcitation(ur5_home, narrow), ConfigurationError);
   SkinExcitation::Settings brief;
   brief.duration = 5;
-  CHECK_THROWS_AS(SkinExcitation(home, limits(), brief), ConfigurationError);
+  CHECK_THROWS_AS(SkinExcitation(ur5_home, ur5_limits(), brief), ConfigurationError);
 }
 
 TEST_CASE("Excitation of masses: within every limit, and better than the first draw") {
   DynamicsExcitation::Settings s;
   s.tries = 1, s.periods = 1;
-  const DynamicsExcitation first(ur5::Model{}, home, limits(), s);
+  const DynamicsExcitation first(ur5::Model{}, ur5_home, ur5_limits(), s);
   s.tries = 16;
-  const DynamicsExcitation motion(ur5::Model{}, home, limits(), s);
+  const DynamicsExcitation motion(ur5::Model{}, ur5_home, ur5_limits(), s);
   check_motion(motion);
-  CHECK(motion.largest_share(limits()) <= 0.9 + 1e-3);
-  CHECK(motion.torque_share(ur5::Model{}, limits().torque) <= 0.95);
+  CHECK(motion.largest_share(ur5_limits()) <= 0.9 + 1e-3);
+  CHECK(motion.torque_share(ur5::Model{}, ur5_limits().torque) <= 0.95);
   CHECK(motion.information() > first.information());
   s.range = 0.35;
-  CHECK(DynamicsExcitation(ur5::Model{}, home, limits(), s).information() < motion.information());
-  ExcitationLimits weak = limits();
+  CHECK(DynamicsExcitation(ur5::Model{}, ur5_home, ur5_limits(), s).information() < motion.information());
+  ExcitationLimits weak = ur5_limits();
   weak.torque.setConstant(0.1);
-  CHECK_THROWS_AS(DynamicsExcitation(ur5::Model{}, home, weak, s), ConfigurationError);
+  CHECK_THROWS_AS(DynamicsExcitation(ur5::Model{}, ur5_home, weak, s), ConfigurationError);
 }

@@ -13,6 +13,7 @@
 
 #include <doctest/doctest.h>
 
+#include "bench/studies/worlds/ur5_excitation.hpp"
 #include "skinctl/calibration/dynamics_excitation.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
@@ -23,16 +24,7 @@ using namespace skinctl::testing;
 namespace {
 
 using Theta = InertialParameters<6>;
-const Eigen::VectorXd home = (Eigen::VectorXd(6) << 0.2, -1.3, 1.2, -1.2, -1.4, 0.3).finished();
 
-ExcitationLimits limits() {
-  ExcitationLimits l;
-  l.lower = Eigen::VectorXd::Constant(6, -6.2), l.upper = Eigen::VectorXd::Constant(6, 6.2);
-  l.velocity = Eigen::VectorXd::Constant(6, 3.0), l.acceleration = Eigen::VectorXd::Constant(6, 20);
-  l.torque = Eigen::VectorXd::Constant(6, 150);
-  l.torque.tail(3).setConstant(28);
-  return l;
-}
 // Heavier than the maker says, with friction, rotors and an offset.
 Theta heavier() {
   Theta theta = inertial_parameters(ur5::Model{});
@@ -129,7 +121,7 @@ TEST_CASE("Masses and friction from torques: M to 1 %, bodies that can be; also 
   const Theta prior = inertial_parameters(ur5::Model{});
   const auto model = calibrated_from<ur5::Description>();
   const auto fit =
-      fit_inertia(model, {record(DynamicsExcitation(ur5::Model{}, home, limits(), s), 0.3)}, prior);
+      fit_inertia(model, {record(DynamicsExcitation(ur5::Model{}, ur5_home, ur5_limits(), s), 0.3)}, prior);
   const Compared wide = compare(fit.theta, fit.rotor, heavier(), 200);
   MESSAGE("M off by " << 100 * wide.error << " %, of the maker's "
                       << 100 * compare(prior, {}, heavier(), 50).error << " %; R^2 " << fit.explained[0]
@@ -148,7 +140,7 @@ TEST_CASE("Masses and friction from torques: M to 1 %, bodies that can be; also 
   }
   s.range = 0.35, s.periods = 1;
   const auto few =
-      fit_inertia(model, {record(DynamicsExcitation(ur5::Model{}, home, limits(), s), 1.5)}, prior);
+      fit_inertia(model, {record(DynamicsExcitation(ur5::Model{}, ur5_home, ur5_limits(), s), 1.5)}, prior);
   const Compared narrow = compare(few.theta, few.rotor, heavier(), 200),
                  plain = compare(few.least_squares, few.ls_rotor, heavier(), 200);
   MESSAGE("0.35 rad: M off by " << 100 * narrow.error << " %, by least squares " << 100 * plain.error
@@ -160,7 +152,7 @@ TEST_CASE("Masses and friction from torques: M to 1 %, bodies that can be; also 
 TEST_CASE("Masses from torques that come late: how late they come is found") {
   DynamicsExcitation::Settings s;
   s.tries = 1, s.periods = 1;
-  const DynamicsExcitation motion(ur5::Model{}, home, limits(), s);
+  const DynamicsExcitation motion(ur5::Model{}, ur5_home, ur5_limits(), s);
   const Theta prior = inertial_parameters(ur5::Model{});
   const auto model = calibrated_from<ur5::Description>();
   const auto late = record(motion, 0.3, 1e9, 0.0065);
@@ -180,7 +172,7 @@ TEST_CASE("Masses from torques that come late: how late they come is found") {
 TEST_CASE("Masses from torques: what is too short, damaged or does not move is refused") {
   DynamicsExcitation::Settings s;
   s.tries = 1, s.periods = 1;
-  const DynamicsExcitation motion(ur5::Model{}, home, limits(), s);
+  const DynamicsExcitation motion(ur5::Model{}, ur5_home, ur5_limits(), s);
   const Theta prior = inertial_parameters(ur5::Model{});
   const auto model = calibrated_from<ur5::Description>();
   CHECK_THROWS_AS(static_cast<void>(fit_inertia(model, {}, prior)), ConfigurationError);

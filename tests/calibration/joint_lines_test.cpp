@@ -17,8 +17,8 @@
 
 #include <doctest/doctest.h>
 
+#include "bench/studies/worlds/ur5_excitation.hpp"
 #include "examples/worlds/moved_skin.hpp"
-#include "skinctl/calibration/excitation.hpp"
 #include "skinctl/calibration/nees.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "tests/support/kdl_oracle.hpp"
@@ -29,15 +29,10 @@ using namespace skinctl::testing;
 
 namespace {
 
-const Eigen::VectorXd home = (Eigen::VectorXd(6) << 0.2, -1.3, 1.2, -1.2, -1.4, 0.3).finished();
-
 SkinExcitation motion_of(double seconds) {
-  ExcitationLimits l;
-  l.lower = Eigen::VectorXd::Constant(6, -6.2), l.upper = Eigen::VectorXd::Constant(6, 6.2);
-  l.velocity = Eigen::VectorXd::Constant(6, 3.0), l.acceleration = Eigen::VectorXd::Constant(6, 20);
   SkinExcitation::Settings s;
   s.duration = seconds;
-  return SkinExcitation(home, l, s);
+  return SkinExcitation(ur5_home, ur5_limits(), s);
 }
 // Two or three cells on each link, those of a link in a patch.
 struct SmallSkin {
@@ -129,7 +124,7 @@ MotionRecording recorded(const SmallSkin& skin, const MovedSkinSettings& s, doub
       ur5::Model{},
       [&](double t) {
         JointPoint p = excitation.at(t);
-        if (held >= 0) p.q(held) = home(held), p.dq(held) = 0, p.ddq(held) = 0;
+        if (held >= 0) p.q(held) = ur5_home(held), p.dq(held) = 0, p.ddq(held) = 0;
         return p;
       },
       seconds, skin.cells, s, 7);
@@ -217,6 +212,6 @@ TEST_CASE("Lines from motion: what lies, is silent or is cut short gives words")
   // A joint that moves with the others only: which cells it carries cannot be told.
   MotionRecording hidden = r;
   for (std::size_t k = 0; k < hidden.joints.time.size(); ++k)
-    if (hidden.joints.time[k] < 12) hidden.joints.q(Eigen::Index(k), 2) = home(2);
+    if (hidden.joints.time[k] < 12) hidden.joints.q(Eigen::Index(k), 2) = ur5_home(2);
   CHECK_THROWS_AS(static_cast<void>(find_joint_lines(hidden)), ConfigurationError);
 }

@@ -8,6 +8,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "tests/support/largest.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -30,11 +31,6 @@ Cartesian cartesian() {
   s.damping = {120, 120, 120, 8, 8, 8};
   s.joint_damping = JointTorque<6>::constant(0.2);
   return Cartesian(OperationalSpace<6, 5>(X_LT), s);
-}
-double largest(const JointTorque<6>& tau) {
-  double most = 0;
-  for (const double x : tau) most = std::max(most, std::abs(x));
-  return most;
 }
 }  // namespace
 

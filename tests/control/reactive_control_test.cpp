@@ -7,6 +7,7 @@
 
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "tests/support/largest.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -22,11 +23,6 @@ using Joint = ReactiveJoint<6>;
 using Operational = ReactiveOperational<6, 5>;
 static_assert(Law<Joint, KnownFor<Joint>> && Law<Operational, KnownFor<Operational>>);
 static_assert(std::is_trivially_copyable_v<Operational::Memory>);
-double largest(const JointTorque<6>& tau) {
-  double most = 0;
-  for (const double x : tau) most = std::max(most, std::abs(x));
-  return most;
-}
 }  // namespace
 
 TEST_CASE("ReactivePlan: a joint target that jumps at any rate gives a smooth torque and bounded joints") {

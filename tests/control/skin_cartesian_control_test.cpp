@@ -4,6 +4,7 @@
 
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "tests/support/largest.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -20,12 +21,6 @@ template <class T>
 Transform<Link<5>, Tool, T> tool() {
   return Transform<Link<5>, Tool>(exp_so3(Xyz<double>{0.2, -0.1, 0.3}), {0.01, 0.02, 0.15})
       .template cast<T>();
-}
-template <class T>
-T largest(const JointTorque<6, T>& tau) {
-  T most(0);
-  for (const T& x : tau) most = std::max(most, magnitude(x));
-  return most;
 }
 static_assert(Law<SkinCartesianControl<5>, KnownFor<SkinCartesianControl<5>, double>>);
 static_assert(SkinCartesianControl<5>::role == LawRole::reactive);

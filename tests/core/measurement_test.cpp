@@ -2,7 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cmath>
 #include <limits>
 
 using namespace skinctl;
@@ -41,14 +40,16 @@ TEST_CASE_TEMPLATE("take_measurement: what cannot be, or is older, leaves the la
   for (const T bad : {nan, inf, T(-inf), std::numeric_limits<T>::max(), T(2e7)}) {
     auto q = state<T>(Nanoseconds(8), 0, 0), dq = q;
     q.q[1] = dq.dq[0] = bad;
-    CHECK(take_measurement(good, q, Nanoseconds(8)) == Reason::state_not_finite);
-    CHECK(take_measurement(good, dq, Nanoseconds(8)) == Reason::state_not_finite);
-    CHECK(take_measurement(good, dq, Nanoseconds(8), Slow{}) == Reason::state_not_finite);
+    CHECK(take_measurement(good, q, Nanoseconds(8)) == Status(Reason::state_not_finite));
+    CHECK(take_measurement(good, dq, Nanoseconds(8)) == Status(Reason::state_not_finite));
+    CHECK(take_measurement(good, dq, Nanoseconds(8), Slow{}) == Status(Reason::state_not_finite));
   }
-  CHECK(take_measurement(good, state<T>(Nanoseconds(4), 1, 0), Nanoseconds(8)) == Reason::time_backwards);
-  CHECK(take_measurement(good, state<T>(Nanoseconds::min(), 1, 0), Nanoseconds(8)) == Reason::time_backwards);
+  CHECK(take_measurement(good, state<T>(Nanoseconds(4), 1, 0), Nanoseconds(8)) ==
+        Status(Reason::time_backwards));
+  CHECK(take_measurement(good, state<T>(Nanoseconds::min(), 1, 0), Nanoseconds(8)) ==
+        Status(Reason::time_backwards));
   CHECK(take_measurement(good, state<T>(Nanoseconds(8), 0, 2), Nanoseconds(8), Slow{}) ==
-        Reason::state_out_of_range);
+        Status(Reason::state_out_of_range));
   CHECK(same(good, first));
 }
 

@@ -12,8 +12,9 @@ static_assert(!Status().any() && Status(Reason::stopping).any());
 static_assert((Status(Reason::blocked) | Reason::opposed).has(Reason::blocked));
 static_assert(!(Status(Reason::blocked) | Reason::opposed).has(Reason::singular));
 static_assert((Status(Reason::blocked) | Reason::blocked) == Status(Reason::blocked));
-static_assert((Status(Reason::blocked) | Reason::stopping).without(Reason::stopping) == Reason::blocked);
-static_assert(Status(Reason::blocked).without(Reason::stopping) == Reason::blocked);
+static_assert((Status(Reason::blocked) | Reason::stopping).without(Reason::stopping) ==
+              Status(Reason::blocked));
+static_assert(Status(Reason::blocked).without(Reason::stopping) == Status(Reason::blocked));
 static_assert(Status::from_bits((Status(Reason::blocked) | Reason::stopping).bits()) ==
               (Status(Reason::stopping) | Reason::blocked));
 

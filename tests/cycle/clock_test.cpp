@@ -17,8 +17,8 @@ using namespace skinctl::testing;
 
 namespace {
 
-// A scene whose clock is `clock(k)` in cycle k; cell 150 is pressed from cycle 400 on. The share of the cycles from
-// `from` on in which the clock was refused, and how far joint 1 moved in the last second.
+// A scene whose clock is `clock(k)` in cycle k; cell 150 is pressed from cycle 400 on. The share of the
+// cycles from `from` on in which the clock was refused, and how far joint 1 moved in the last second.
 struct Seen {
   int refused = 0;
   int refused_after = 0;  ///< more than two cycles after a leap

@@ -25,6 +25,7 @@
 #include "skinctl/testing/plant.hpp"
 #include "tests/support/robot_table.hpp"
 #include "tests/support/scene.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -306,12 +307,7 @@ TEST_CASE("Configurations: by torque gains that another configuration's arm make
       gains.lambda = lambda, gains.K_c = 2, gains.K_i1 = K_i1, gains.K_i2 = 0.1;
       return Cycle(arm, SplineJoint<6>(gains) + GravityControl{});
     };
-    try {
-      const Configurations cycle(scene({}), scene(part));
-    } catch (const ConfigurationError& e) {
-      return e.what();
-    }
-    return "";
+    return complaint_of([&] { const Configurations cycle(scene({}), scene(part)); });
   };
   CHECK(refused(25, rotors).empty());
   // 8 (2 + 1) + 2 - 16 / 11 = 24.5 1/s^2 do not hold 3 kg that were not told; 8 (2 + 6) + 12 - 96 / 16 = 70
@@ -467,13 +463,10 @@ TEST_CASE("Configurations: what they must have in common is compared, with both 
   const RobotConfiguration<6> usual{
       .limits = ur5_test_limits(), .period = 8ms, .delay = 8ms, .virtual_damping = 4};
   const auto refused = [&](const RobotConfiguration<6>& other) {
-    try {
+    return complaint_of([&] {
       const Configurations cycle(scene(usual), scene(other));
       static_cast<void>(cycle);
-    } catch (const ConfigurationError& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+    });
   };
   auto other = usual;
   CHECK(refused(other).empty());

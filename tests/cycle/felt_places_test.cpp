@@ -77,8 +77,8 @@ At place(const std::array<double, 6>& q, std::size_t i) {
   return out;
 }
 
-/// An arm on its way between two poses, some of whose cells are dead, and a body that place `met` runs against: a
-/// plane that stands, with `stiffness`.
+/// An arm on its way between two poses, some of whose cells are dead, and a body that place `met` runs
+/// against: a plane that stands, with `stiffness`.
 struct Meeting {
   std::uint64_t seed = 1;
   double dead = 0.2;  ///< share of the cells

@@ -110,7 +110,8 @@ T largest_change(const JointLimits<6, T>& limits, std::size_t i, const JointComm
          8 * std::numeric_limits<T>::epsilon() * limits.velocity()[i];
 }
 
-/// Starts a scene at `state`, which its first cycle shows; before that no command is valid (see `start_test`).
+/// Starts a scene at `state`, which its first cycle shows; before that no command is valid (see
+/// `start_test`).
 template <class Scene, class T>
 JointCommand<6, T> begun(const Scene& scene, typename Scene::Memory& memory, State<6, T>& state,
                          Nanoseconds& now) {

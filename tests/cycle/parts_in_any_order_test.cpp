@@ -32,7 +32,7 @@ auto parts_of(const Around& around, std::index_sequence<Links...>) {
       FeltPlaces<260>{.places = places, .force = 40, .newtons = 20},
       LinkContact<Links>{.region = region, .reach = 0.1 * double(Links), .reaction = 20ms}..., around);
   if constexpr (Jerk) {
-    return std::tuple_cat(common, std::tuple(MaxJerk{JointJerk<N>::constant(300)}));
+    return std::tuple_cat(common, std::tuple(MaxJerk{JointJerk<N>::constant(600)}));
   } else {
     return common;
   }

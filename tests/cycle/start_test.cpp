@@ -240,6 +240,36 @@ TEST_CASE("start: no state, no command: the first good one decides") {
   check(arm_in_groups());
 }
 
+TEST_CASE(
+    "start: a command that must not be sent lets the robot stand where it is, if it is sent all the same") {
+  const auto check = [](const auto& arm) {
+    const Cycle scene(arm, holds);
+    const State<3> at{1s, {0.3, 0.2, 0.1}, {1, 1, 1}};
+    auto robot = robot_of(arm, scene, at);
+    robot.start({1s, {}, {}});
+    for (const double q : {0.3, no_number, infinite, 9.0}) {
+      typename decltype(scene)::Input input;
+      input.now = robot.state.time += period;
+      input.measured = robot.state;
+      input.measured.q[0] = q;
+      robot.step(input);
+      const auto& sent = robot.out.command;
+      REQUIRE_FALSE(sent.valid);
+      for (std::size_t i = 0; i < 3; ++i) {
+        if constexpr (requires { sent.velocity; }) CHECK(sent.velocity[i] == 0);
+        if constexpr (requires { sent.position; }) {
+          const bool nowhere = std::isnan(sent.position[i]), stands = sent.position[i] == at.q[i];
+          CHECK((q == 0.3 ? stands : nowhere));
+        }
+      }
+    }
+  };
+  check(arm_by_position());
+  check(arm_by_velocity());
+  check(arm_by_torque());
+  check(arm_in_groups());
+}
+
 TEST_CASE("start: a memory that is started twice is as one that is started once") {
   const auto check = [](const auto& arm) {
     const Cycle scene(arm, holds);

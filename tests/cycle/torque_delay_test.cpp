@@ -1,11 +1,12 @@
-// Promise: a robot by torque that is told to stop brakes and stands, without friction as well, at any delay it declares
-// Tried: UR5, 1 to 8 ms, delay 0 to 20 ms, friction 0 to 40 N m s/rad added to joints whose motors have 0.1 kg m^2, by
-// request and by a fault of the loop: at rest within 3 s and never faster than at the request, where it glided for
-// ever, or was shaken by its own friction
+// Promise: a robot by torque that is told to stop brakes and stands, without friction as well, at any delay
+// it declares
+// Tried: UR5, 1 to 8 ms, delay 0 to 20 ms, friction 0 to 40 N m s/rad added to joints whose motors have 0.1
+// kg m^2, by request and by a fault of the loop: at rest within 3 s and never faster than at the request,
+// where it glided for ever, or was shaken by its own friction
 //
 // Promise: limits of a robot by torque hold beside the delay it declares
-// Tried: UR5, 1 to 5 ms, delay 0 to 20 ms, there and back within 0.2 m/s at the tool: at most 5 % faster, where a delay
-// of 14 ms let it swing at 86 rad/s. Also: `bench/studies/attack_torque`
+// Tried: UR5, 1 to 5 ms, delay 0 to 20 ms, there and back within 0.2 m/s at the tool: at most 5 % faster,
+// where a delay of 14 ms let it swing at 86 rad/s. Also: `bench/studies/attack_torque`
 //
 // Promise: an arm by torque whose energy tank is empty comes to rest, though nothing rubs
 // Tried: UR5, 1 to 8 ms, delay 0 to 20 ms, 0.1 to 1 J, driven by goals: at rest 15 s after the last one in
@@ -20,6 +21,7 @@
 #include <memory>
 #include <random>
 
+#include "skinctl/dynamics/energy.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "tests/support/torque_loop.hpp"
 

@@ -21,8 +21,8 @@ struct Fails : Pull {
   }
 };
 
-// The largest change of the torque beside the motion of the joints 0 to `moved` in one cycle [N m], of a robot that
-// follows at once; the loop observes `fault` for ten cycles.
+// The largest change of the torque beside the motion of the joints 0 to `moved` in one cycle [N m], of a
+// robot that follows at once; the loop observes `fault` for ten cycles.
 template <class Scene>
 double torque_step(const Scene& scene, std::size_t moved, Reason expected, Status fault = {}) {
   State<3> state{0ns, {0.2, 0.3, 0.5}, {}};

@@ -1,4 +1,5 @@
-// Goals that cannot be meant: what comes from outside is refused with a status, in debug and in release builds.
+// Goals that cannot be meant: what comes from outside is refused with a status, in debug and in release
+// builds.
 //
 // Promise: a goal that cannot be meant is refused in debug and in release builds, and the last one stands
 // Tried: joints beyond their limits by one unit in the last place, in degrees, no numbers; poses of
@@ -35,8 +36,8 @@ auto numbers(const Output& out) {
   return std::make_tuple(c.valid, c.position, c.velocity, c.acceleration, c.torque);
 }
 
-/// Sends `good`, then each of `wrong` to a scene whose robot stands: refused, and no command differs from those of a
-/// scene that never heard of it.
+/// Sends `good`, then each of `wrong` to a scene whose robot stands: refused, and no command differs from
+/// those of a scene that never heard of it.
 template <Interface I, class L>
 void check_refused(const L& law, const typename L::Goal& good, const Goals<typename L::Goal>& wrong) {
   using T = typename L::scalar;

@@ -23,8 +23,8 @@ TEST_CASE("loop dynamics: what straight-line code gives, on a tree with sliding 
     const auto d = X.origin[4] - expected.origin();
     CHECK(dot(d, d) <= 1e-28);
     CHECK(std::abs(dot(X.axes[4].x, expected.axes().x) - 1) <= 1e-14);
-    const auto p = expected * Point<Link<4>>{0.1, -0.2, 0.3};
-    const auto mine = loop_jacobian<MixedTree>(X, 4, p.xyz);
+    const auto p = expected.origin() + expected.axes() * Xyz<double>{0.1, -0.2, 0.3};
+    const auto mine = loop_jacobian<MixedTree>(X, 4, p);
     const auto J =
         jacobian<4>(link_poses(robot.model, at.q), Transform<Link<4>, Cell>::translation_xyz(0.1, -0.2, 0.3));
     double sum = 0;

@@ -3,8 +3,8 @@
 //     golden FOLDER            compares each scene with FOLDER/<scene>.txt; exit 1 if one differs by more than 1e-10
 //     golden FOLDER --write    records them
 //
-// A file holds a hash over each commanded number and status of the run, and every 50th command. Where only the hash
-// differs, the largest difference of those commands is printed: an operation that rounds otherwise.
+// A file holds a hash over each commanded number and status of the run, and every 50th command. Where only
+// the hash differs, the largest difference of those commands is printed: an operation that rounds otherwise.
 //
 // Promise: a change of the code that is to change nothing changes nothing
 // Tried: 15 scenes of 4000 cycles: each interface, groups, passivity, limits, clearances, configurations,
@@ -16,7 +16,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <deque>
 #include <fstream>
 #include <memory>
 #include <string>

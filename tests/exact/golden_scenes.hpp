@@ -28,8 +28,8 @@
 
 namespace skinctl::golden {
 
-/// A robot by its model that takes each joint's own interface, behind a delay of one period and a lag of half a
-/// one, and hands that press its skin.
+/// A robot by its model that takes each joint's own interface, behind a delay of one period and a lag of half
+/// a one, and hands that press its skin.
 template <class Scene>
 class Run {
  public:

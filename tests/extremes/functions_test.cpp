@@ -1,4 +1,5 @@
-// More functions at the ends of what a number holds: each row says what comes of it, exact, bounded or refused.
+// More functions at the ends of what a number holds: each row says what comes of it, exact, bounded or
+// refused.
 //
 // Promise: rotation vectors, ZYZ angles, sums, clocks, blends, a tank's share, allowed speeds, centres of
 // mass, singular directions and small systems of equations at the ends of what a number holds
@@ -192,7 +193,7 @@ TEST_CASE_TEMPLATE("extremes: an arm's centre of mass, its height and its slowes
       CAPTURE(joint);
       const auto poses = link_poses(model, q);
       const auto centre = centre_of_mass(model, poses);
-      CHECK(norm(centre.p.xyz) <= T(1));
+      CHECK(norm(centre.p) <= T(1));
       CHECK(std::abs(potential_energy(model, q)) <= T(200));
       const auto slow = singular_directions(jacobian<5>(poses));
       CHECK((slow[0].sigma >= T(0) && slow[0].sigma <= slow[1].sigma * (1 + 64 * L<T>::epsilon()) + T(1e-3)));

@@ -96,21 +96,10 @@ TEST_CASE_TEMPLATE("extremes: vectors, frames and inertias", T, float, double) {
          s.q[1] = x;
          return Results<T>(AnyState{}.believes(s) ? 1 : 0);
        }},
-      {"unit_mass_at", 2, shows, shows, [](T x) { return Results<T>(unit_mass_at(along(x))); }},
-      {"rotated", 1, shows, shows,
-       [](T x) { return Results<T>(rotated(turned<T>(), Symmetric<T>{x, x, x, x, x, x})); }},
-      {"as_symmetric", 1, shows, shows,
-       [](T x) { return Results<T>(as_symmetric(Eigen::Matrix<T, 3, 3>::Constant(x).eval())); }},
       {"transformed: a pose", 1, shows, shows,
        [](T x) {
          return Results<T>(transformed(pose<T>(), Transform<B, C, T>(turned<T>(), along(x))).origin());
        }},
-      {"Point", 1, shows, shows,
-       [](T x) { return Results<T>(transformed(pose<T>(), Point<B, T>{along(x)}).xyz); }},
-      {"FreeVector", 1, shows, shows,
-       [](T x) { return Results<T>(transformed(pose<T>(), FreeVector<B, T>{along(x)}).xyz); }},
-      {"Offset", 1, shows, shows,
-       [](T x) { return Results<T>(transformed(pose<T>(), Offset<A, B, B, T>{along(x)}).xyz); }},
       {"Twist: its numbers", 1, shows, shows,
        [](T x) {
          return Results<T>(transformed(pose<T>(), Twist<B, A, B, B, T>::from_eigen(Six::Constant(x).eval())));
@@ -208,12 +197,6 @@ TEST_CASE("extremes: numbers of a gripper, of a link and of a table of joints") 
 
   for (const double wrong : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
     CHECK(refused([&] { require(wrong - wrong == 0, "x", wrong, "finite"); }));
-    DhDelta<6> delta;
-    delta.a[2] = wrong;
-    CHECK(refused([&] {
-      static_cast<void>(calibrated_dh<6>(ur5e::Description::rows, delta, ur5e::Description::inertias));
-    }));
-    CHECK(refused([&] { static_cast<void>(calibrated_universal_robot<ur5e::Description>(delta)); }));
     std::array<PlacedLink, 1> placed{};
     placed[0].R.x.x = wrong;
     CHECK(refused([&] { static_cast<void>(canonical_links<Chain<1>>(placed)); }));

@@ -1,5 +1,5 @@
-// Laws at goals, states and touches at the ends of what a number holds: a goal that is no number is refused and the last
-// one kept, and nothing of a state that was no number stays in a law's memory.
+// Laws at goals, states and touches at the ends of what a number holds: a goal that is no number is refused
+// and the last one kept, and nothing of a state that was no number stays in a law's memory.
 //
 // Promise: a goal that is no number is refused and the last one kept; nothing of a state or touch that
 // was no number stays in a law's memory
@@ -21,7 +21,7 @@ using Arm = ur5::Model;
 template <class T>
 using Touch = LinkWrenches<Arm, 0b100000, T>;
 /// What any of these laws reads.
-constexpr Needs all{.jacobian_rates = link_bit<5>,
+constexpr Needs all{.jacobians = link_bit<5>,
                     .angles = true,
                     .gravity = true,
                     .mass = true,

@@ -1,4 +1,5 @@
-// Kinematics and dynamics at the ends of what a number holds: a bound, a status, or NaN where the docstring says so.
+// Kinematics and dynamics at the ends of what a number holds: a bound, a status, or NaN where the docstring
+// says so.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -10,7 +11,8 @@
 using namespace skinctl;
 namespace {
 
-/// Zero, denormal numbers, multiples of right angles and their neighbours, every tenth of the exponents, the largest.
+/// Zero, denormal numbers, multiples of right angles and their neighbours, every tenth of the exponents, the
+/// largest.
 template <class T>
 std::vector<T> numbers() {
   using L = std::numeric_limits<T>;

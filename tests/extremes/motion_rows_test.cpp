@@ -1,4 +1,5 @@
-// References, sliding surfaces, sensors and contacts at the ends of what a number holds: a row each, see rows.hpp.
+// References, sliding surfaces, sensors and contacts at the ends of what a number holds: a row each, see
+// rows.hpp.
 #include <doctest/doctest.h>
 
 #include <vector>
@@ -169,11 +170,11 @@ TEST_CASE_TEMPLATE("extremes: cells, contacts and their evidence", T, float, dou
          return Results<T>(good.q);
        }},
       {"corrected", 0, safe, shows, [](T x) { return Results<T>(corrected(x < 0 ? -x : x, RestCell<T>{})); }},
-      {"unexplained", 0, safe, safe,
+      {"is_unexplained", 0, safe, safe,
        [](T x) {
          RestCell<T> cell{};
          cell.frozen = x, cell.below = x, cell.evidence = x;
-         return Results<T>(unexplained(cell) ? T(1) : T(0));
+         return Results<T>(is_unexplained(cell) ? T(1) : T(0));
        }},
       {"RestLevel::take", 0, safe, safe,
        [](T x) {
@@ -272,7 +273,7 @@ TEST_CASE("extremes: what is set up once, of cells and their noise") {
   for (float& above : row.above) above = std::nanf("");
   const std::vector<RestRow> silent(8, row);
   CHECK_FALSE(std::isinf(patch_median(silent.data(), 0, 100)));
-  CHECK_FALSE(unexplained(RestLevel::cell(silent[0], 0)));
+  CHECK_FALSE(is_unexplained(RestLevel::cell(silent[0], 0)));
 
   for (const Nanoseconds substep : {Nanoseconds::min(), -1ns, 0ns, 1ns, Nanoseconds::max()})
     for (const Nanoseconds period : {0ns, 1ns, Nanoseconds(8ms), Nanoseconds::max()}) {

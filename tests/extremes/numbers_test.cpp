@@ -39,7 +39,8 @@ TEST_CASE_TEMPLATE("extremes: exp_so3 is a rotation for every length, and NaN be
       CAPTURE(phi.x);
       CAPTURE(phi.y);
       CHECK(rotation_error(exp_so3(phi)) <= 8 * eps);
-      // The angular velocity of a turn is at most as fast as its vector changes, and along the axis it is equal.
+      // The angular velocity of a turn is at most as fast as its vector changes, and along the axis it is
+      // equal.
       const Xyz<T> dphi{T(0.3), T(-0.2), T(0.5)};
       const Xyz<T> omega = left_jacobian_so3(phi, dphi);
       CHECK(norm(omega) <= norm(dphi) * (1 + 8 * eps));

@@ -17,6 +17,7 @@
 #include "skinctl/robot/joint_groups.hpp"
 #include "skinctl/robot/robot_description.hpp"
 #include "skinctl/robot/tool_shape.hpp"
+#include "skinctl/robot/velocity_and_torque.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_allegro.hpp"
 #include "skinctl/tactile/motor_touch.hpp"

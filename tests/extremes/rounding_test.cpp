@@ -1,5 +1,5 @@
-// Other rounding modes, and processors that flush denormal numbers to zero: a library that shares the thread may have
-// left either behind.
+// Other rounding modes, and processors that flush denormal numbers to zero: a library that shares the thread
+// may have left either behind.
 //
 // Promise: no command changes with the thread's rounding mode, nor with denormal numbers flushed to zero
 // Tried: all four modes, 50 cycles of a touched UR5 with 260 cells: within 64 epsilon, float and double;

@@ -1,5 +1,5 @@
-// Tables of functions at the ends of what a number holds: a row says how large an argument may be, and what becomes of one
-// that is no number.
+// Tables of functions at the ends of what a number holds: a row says how large an argument may be, and what
+// becomes of one that is no number.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -122,7 +122,8 @@ struct NumberIn<std::optional<Number>> {
   using type = Number;
 };
 
-/// A class whose settings hold numbers: none of them may be NaN, infinite or beyond any range; the defaults are fine.
+/// A class whose settings hold numbers: none of them may be NaN, infinite or beyond any range; the defaults
+/// are fine.
 template <class Make, class Settings, class... Field>
 void check_refusals(const char* name, const Settings& defaults, Make&& make, Field Settings::*... field) {
   CAPTURE(std::string(name));

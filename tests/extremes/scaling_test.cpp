@@ -1,6 +1,6 @@
-// Functions of lengths, speeds, forces and masses over the whole range of a scalar: what is multiplied by a power of two
-// gives the same bits, multiplied by its power. Where that ends is each row's promise; beyond lies no NaN unless the row
-// says so.
+// Functions of lengths, speeds, forces and masses over the whole range of a scalar: what is multiplied by a
+// power of two gives the same bits, multiplied by its power. Where that ends is each row's promise; beyond
+// lies no NaN unless the row says so.
 //
 // Promise: functions of lengths, speeds, forces and masses keep every bit over the whole range of
 // exponents
@@ -102,7 +102,6 @@ std::vector<Row<T>> rows() {
       {"reduced_mass", 1, 1, Beyond::number,
        [](T s) { return std::vector<T>{reduced_mass(T(T(40) * s), T(T(7) * s))}; }},
       {"C dq", 2, 2, Beyond::nan_too, [=](T s) { return list(coriolis_torque(arm, angles, dq(s))); }},
-      {"M dq", 1, 1, Beyond::nan_too, [=](T s) { return list(generalised_momentum(arm, angles, dq(s))); }},
       {"kinetic energy", 2, 2, Beyond::number,
        [=](T s) { return std::vector<T>{kinetic_energy(arm, angles, dq(s))}; }},
       {"twist of the tool", 1, 1, Beyond::nan_too,

@@ -58,7 +58,8 @@ TEST_CASE_TEMPLATE("extremes: settings of filters, tanks and time bases", T, flo
   check_part<PassivityObserver<T>>("PassivityObserver", &Port::start, &Port::max, &Port::stiffness,
                                    &Port::reserve, &Port::newtons);
   using Grip = typename Squeeze<T>::Settings;
-  check_part<Squeeze<T>>("Squeeze", &Grip::from, &Grip::to, &Grip::own, &Grip::swing, &Grip::min_span);
+  check_part<Squeeze<T>>("Squeeze", &Grip::from, &Grip::to, &Grip::finger_stiffness, &Grip::swing,
+                         &Grip::min_span);
   using Slide = typename Slip<T>::Settings;
   check_part<Slip<T>>("Slip", &Slide::friction, &Slide::max_friction, &Slide::probe, &Slide::reserve,
                       &Slide::noise, &Slide::drop, &Slide::max_drop, &Slide::filter, &Slide::fall,

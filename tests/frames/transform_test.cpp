@@ -35,12 +35,6 @@ static_assert(!composable<Transform<World, Table>, Transform<Cell, Table>>);
 static_assert(!composable<Transform<World, Table>, Transform<World, Table>>);
 static_assert(!composable<Transform<World, Table>, Transform<Table, Cell, float>>,
               "one scalar in one product");
-static_assert(composable<Transform<World, Table>, Point<Table>> &&
-              !composable<Transform<World, Table>, Point<World>>);
-static_assert(composable<Transform<World, Table>, FreeVector<Table>> &&
-              !composable<Transform<World, Table>, FreeVector<World>>);
-static_assert(composable<Transform<World, Table>, Offset<Cell, Tool, Table>> &&
-              !composable<Transform<World, Table>, Offset<World, Table, World>>);
 static_assert(
     std::is_same_v<decltype(Transform<World, Table>{} * Transform<Table, Cell>{}), Transform<World, Cell>>);
 static_assert(std::is_same_v<decltype(Transform<World, Table>{}.inverse()), Transform<Table, World>>);
@@ -72,16 +66,13 @@ TEST_CASE_TEMPLATE("Transform: times its inverse is identity", T, float, double,
   }
 }
 
-TEST_CASE_TEMPLATE("Transform: composition is associative, and acts as its factors one after the other", T,
-                   float, double, Digits50) {
+TEST_CASE_TEMPLATE("Transform: composition is associative", T, float, double, Digits50) {
   auto rng = seeded(43);
   for (const T& reach : {T(0), T(1e-8), T(1), T(1e6)}) {
     for (int i = 0; i < 100; ++i) {
       const auto X_WB = random_transform<World, Base>(rng, reach);
       const auto X_BT = random_transform<Base, Table>(rng, reach);
       const auto X_TC = random_transform<Table, Cell>(rng, reach);
-      const Point<Cell, T> p_C{random_xyz(rng, reach)};
-      const FreeVector<Cell, T> v_C{random_xyz(rng, reach)};
       CAPTURE(as_code(X_WB));
       CAPTURE(as_code(X_BT));
       CAPTURE(as_code(X_TC));
@@ -89,23 +80,8 @@ TEST_CASE_TEMPLATE("Transform: composition is associative, and acts as its facto
       const Transform<World, Cell, T> right = X_WB * (X_BT * X_TC);
       CHECK(largest(left.axes(), right.axes()) <= tolerance<T>);
       CHECK(largest(left.origin() - right.origin()) <= tolerance<T> * reach);
-      const Point<World, T> p_W = X_WB * (X_BT * (X_TC * p_C));
-      CHECK(largest(p_W.xyz - (left * p_C).xyz) <= tolerance<T> * reach);
-      const FreeVector<World, T> v_W = X_WB * (X_BT * (X_TC * v_C));
-      CHECK(largest(v_W.xyz - (left * v_C).xyz) <= tolerance<T> * reach);
     }
   }
-}
-
-TEST_CASE_TEMPLATE("Transform: a point's difference moves as a vector, the origin as a point", T, float,
-                   double) {
-  auto rng = seeded(44);
-  const auto X_WC = random_transform<World, Cell>(rng, T(1));
-  const Point<Cell, T> a{random_xyz(rng, T(1))}, b{random_xyz(rng, T(1))};
-  CHECK(largest((X_WC * (a - b)).xyz - ((X_WC * a) - (X_WC * b)).xyz) <= tolerance<T>);
-  CHECK((X_WC * Point<Cell, T>{}).xyz == X_WC.origin());
-  CHECK(X_WC.offset().xyz == X_WC.origin());
-  CHECK(largest((X_WC.inverse() * X_WC.offset()).xyz + X_WC.inverse().origin()) <= tolerance<T>);
 }
 
 TEST_CASE_TEMPLATE("Transform: a product of 6 rounds no more than a dozen times the last place", T, float,

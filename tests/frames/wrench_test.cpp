@@ -23,8 +23,6 @@ template <class X, class F>
 concept transforms = requires(X x, F f) { x* f; };
 template <class X, class F>
 concept expresses = requires(X x, F f) { express(x, f); };
-template <class F, class P>
-concept shifts = requires(F f, P p) { shift(f, p); };
 
 template <class F>
 auto difference(const F& a, const F& b) {
@@ -57,8 +55,6 @@ static_assert(transforms<Transform<Arm, Cell>, Wrench<Arm, Cell>> &&
 static_assert(!transforms<Transform<Arm, Cell>, Wrench<Arm, Cell, World>>);
 static_assert(expresses<Transform<World, Cell>, Wrench<Arm, Cell>> &&
               !expresses<Transform<Cell, World>, Wrench<Arm, Cell>>);
-static_assert(shifts<Wrench<Arm, Cell>, Offset<Cell, Arm, Cell>> &&
-              !shifts<Wrench<Arm, Cell>, Offset<Arm, Cell, Cell>>);
 
 TEST_CASE_TEMPLATE("Wrench: a cell carries no moment about its own origin, about any other point it does", T,
                    float, double, Digits50) {
@@ -77,13 +73,13 @@ TEST_CASE_TEMPLATE("Wrench: a cell carries no moment about its own origin, about
     const auto back = X_AC.inverse() * F_A;
     CHECK(largest(back.moment) <= T(32) * epsilon<T>());
     // Along its line of action there is none either, elsewhere it is force times distance.
-    CHECK(largest(shift(F_C, Offset<Cell, Root, Cell, T>{{T(0), T(0), T(2)}}).moment) == T(0));
-    CHECK(shift(F_C, Offset<Cell, Root, Cell, T>{{T(2), T(0), T(0)}}).moment ==
-          Xyz<T>{T(0), T(-2) * newton, T(0)});
+    using X_RC = Transform<Root, Cell, T>;
+    CHECK(largest((X_RC::translation_xyz(T(0), T(0), T(-2)) * F_C).moment) == T(0));
+    CHECK((X_RC::translation_xyz(T(-2), T(0), T(0)) * F_C).moment == Xyz<T>{T(0), T(-2) * newton, T(0)});
   }
 }
 
-TEST_CASE_TEMPLATE("Wrench: shifting and expressing commute, and together are the transform", T, float,
+TEST_CASE_TEMPLATE("Wrench: a transform changes point and axes, and its inverse changes them back", T, float,
                    double, Digits50) {
   auto rng = seeded(2);
   for (const T& reach : {T(0), T(1e-8), T(1), T(1e6)}) {
@@ -91,11 +87,11 @@ TEST_CASE_TEMPLATE("Wrench: shifting and expressing commute, and together are th
       const auto X_RC = random_transform<Root, Cell>(rng, reach);
       const auto F = random_wrench<Cell>(rng, T(1));
       CAPTURE(as_code(X_RC));
-      const auto p_CR_C = X_RC.inverse().offset();
       const Wrench<Arm, Root, Root, T> there = X_RC * F;
       const T rounding = tolerance<T> * (T(1) + reach);
-      CHECK(difference(express(X_RC, shift(F, p_CR_C)), there) <= rounding);
-      CHECK(difference(shift(express(X_RC, F), X_RC * p_CR_C), there) <= rounding);
+      const Wrench<Arm, Root, Cell, T> about_root{F.force,
+                                                  F.moment + cross(F.force, X_RC.inverse().origin())};
+      CHECK(difference(express(X_RC, about_root), there) <= rounding);
       CHECK(difference(X_RC.inverse() * there, F) <= rounding);
     }
   }
@@ -110,10 +106,8 @@ TEST_CASE_TEMPLATE("Wrench: its power on a moving body is the same about every p
       const auto F = random_wrench<Cell>(rng, T(1));
       const Twist<Arm, World, Cell, Cell, T> V{random_xyz(rng, T(1)), random_xyz(rng, T(1))};
       const auto X_RC = random_transform<Root, Cell>(rng, reach);
-      const Offset<Cell, Root, Cell, T> p{random_xyz(rng, reach)};
       const T watt = power(F, V), rounding = tolerance<T> * (T(1) + reach);
       CAPTURE(as_code(X_RC));
-      CHECK(abs(power(shift(F, p), shift(V, p)) - watt) <= rounding);
       CHECK(abs(power(express(X_RC, F), express(X_RC, V)) - watt) <= rounding);
       CHECK(abs(power(X_RC * F, X_RC * V) - watt) <= rounding);
     }

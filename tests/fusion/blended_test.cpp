@@ -6,6 +6,7 @@
 #include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "tests/support/largest.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -56,11 +57,6 @@ struct Other : Told {
   using Told::Told;
 };
 
-double largest(const JointTorque<6>& tau) {
-  double most = 0;
-  for (const double x : tau) most = std::max(most, magnitude(x));
-  return most;
-}
 Touch touch_of(double size) {
   Touch touch;
   touch.set<2>({{size, -size, size}, {0.05 * size, -0.1 * size, 0.1 * size}});

@@ -5,6 +5,7 @@
 #include "bench/studies/worlds/touches.hpp"
 #include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "tests/support/largest.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -14,13 +15,6 @@ using Arm = ur5::Model;
 template <class L, class T = double>
 using KnownTo = Quantities<Arm, L::needs, T, Skinned<T>>;
 const Arm model;
-
-template <class T>
-T largest(const JointTorque<6, T>& tau) {
-  T most(0);
-  for (const T& x : tau) most = std::max(most, magnitude(x));
-  return most;
-}
 
 /// A law that gives known torques for its feedback and its feed-forward, and for gravity if it may.
 struct Told : Composable {

@@ -40,6 +40,6 @@ TEST_CASE("TimeBudget: durations that cannot be are overruns or none, never wors
   const TimeBudget budget({.cycle = 1ms, .stop_after = 2});
   BudgetMemory m;
   CHECK_FALSE(budget.step(m, Nanoseconds::min()).any());
-  CHECK(budget.step(m, Nanoseconds::max()) == Reason::work_skipped);
+  CHECK(budget.step(m, Nanoseconds::max()) == Status(Reason::work_skipped));
   for (int k = 0; k < 1000; ++k) CHECK(budget.step(m, Nanoseconds::max()).has(Reason::budget_overrun));
 }

@@ -6,6 +6,7 @@
 
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
+#include "skinctl/robot/velocity_and_torque.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "tests/support/arm_with_finger.hpp"
 

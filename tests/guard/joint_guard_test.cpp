@@ -10,6 +10,7 @@
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "tests/support/guard_alone.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -116,12 +117,7 @@ TEST_CASE("Guard: refuses configurations that cannot work, with the number and t
     auto c = configuration<double>();
     GuardSettings<1> settings;
     change(c, settings);
-    try {
-      const GuardAlone<Interface::position, 1> guard(c, settings);
-    } catch (const ConfigurationError& e) {
-      return e.what();
-    }
-    return "";
+    return complaint_of([&] { const GuardAlone<Interface::position, 1> guard(c, settings); });
   };
   CHECK(refusal([](auto&, auto&) {}).empty());
   CHECK(refusal([](auto& c, auto&) { c.period = 0ns; }) == "skinctl: period = 0, allowed: 0.1 to 1000 ms");
@@ -240,7 +236,7 @@ TEST_CASE_TEMPLATE("Guard: a clock that goes back brakes, one that stands repeat
   m.step();
   const auto last = m.memory.command;
   auto out = m.guard.step(m.memory, last, at<T>(m.now, m.q), m.now);
-  CHECK(out.status == Reason::interval_empty);
+  CHECK(out.status == Status(Reason::interval_empty));
   CHECK_FALSE(out.altered);
   CHECK(out.command.position == last.position);
   for (const Nanoseconds wrong : {m.now - 1ns, Nanoseconds(0), Nanoseconds::min(), Nanoseconds::max()}) {
@@ -487,7 +483,7 @@ TEST_CASE_TEMPLATE("Guard: torques are cut to the limit and to the rate", T, flo
   auto elsewhere = memory;
   out = guard.step(elsewhere, command<T>(20ms, 0, 0, -10), at<T>(20ms, 0), 20ms);
   CHECK(out.altered);
-  CHECK(out.status == Reason::step_limited);
+  CHECK(out.status == Status(Reason::step_limited));
   CHECK(double(out.command.torque[0]) == doctest::Approx(-0.5));
   out = guard.step(memory, command<T>(20ms, 0, 0, 100), at<T>(20ms, 0), 20ms);
   CHECK(out.altered);
@@ -670,7 +666,7 @@ TEST_CASE_TEMPLATE("Guard: a state that this robot cannot have is no news of it"
     CHECK_FALSE(guard.believes(at<T>(0ns, q, dq)));
   State<1, T> good = at<T>(0ns, 0);
   auto memory = guard.start(command<T>(0ns, 0, 0), good);
-  CHECK(take_measurement(good, at<T>(10ms, 3.1), 10ms, guard) == Reason::state_out_of_range);
+  CHECK(take_measurement(good, at<T>(10ms, 3.1), 10ms, guard) == Status(Reason::state_out_of_range));
   const auto out = guard.step(memory, command<T>(10ms, 0, 0), good, 10ms);
   CHECK_FALSE(out.altered);
   CHECK(good.q == at<T>(0ns, 0).q);

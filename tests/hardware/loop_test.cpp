@@ -379,7 +379,8 @@ TEST_CASE("loop: a dry step before each state changes no command") {
 }
 
 namespace {
-/// Records a run with a touch, by the loop (`by_loop`), or from its first `before` on. A replay of the recording.
+/// Records a run with a touch, by the loop (`by_loop`), or from its first `before` on. A replay of the
+/// recording.
 template <class Robot>
 Replayed recorded(Robot robot, FastRobot& joints, bool by_loop) {
   const auto scene = reaching_scene();

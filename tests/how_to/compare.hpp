@@ -35,8 +35,8 @@ inline std::string printed_by(void (*run)()) {
   return text;
 }
 
-/// Runs those whose heading has the first argument in it, or all. 1 if one prints something else than the page shows,
-/// or none ran.
+/// Runs those whose heading has the first argument in it, or all. 1 if one prints something else than the
+/// page shows, or none ran.
 inline int compare(int argc, char** argv, const std::vector<ShownProgram>& programs) {
   int different = 0, run = 0;
   for (const auto& program : programs) {

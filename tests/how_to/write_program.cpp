@@ -1,6 +1,6 @@
-// Writes the programs of a page: `how_to_writer PAGE PROGRAM SERVER`. PROGRAM runs the blocks of examples/HOW_TO.md
-// and compares what they print with what the page shows. SERVER is the block that includes an adapter: it runs until
-// it is ended, and is compiled only.
+// Writes the programs of a page: `how_to_writer PAGE PROGRAM SERVER`. PROGRAM runs the blocks of
+// examples/HOW_TO.md and compares what they print with what the page shows. SERVER is the block that includes
+// an adapter: it runs until it is ended, and is compiled only.
 #include <algorithm>
 #include <fstream>
 #include <iostream>
@@ -32,7 +32,8 @@ bool needs_adapter(const ShownBlock& block) {
   return block.code.find("#include \"examples/") != std::string::npos;
 }
 
-/// The block without its `#include`s, which are added to `includes`. Errors of the compiler point to the page.
+/// The block without its `#include`s, which are added to `includes`. Errors of the compiler point to the
+/// page.
 std::string body_of(const ShownBlock& block, const std::string& page, std::string& includes) {
   std::string rest = "#line " + std::to_string(block.line) + " \"" + page + "\"\n";
   std::istringstream lines(block.code);

@@ -220,7 +220,8 @@ TEST_CASE("SkinCloudReader: messages that are cut, changed or too large are refu
     const std::vector<unsigned char> part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(cut));
     CHECK(SkinCloudReader(20).read(part).empty());
   }
-  // A changed byte of the description: refused, or of a name's padding, which says nothing. Never a sample elsewhere.
+  // A changed byte of the description: refused, or of a name's padding, which says nothing. Never a sample
+  // elsewhere.
   for (std::size_t at = 26; at < 448; ++at) {
     auto changed = whole;
     changed[at] ^= 0x55;

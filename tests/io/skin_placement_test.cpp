@@ -61,8 +61,8 @@ Eigen::Isometry3d isometry(const SkinPose& X) {
   return out;
 }
 
-/// The largest difference of any number of any cell's pose in the base from where the description of the robot
-/// and the file put it.
+/// The largest difference of any number of any cell's pose in the base from where the description of the
+/// robot and the file put it.
 template <class M>
 double worst_cell(const SkinFile& file, const std::vector<PlacedSkinPatch>& placed, const M& model,
                   const FileRobot& robot) {

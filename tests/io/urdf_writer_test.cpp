@@ -15,8 +15,8 @@ using namespace skinctl;
 
 namespace {
 
-/// A model, and the URDF of it read again, have the same torques and the links' origins at the same places. `Tree` has
-/// the model's joints: the comparison is compiled once for robots of one tree.
+/// A model, and the URDF of it read again, have the same torques and the links' origins at the same places.
+/// `Tree` has the model's joints: the comparison is compiled once for robots of one tree.
 template <class Tree, class M>
 void check_round_trip(const char* name, const M& given) {
   CAPTURE(name);

@@ -34,7 +34,7 @@ TEST_CASE(
       }
       for (auto& m : moment) m /= mass;
       CHECK(com.mass == doctest::Approx(static_cast<double>(mass)).epsilon(1e-14));
-      const double p[3] = {com.p.xyz.x, com.p.xyz.y, com.p.xyz.z};
+      const double p[3] = {com.p.x, com.p.y, com.p.z};
       worst = std::max(worst, relative_error(p, moment, 3));
 
       const auto J = as_eigen(com);
@@ -46,7 +46,7 @@ TEST_CASE(
       const double h = 1e-5;
       const auto ahead = centre_of_mass(robot.model, integrate(at.q, at.dq, h)),
                  behind = centre_of_mass(robot.model, integrate(at.q, at.dq, -h));
-      const auto v = com.velocity(at.dq).xyz, d = (ahead.p - behind.p).xyz;
+      const auto v = com.velocity(at.dq), d = (ahead.p - behind.p);
       for (double e : {d.x / (2 * h) - v.x, d.y / (2 * h) - v.y, d.z / (2 * h) - v.z})
         worst_slope = std::max(worst_slope, std::abs(e));
     }
@@ -63,7 +63,7 @@ TEST_CASE("CentreOfMass: float errs by rounding, and a robot without mass has no
   const Motion<6> at(random);
   const auto com = centre_of_mass(ur5::Model{}, at.q);
   const auto in_float = centre_of_mass(ur5::Model{}, at.q.cast<float>());
-  CHECK(std::abs(double(in_float.p.xyz.z) - com.p.xyz.z) <= 1e-6);
+  CHECK(std::abs(double(in_float.p.z) - com.p.z) <= 1e-6);
   auto links = std::array<LinkParameters<double>, 6>{};
   for (std::size_t i = 0; i < 6; ++i) {
     links[i] = ur5::Description::links[i];

@@ -67,7 +67,8 @@ TEST_CASE("determinant: value and rate of a symmetric matrix, singular ones as w
   oracle::Random random(3);
   for (int k = 0; k < 200; ++k) {
     constexpr int n = 4;
-    // A = B'B with B of rank 3 or 4, dA = B'C + C'B: the rate of the determinant by a difference in 50 digits.
+    // A = B'B with B of rank 3 or 4, dA = B'C + C'B: the rate of the determinant by a difference in 50
+    // digits.
     double b[n][n], c[n][n];
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) b[i][j] = random.uniform(-1, 1), c[i][j] = random.uniform(-1, 1);

@@ -138,7 +138,8 @@ TEST_CASE("ClearanceAround: two arms that see what the other one may fill never 
           before[a] = last[a];
           last[a] = out.altered ? out.command : wish;
         }
-        // Neither where they are told to be nor where they are: the one at its place, the other at its command.
+        // Neither where they are told to be nor where they are: the one at its place, the other at its
+        // command.
         const Points told[] = {{0, last[0].position}, {1, last[1].position}},
                      is[] = {{0, before[0].position}, {1, before[1].position}};
         const double d =

@@ -14,6 +14,7 @@
 #include "skinctl/testing/sanitized.hpp"
 #include "tests/support/governor_alone.hpp"
 #include "tests/support/scene.hpp"
+#include "tests/support/sliding_robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -213,4 +214,41 @@ TEST_CASE("ClearanceLimits: what cannot be is refused") {
   refused([](Clearance& c) { c.pairs.push_back({1, 1}); });
   refused([](Clearance& c) { c.capsules[2].link = 7; });
   refused([](Clearance& c) { c.pairs.resize(65, {0, 2}); });
+}
+
+// A base that drives moves all of the robot by metres, however short its levers are.
+TEST_CASE("ClearanceLimits: a robot that drives towards a wall stops before it, whatever its reach is") {
+  using Tree = ChainOf<slides, slides, turns>;
+  const auto model = model_of<Tree>(on_wheels<Tree>(20));
+  using Robot = std::remove_const_t<decltype(model)>;
+  for (const double reach : {0.1, 0.3, 1.0, 3.0})
+    for (const double direction : {1.0, -1.0}) {
+      CAPTURE(reach);
+      Clearance given;
+      given.capsules = {{2, {{0.05, 0, 0}, {0.08, 0, 0}, 0.02}},
+                        {LinkCapsule::fixed, {{direction, -1, 0}, {direction, 1, 0}, 0.05}}};
+      given.pairs = {{0, 1}};
+      given.reach = reach;
+      const JointLimits<3> limits({.lower = JointPosition<3>::constant(-10),
+                                   .upper = JointPosition<3>::constant(10),
+                                   .velocity = JointVelocity<3>::constant(1),
+                                   .acceleration = JointAcceleration<3>::constant(1),
+                                   .torque = JointTorque<3>::constant(100)});
+      const ClearanceLimits<Robot> clear(model, limits, given);
+      JointPosition<3> q{};
+      JointVelocity<3> u{};
+      double nearest = 1, fastest = 0;
+      const double h = 0.008;
+      for (int k = 0; k < 600; ++k) {
+        const auto wish = limits.move(limits.room(q), u, {direction, 0.2, 0.3}, h).velocity;
+        const auto next = clear.within({}, q, limits.room(q), u, wish, h, [](const auto&) { return true; });
+        q = integrate(q, 0.5 * (u + next.velocity), h);
+        u = next.velocity;
+        nearest = std::min(nearest, clear.at(q).nearest());
+        fastest = std::max(fastest, std::abs(u[0]));
+      }
+      CHECK(nearest >= given.margin);
+      CHECK(nearest < given.margin + 0.02);  // it goes there
+      CHECK(fastest > 0.5);
+    }
 }

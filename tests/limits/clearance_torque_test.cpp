@@ -61,7 +61,7 @@ double above(const Clearance& c, const JointPosition<6>& q) {
   return least;
 }
 struct Seen {
-  double least = 1e9, fastest_near = 0, leaves = 0;
+  double least = 1e9, leaves = 0;
   Status status;
   bool valid = true;
 };

@@ -221,7 +221,8 @@ TEST_CASE("governor: the tool's speed is kept next to the ends of the joints") {
   CHECK(at_ends > (sanitized ? 6000 : 60000));
 }
 
-// A resolver that computes a cycle in substeps may hurry between them: the speed at the end says nothing of that.
+// A resolver that computes a cycle in substeps may hurry between them: the speed at the end says nothing of
+// that.
 TEST_CASE("governor: a motion that is faster on its way than at its end keeps the tool's speed") {
   constexpr double h = 0.014, most = 0.05;
   const auto limits = ur5_test_limits<double>();
@@ -555,7 +556,7 @@ TEST_CASE(
   const auto scene = governed();
   const auto& skin = scene.skin();
   auto memory = skin.start(0ns);
-  CHECK(skin.nearest<1>(memory) == 1);
+  CHECK(skin.max_proximity<1>(memory) == 1);
   const auto hear = [&](std::uint32_t id, float proximity, Nanoseconds now) {
     const CellSample sample{.time = now, .cell = id, .proximity = proximity};
     decltype(scene)::Wrenches mean;
@@ -564,11 +565,11 @@ TEST_CASE(
   std::uint32_t id = 1;  // ids run through the links
   for (std::size_t link = 0; link < 6; ++link)
     for (std::size_t k = 0; k < ur5::skin_cells<260>[link]; ++k, ++id) {
-      if (link == 1 && k + 1 == ur5::skin_cells<260>[1]) CHECK(skin.nearest<1>(memory) == 1);
+      if (link == 1 && k + 1 == ur5::skin_cells<260>[1]) CHECK(skin.max_proximity<1>(memory) == 1);
       hear(id, link == 2 && k == 3 ? 0.625f : 0, 2ms);
       if (link == 1 && k + 1 == ur5::skin_cells<260>[1])
-        CHECK(skin.nearest<1>(memory) == doctest::Approx(0.05).epsilon(1e-3));
+        CHECK(skin.max_proximity<1>(memory) == doctest::Approx(0.05).epsilon(1e-3));
     }
-  CHECK(skin.nearest<2>(memory) == 0.625);  // the gate passes less: 0.05 is taken off
-  CHECK(skin.nearest<1>(memory) == doctest::Approx(0.05).epsilon(1e-3));
+  CHECK(skin.max_proximity<2>(memory) == 0.625);  // the gate passes less: 0.05 is taken off
+  CHECK(skin.max_proximity<1>(memory) == doctest::Approx(0.05).epsilon(1e-3));
 }

@@ -156,7 +156,8 @@ TEST_CASE_TEMPLATE("JerkLimits: no limit is ever crossed", T, float, double) {
       // Some motion within the limits leads there: |s - (u0 h + a0 h^2/2)| <= J h^3/6.
       REQUIRE(std::abs(joint.moved - h * (double(was.u) + h * double(was.a) / 2)) <=
               J * h * h * h / 6 * (1 + 64 * eps) + 3000 * eps * (V * h + A * h * h));
-      // Where nothing intervened the jerk is constant: the joint does not turn beyond an end within the step, either.
+      // Where nothing intervened the jerk is constant: the joint does not turn beyond an end within the step,
+      // either.
       const double u0 = double(was.u), a0 = double(was.a), j = (double(joint.a) - a0) / h;
       const double discriminant = a0 * a0 - 2 * j * u0;
       if (!joint.status.has(Reason::position_limited) && !joint.status.has(Reason::velocity_limited) &&
@@ -290,7 +291,8 @@ TEST_CASE("JerkLimits: braking ends at rest, the quickest way, and does not over
   }
 }
 
-// Going on with this step's jerk would pass the end, in many steps from now; a stop that begins later does not.
+// Going on with this step's jerk would pass the end, in many steps from now; a stop that begins later does
+// not.
 TEST_CASE("JerkLimits: a joint near its end that can still stop does as it is asked") {
   for (const double side : {1.0, -1.0}) {
     CAPTURE(side);

@@ -1,5 +1,5 @@
-// Springs on robots by torque: heavy arms, and hands and chains whose links are light, coupled, and held by friction
-// that nobody has declared. Limits of position and speed hold, and the springs reach their goals.
+// Springs on robots by torque: heavy arms, and hands and chains whose links are light, coupled, and held by
+// friction that nobody has declared. Limits of position and speed hold, and the springs reach their goals.
 //
 // Promise: joints by torque keep their limits however light and coupled their links are, and reach their
 // goals

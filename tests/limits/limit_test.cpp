@@ -22,7 +22,8 @@ namespace {
 struct Scanned {
   double nearest = 10;  ///< distance of the nearest person [m]
 };
-/// No joint is faster than `rate` times the distance of the nearest person; nearer than `stop` the robot holds.
+/// No joint is faster than `rate` times the distance of the nearest person; nearer than `stop` the robot
+/// holds.
 struct NearPeople {
   using Kind = NearPeople;
   using Input = Scanned;

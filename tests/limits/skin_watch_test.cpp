@@ -8,7 +8,6 @@
 
 #include <doctest/doctest.h>
 
-#include <limits>
 #include <string>
 #include <type_traits>
 

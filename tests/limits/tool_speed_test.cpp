@@ -7,6 +7,7 @@
 
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "tests/support/sliding_robots.hpp"
 
 using namespace skinctl;
 
@@ -117,7 +118,8 @@ TEST_CASE_TEMPLATE("ToolSpeed: the limit is always kept", T, float, double) {
   MESSAGE("fastest " << fastest << " of the limit, above 0.9 of it in " << near << " of " << 4 * total);
 }
 
-// A joint that nears its end, and moves the tool little, is slowed alone: the others go on as they were asked to.
+// A joint that nears its end, and moves the tool little, is slowed alone: the others go on as they were asked
+// to.
 TEST_CASE("ToolSpeed: a joint beside its end does not hold up the others") {
   for (const double side : {1.0, -1.0})
     for (const double h : {0.002, 0.008}) {
@@ -215,4 +217,52 @@ TEST_CASE("ToolSpeed: the share of a motion with which the point keeps its limit
   CHECK(slowed > 50);
   CHECK(limit.share({}, JointVelocity<6>::constant(std::nan("")), 0.01) == 0);
   CHECK(limit.share({}, {}, 0.01) == 1);
+}
+
+// A slide that is turned by the joint before it bends the point's way as much as a long lever does.
+TEST_CASE(
+    "ToolSpeed: of metres and radians, too, what it lets pass stays below the limit while all joints brake") {
+  const auto model = testing::cylindrical();
+  using Robot = std::remove_const_t<decltype(model)>;
+  const double most = 0.05;
+  std::mt19937_64 rng(8);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto at = [&](const JointPosition<3>& q) {
+    return link_poses<link_bit<2>>(model, q).get<2>().origin();
+  };
+  const auto speed = [&](const JointPosition<3>& q, const JointVelocity<3>& u) {
+    return norm(Xyz<double>((1 / 2e-6) * (at(integrate(q, u, 1e-6)) - at(integrate(q, u, -1e-6)))));
+  };
+  int kept = 0, grew = 0;
+  double worst = 0;
+  for (int k = 0; k < 20000; ++k) {
+    // The slides carry the point to and fro along y, and the second one turns out of it.
+    const double A = 0.5 + 5 * std::abs(unit(rng)), slide = 0.5 * unit(rng);
+    JointPosition<3> q{unit(rng), 1.57 + 0.2 * unit(rng), 0};
+    JointVelocity<3> u{0.02 * unit(rng) - slide, 2 * unit(rng), slide};
+    double hardest = 0, top = 0;
+    for (const double w : u) hardest = std::max(hardest, std::abs(w) / A);
+    const double reach = std::max(1e-3, 0.5 * hardest * std::abs(slide));
+    const ToolSpeed<Robot, 2> limit(model,
+                                    JointLimits<3>({.lower = JointPosition<3>::constant(-10),
+                                                    .upper = JointPosition<3>::constant(10),
+                                                    .velocity = JointVelocity<3>::constant(3),
+                                                    .acceleration = JointAcceleration<3>::constant(A),
+                                                    .torque = JointTorque<3>::constant(10)}),
+                                    {.speed = most, .reach = reach});
+    const JointRoom<3> free{JointPosition<3>::constant(HUGE_VAL), JointPosition<3>::constant(HUGE_VAL)};
+    if (!limit.keeps(q, u, {}, free)) continue;
+    ++kept;
+    const double first = speed(q, u);
+    for (int step = 0; step <= 100; ++step) {
+      const double t = hardest * step / 100, left = 1 - 0.01 * step;
+      top = std::max(top, speed(integrate(q, u, t * (1 - 0.5 * t / hardest)), left * u));
+    }
+    worst = std::max(worst, top);
+    grew += top > 1.2 * first;
+  }
+  CAPTURE(worst);
+  CHECK(worst <= most * (1 + 1e-6));
+  CHECK(kept > 500);
+  CHECK(grew > 50);
 }

@@ -1,5 +1,5 @@
-// Scripts for Gappa and Sollya, written from the tables of the kernels: what each rounding and each polynomial may be
-// off, for a proof by machine.
+// Scripts for Gappa and Sollya, written from the tables of the kernels: what each rounding and each
+// polynomial may be off, for a proof by machine.
 #pragma once
 
 #include <cmath>
@@ -48,7 +48,8 @@ inline std::string interval(double low, double high) {
   return "[" + hex(low) + ", " + hex(high) + "]";
 }
 
-/// `sin_r` or `cos_r` of `sincos_kernel` against its polynomial without rounding, for |r| from `low` to `high`.
+/// `sin_r` or `cos_r` of `sincos_kernel` against its polynomial without rounding, for |r| from `low` to
+/// `high`.
 template <class T>
 std::string sincos_polynomial(bool sine, double low, double high, Fused fused) {
   using Table = math::detail::SinCosTable<T>;
@@ -65,8 +66,8 @@ std::string sincos_polynomial(bool sine, double low, double high, Fused fused) {
   return s + "{ r in " + interval(low, high) + " -> |y - Y| in ? }\n";
 }
 
-/// The reduced argument against `x - k pi/2`, where it is at most `high` in magnitude and k is not 0. (For k = 0 it is
-/// x.) Also shows that the first two products, and the first difference, are exact.
+/// The reduced argument against `x - k pi/2`, where it is at most `high` in magnitude and k is not 0. (For k
+/// = 0 it is x.) Also shows that the first two products, and the first difference, are exact.
 template <class T>
 std::string sincos_reduction(double high, Fused fused) {
   using Table = math::detail::SinCosTable<T>;
@@ -112,8 +113,8 @@ std::string tanh_polynomial(Fused fused) {
          (fused == Fused::yes ? "w = rnd(h + hz * p);\n" : "w = rnd(h + rnd(hz * p));\n") +
          "W = h + (h * Z) * P;\n{ h in [-0.1734, 0.1734] -> |w - W| in ? }\n";
 }
-/// The formula of `tanh_kernel` for k halves of ln 2, against the same without rounding, for any w. For k = 0 it
-/// is w.
+/// The formula of `tanh_kernel` for k halves of ln 2, against the same without rounding, for any w. For k = 0
+/// it is w.
 template <class T>
 std::string tanh_formula(int k, Fused fused) {
   const bool far = k >= 3;

@@ -54,26 +54,7 @@ const std::array<DhRow, 3> rows = {DhRow{0.3, 0.2, 0.5, Angle::radians(angles[0]
                                    DhRow{-0.7, 0.4, 0.1, Angle::radians(angles[1])},
                                    DhRow{1.2, -0.3, 0.2, Angle::radians(angles[2])}};
 
-// Universal Robots' UR10 (CB3) and the calibration.conf of one, from their forum, thread 18921.
 constexpr Angle up = Angle::quarter(1), down = Angle::quarter(-1);
-constexpr std::array<DhRow, 6> ur10 = {DhRow{0, 0.1273, 0, up},   DhRow{0, 0, -0.612, {}},
-                                       DhRow{0, 0, -0.5723, {}},  DhRow{0, 0.163941, 0, up},
-                                       DhRow{0, 0.1157, 0, down}, DhRow{0, 0.0922, 0, {}}};
-const double ur10_alpha[6] = {1, 0, 0, 1, -1, 0};  // quarters of a turn
-const DhDelta<6> found = {{-8.20642406610186392e-05, -0.103609197138685979, 0.673631891251821102,
-                           -0.57016974724960845, -4.59636351675856217e-05, 9.74999561134540574e-07},
-                          {-0.000161187342296687116, 0.00304003843792177708, 0.0916468555721788314,
-                           -9.62964975953143595e-05, -2.97595340762196176e-05, 0},
-                          {0.000505390894843998906, 11.1984514757821039, -92.5270326908668181,
-                           81.3282683520703529, -0.000212852818740727479, -0.000126145560998547346},
-                          {-0.00032142399895862539, -0.00565024518540147101, -0.00378922621833689211,
-                           -0.00106533274011644252, 0.000999586303470856308, 0}};
-
-std::array<LinkInertia, 6> six() {
-  std::array<LinkInertia, 6> all;
-  all.fill(some);
-  return all;
-}
 
 }  // namespace
 
@@ -136,89 +117,4 @@ TEST_CASE("DH: the UR5 from the maker's rows is the shipped one, its right angle
       CHECK(std::abs(links[i].numbers[p] - expected) <= 1e-16 * std::max(1.0, std::abs(expected)));
       CHECK((links[i].numbers[p] == 0) == (expected == 0));
     }
-}
-
-TEST_CASE("DH: a factory calibration moves the flange as its table says, through frames 90 m away") {
-  const auto calibrated = calibrated_dh<6>(ur10, found, six());
-  const CalibratedModel<Chain<6>> arm(calibrated.links);
-  const JointPlacement end = calibrated.end;
-  oracle::Random random(2);
-  double worst = 0;
-  for (int k = 0; k < 200; ++k) {
-    JointPosition<6> q;
-    for (double& x : q) x = random.uniform(-3, 3);
-    Pose by_table = along(0, 0, 0);
-    for (std::size_t i = 0; i < 6; ++i) {
-      const Digits50 quarter = atan(Digits50(1)) * 2;
-      by_table =
-          product(by_table, about_z(Digits50(q[i]) + Digits50(ur10[i].theta) + Digits50(found.theta[i])));
-      by_table = product(by_table, along(Digits50(ur10[i].a) + Digits50(found.a[i]), 0,
-                                         Digits50(ur10[i].d) + Digits50(found.d[i])));
-      by_table = product(by_table, about_x(Digits50(ur10_alpha[i]) * quarter + Digits50(found.alpha[i])));
-    }
-    const auto X_BF = link_poses<link_bit<5>>(arm, q).get<5>() *
-                      Transform<Link<5>, Flange>::translation_xyz(end.p[0], end.p[1], end.p[2]);
-    worst = std::max(worst, difference(X_BF, by_table));
-  }
-  CHECK(worst <= 1e-13);
-}
-
-TEST_CASE("DH: a calibrated arm keeps its joints and its masses where the metal is") {
-  std::array<LinkInertia, 6> inertias = six();
-  const CalibratedModel<Chain<6>> nominal(links_from_standard_dh<6>(ur10, inertias));
-  const CalibratedModel<Chain<6>> arm(calibrated_dh<6>(ur10, found, inertias).links);
-  oracle::Random random(3);
-  for (int k = 0; k < 20; ++k) {
-    JointPosition<6> q;
-    for (double& x : q) x = random.uniform(-3, 3);
-    const auto X = link_poses(arm, q), X0 = link_poses(nominal, q);
-    const auto near = [](const auto& at, const auto& at0, const auto& link, const auto& link0) {
-      using P = LinkParameter;
-      const Xyz<double> r =
-          at.origin() + link[P::c_x] * at.axis_x() + link[P::c_y] * at.axis_y() + link[P::c_z] * at.axis_z();
-      const Xyz<double> r0 = at0.origin() + link0[P::c_x] * at0.axis_x() + link0[P::c_y] * at0.axis_y() +
-                             link0[P::c_z] * at0.axis_z();
-      const auto e = r - r0, o = at.origin() - at0.origin();
-      CHECK(dot(o, o) <= 0.01 * 0.01);
-      CHECK(dot(e, e) <= 0.01 * 0.01);
-    };
-    near(X.get<1>(), X0.get<1>(), arm.link(1), nominal.link(1));
-    near(X.get<2>(), X0.get<2>(), arm.link(2), nominal.link(2));
-    near(X.get<3>(), X0.get<3>(), arm.link(3), nominal.link(3));
-    near(X.get<5>(), X0.get<5>(), arm.link(5), nominal.link(5));
-  }
-}
-
-TEST_CASE("DH: no calibration at all gives the nominal arm, a senseless one is refused") {
-  const auto nominal = links_from_standard_dh<6>(ur10, six());
-  const auto same = calibrated_dh<6>(ur10, {}, six()).links;
-  for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t p = 0; p < std::size_t(LinkParameter::count); ++p)
-      CHECK(same[i].numbers[p] == doctest::Approx(nominal[i].numbers[p]).epsilon(1e-15));
-  DhDelta<6> bad;
-  bad.alpha[2] = 0.2;
-  CHECK_THROWS_AS(static_cast<void>(calibrated_dh<6>(ur10, bad, six())), ConfigurationError);
-  bad = {};
-  bad.d[1] = std::numeric_limits<double>::infinity();
-  CHECK_THROWS_AS(static_cast<void>(calibrated_dh<6>(ur10, bad, six())), ConfigurationError);
-}
-
-TEST_CASE("DH: a calibration whose last axis is parallel to the one before ends where its table says") {
-  const std::array<DhRow, 2> arm = {DhRow{0.1, 0.2, 0.5, {}}, DhRow{0, 0.3, 0.4, {}}};
-  const DhDelta<2> delta{{0.3, -0.3}, {0.001, 0.002}, {5, -5.001}, {0.004, -0.001}};
-  const auto calibrated = calibrated_dh<2>(arm, delta, {some, some});
-  const JointPosition<2> q{0.6, -1.2};
-  Pose by_table = along(0, 0, 0);
-  for (std::size_t i = 0; i < 2; ++i) {
-    by_table = product(by_table, about_z(Digits50(q[i]) + Digits50(arm[i].theta) + Digits50(delta.theta[i])));
-    by_table = product(by_table, along(Digits50(arm[i].a) + Digits50(delta.a[i]), 0,
-                                       Digits50(arm[i].d) + Digits50(delta.d[i])));
-    by_table = product(by_table, about_x(Digits50(delta.alpha[i])));
-  }
-  const auto X = link_poses(CalibratedModel<Chain<2>>(calibrated.links), q).get<1>();
-  const auto& end = calibrated.end;
-  const Xyz<double> tip = X.origin() + end.p[0] * X.axis_x() + end.p[1] * X.axis_y() + end.p[2] * X.axis_z();
-  CHECK(tip.x == doctest::Approx(static_cast<double>(by_table[9])).epsilon(1e-14));
-  CHECK(tip.y == doctest::Approx(static_cast<double>(by_table[10])).epsilon(1e-14));
-  CHECK(tip.z == doctest::Approx(static_cast<double>(by_table[11])).epsilon(1e-14));
 }

@@ -27,8 +27,8 @@ const JointPosition<6> pose{0.1, -1.5, 1.2, -1, -1.5, 0.3};
 }  // namespace
 
 TEST_CASE("ContactStability: pure friction and pure delay have the textbook's margin") {
-  // With friction that outweighs every mass the loop is w_f k / (B s) exp(-s T), k_max = pi B / (2 T w_f), and
-  // sampled tan(x)/x times as much, x = pi dt / (4 T).
+  // With friction that outweighs every mass the loop is w_f k / (B s) exp(-s T), k_max = pi B / (2 T w_f),
+  // and sampled tan(x)/x times as much, x = pi dt / (4 T).
   auto c = configuration(8ms, 0.02, 0, 0);
   c.viscous_friction = JointTorque<6>::constant(1e6);
   const double row[6] = {1, 0, 0, 0, 0, 0};
@@ -50,7 +50,8 @@ TEST_CASE("ContactStability: a frictionless robot rests in nothing, a row of zer
 
 TEST_CASE(
     "ContactStability: a mass behind a delay that its force lead makes up for bears a wall of 0.5 m / T^2") {
-  // One joint that outweighs the others, on a lever of 1 m, a lead of T and friction of 0.1 m/T: STABILITY's bound.
+  // One joint that outweighs the others, on a lever of 1 m, a lead of T and friction of 0.1 m/T: STABILITY's
+  // bound.
   auto c = configuration(1ms, 0.025, 0, 0, 1);
   constexpr double m = 1e6, T = 0.0265;
   c.virtual_inertia = JointTorque<6>::constant(m);
@@ -81,8 +82,8 @@ TEST_CASE("ContactStability: numbers out of their range are refused") {
 }
 
 TEST_CASE("ContactStability: a resolver on a spring becomes unstable where it says") {
-  // Whole periods without lag, where commands just miss a cycle, are the hardest: dt/2 in the place of the wait
-  // says 1.4 times too much.
+  // Whole periods without lag, where commands just miss a cycle, are the hardest: dt/2 in the place of the
+  // wait says 1.4 times too much.
   const RobotConfiguration<6> loops[] = {
       configuration(8ms, 0.008, 0.008, 3),    configuration(2ms, 0.02, 0, 3),
       configuration(8ms, 0.04, 0, 3),         configuration(8ms, 0.008, 0, 3),

@@ -113,8 +113,8 @@ TEST_CASE("EnergyTank: kinetic energy without a reason is charged") {
   CHECK(mass.memory.energy < 1);
 }
 
-// M dv = port - (damping M + viscous) v of two coupled joints, by the trapezoid: its kinetic energy changes by the work of
-// the port less that of the friction, to rounding.
+// M dv = port - (damping M + viscous) v of two coupled joints, by the trapezoid: its kinetic energy changes
+// by the work of the port less that of the friction, to rounding.
 TEST_CASE(
     "EnergyTank: friction by mass is in the ledger: it costs nothing, and hides no gain that it would "
     "explain") {

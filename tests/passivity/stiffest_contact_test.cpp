@@ -18,6 +18,7 @@
 
 #include "bench/studies/worlds/spring_wall.hpp"
 #include "bench/studies/worlds/wall_contact.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -147,12 +148,7 @@ TEST_CASE(
   const double needed = hard.heavier(robot(), skin());
   CHECK(needed > 2);
   const auto refusal = [&](const auto& arm, const auto& touch) -> std::string {
-    try {
-      static_cast<void>(Cycle(arm, touch, law));
-    } catch (const ConfigurationError& e) {
-      return e.what();
-    }
-    return "";
+    return complaint_of([&] { return Cycle(arm, touch, law); });
   };
   char number[32];
   std::snprintf(number, sizeof number, ">= %.3g for a contact of", needed);

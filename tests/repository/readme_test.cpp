@@ -1,8 +1,9 @@
 // not sanitized: it reads the tree, and runs nothing of the library
 //
 // Promise: the pages say what the code does
-// Tried: code blocks of the README, the tutorial and the how-tos block by block, every link, the table of faults. Also:
-// `pages_test.cpp`, `fault_table_test.cpp`), `ctest -R repository/tutorial`, `ctest -R repository/how_to`
+// Tried: code blocks of the README, the tutorial and the how-tos block by block, every link, the table of
+// faults. Also: `pages_test.cpp`, `fault_table_test.cpp`), `ctest -R repository/tutorial`, `ctest -R
+// repository/how_to`
 
 #include <doctest/doctest.h>
 

@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Lines by which the body of a function would stand elsewhere than at its declaration: an include behind the namespace, and a
-// macro that stands for the head of a template.
+// Lines by which the body of a function would stand elsewhere than at its declaration: an include behind the
+// namespace, and a macro that stands for the head of a template.
 std::vector<std::string> detours(std::istream& header) {
   std::vector<std::string> found;
   bool behind = false;

@@ -159,8 +159,8 @@ void push_finger(double t, Act& act) {
   if (t > 0.05 && t < 0.25) act.push = {0, 0, -1};
 }
 
-/// Compares with what the equations of motion say, but for the time that commands take: 2 ms by velocity, 5 ms by
-/// position.
+/// Compares with what the equations of motion say, but for the time that commands take: 2 ms by velocity, 5
+/// ms by position.
 template <LinkMask V, LinkMask D, class Drive, class... Parts>
 State<3> compare(double until, const Drive& drive, double most, const Parts&... parts) {
   const State<3> want = truth(D, until, drive);

@@ -5,6 +5,7 @@
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
+#include "skinctl/robot/velocity_and_torque.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "tests/support/arm_with_finger.hpp"
 #include "tests/support/simulated_joints.hpp"

@@ -3,7 +3,6 @@
 
 #include <bit>
 #include <cmath>
-#include <string>
 #include <type_traits>
 
 #include "skinctl/guard/guard.hpp"
@@ -211,13 +210,13 @@ TEST_CASE_TEMPLATE("Resolver: NaN and infinity in the state are refused, the las
     s.q[2] = bad;
     auto before = m.command();
     auto out = step(robot, m, law, s, 8ms, pushing<T>({}));
-    CHECK(out.status == Reason::state_not_finite);
+    CHECK(out.status == Status(Reason::state_not_finite));
     check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
     s = at<T>(pose, 16ms);
     s.dq[2] = bad;
     before = m.command();
     out = step(robot, m, law, s, 16ms, pushing<T>({}));
-    CHECK(out.status == Reason::state_not_finite);
+    CHECK(out.status == Status(Reason::state_not_finite));
     check_limits<C::interface, T>(c.limits, before, out.command, 0.008);
     out = step(robot, m, law, at<T>(pose, 24ms), 24ms, pushing<T>({}));
     CHECK_FALSE(out.status.any());
@@ -338,7 +337,7 @@ TEST_CASE_TEMPLATE("Resolver: time that goes back or stands still changes nothin
     auto m = loop.memory;
     Yield::Memory law;
     const auto out = step(loop.robot, m, law, at<T>(pose, wrong), wrong, pushing<T>({}));
-    CHECK(out.status == (wrong == now ? Reason::interval_empty : Reason::time_backwards));
+    CHECK(out.status == Status(wrong == now ? Reason::interval_empty : Reason::time_backwards));
     CHECK(out.command.position == command.position);
     CHECK(out.command.velocity == command.velocity);
     CHECK(law.evaluations == 0);

@@ -169,8 +169,8 @@ auto alone_around() {
 }
 }  // namespace
 
-// The plan goes on meanwhile, and the law pulls with more torque than there is. With joints limited one by one, the strong
-// ones threw the light ones up to 4 rad past their goals, at full speed for seconds.
+// The plan goes on meanwhile, and the law pulls with more torque than there is. With joints limited one by
+// one, the strong ones threw the light ones up to 4 rad past their goals, at full speed for seconds.
 TEST_CASE("Cycle: an arm that a clearance held up goes on to its goal when the way is free") {
   const auto arm = by_one_interface();
   const auto scene = Cycle(arm, SplineJoint<6>(arm)).with(alone_around());

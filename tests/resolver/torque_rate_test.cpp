@@ -175,7 +175,8 @@ TEST_CASE("torque rate: from one limit to the other in the time of the rate, how
 TEST_CASE(
     "torque rate: what no joint gives is cut off first, so that a law that asks for far more turns round at "
     "once") {
-  // An arm that was held is let go far from its goal. With the rate before the limit it swung about the goal for ever.
+  // An arm that was held is let go far from its goal. With the rate before the limit it swung about the goal
+  // for ever.
   const ur5::Model model;
   for (const double held : {0.2, 0.6}) {
     CAPTURE(held);

@@ -154,10 +154,11 @@ TEST_CASE_TEMPLATE("JointLimits: what is free is left alone", T, float, double) 
 TEST_CASE_TEMPLATE("JointLimits: say which limit acted", T, float, double) {
   const auto limits = one_joint(T(-3), T(3), T(2), T(40));
   const auto at = [&](T q) { return limits.room(JointPosition<1, T>::constant(q)); };
-  CHECK(limits.move(at(T(0)), speed(T(0)), speed(T(1)), T(0.002)).status == Reason::acceleration_limited);
-  CHECK(limits.move(at(T(0)), speed(T(2)), speed(T(3)), T(0.002)).status == Reason::velocity_limited);
+  CHECK(limits.move(at(T(0)), speed(T(0)), speed(T(1)), T(0.002)).status ==
+        Status(Reason::acceleration_limited));
+  CHECK(limits.move(at(T(0)), speed(T(2)), speed(T(3)), T(0.002)).status == Status(Reason::velocity_limited));
   const auto end = limits.move(at(T(2.9999)), speed(T(0.05)), speed(T(0.08)), T(0.002));
-  CHECK(end.status == Reason::position_limited);
+  CHECK(end.status == Status(Reason::position_limited));
   CHECK(end.braked == 1);
 }
 

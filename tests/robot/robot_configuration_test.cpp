@@ -6,8 +6,10 @@
 
 #include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/robots/ur5.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
+using skinctl::testing::complaint_of;
 
 namespace {
 
@@ -30,12 +32,7 @@ TEST_CASE("RobotConfiguration: refuses that cannot work, with the number and the
   const auto refusal = [](auto&& change) -> std::string {
     auto c = configuration();
     change(c);
-    try {
-      const Joints joints(c);
-    } catch (const ConfigurationError& e) {
-      return e.what();
-    }
-    return "";
+    return complaint_of([&] { const Joints joints(c); });
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK(refusal([](auto&) {}).empty());
@@ -84,12 +81,12 @@ TEST_CASE("Interval: equal parts that leave out and repeat nothing") {
     CHECK((most <= 2ms || interval.substeps == max_substeps));
     CHECK_FALSE(interval.status.any());
   }
-  CHECK(robot.interval(m, 5s).status == Reason::interval_empty);
+  CHECK(robot.interval(m, 5s).status == Status(Reason::interval_empty));
   CHECK(robot.interval(m, 5s).substeps == 0);
-  CHECK(robot.interval(m, 5s - 1ns).status == Reason::time_backwards);
-  CHECK(robot.interval(m, Nanoseconds::min()).status == Reason::time_backwards);
-  CHECK(robot.interval(m, Nanoseconds::max()).status == Reason::time_backwards);
+  CHECK(robot.interval(m, 5s - 1ns).status == Status(Reason::time_backwards));
+  CHECK(robot.interval(m, Nanoseconds::min()).status == Status(Reason::time_backwards));
+  CHECK(robot.interval(m, Nanoseconds::max()).status == Status(Reason::time_backwards));
   const auto late = robot.interval(m, 7s);
-  CHECK(late.status == Reason::interval_too_long);
+  CHECK(late.status == Status(Reason::interval_too_long));
   CHECK(late.from == 7s - 40ms);
 }

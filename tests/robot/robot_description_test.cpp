@@ -171,7 +171,7 @@ TEST_CASE("RobotDescription: the limits of another robot are refused where they 
       "another robot; JointLimits(limits.values()) insists";
   CHECK(with(ur5::Model{}, of_ur10) == strong);
   CHECK(with(Loaded<ur5::Model, 5>(ur5::Model{}), of_ur10) == strong);
-  CHECK(with(calibrated_universal_robot<ur10::Description>({}), of_ur5)
+  CHECK(with(calibrated_from<ur10::Description>(), of_ur5)
             .starts_with("skinctl: velocity limit of joint 0 = "));
   CHECK(with(ur10::Model{}, of_ur5).starts_with("skinctl: "));
   // Its own, those that are weaker in all, numbers that are stated, and a model without limits.

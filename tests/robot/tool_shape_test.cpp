@@ -10,8 +10,10 @@
 #include "skinctl/resolver/detail/velocity_step.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/wrong_text.hpp"
 
 using namespace skinctl;
+using skinctl::testing::complaint_of;
 
 namespace {
 
@@ -125,12 +127,7 @@ TEST_CASE("ToolShape: refuses what is no mass and no friction") {
   const auto refused = [](auto&& change) {
     auto s = translation();
     change(s);
-    try {
-      const Shape3 shape(s);
-    } catch (const ConfigurationError& e) {
-      return std::string(e.what());
-    }
-    return std::string();
+    return complaint_of([&] { const Shape3 shape(s); });
   };
   CHECK(refused([](auto&) {}).empty());
   CHECK(refused([](auto& s) { s.damping = {}; }).empty());

@@ -190,15 +190,3 @@ TEST_CASE("Universal Robots: KDL and MuJoCo agree on each, built from the ROS de
                                       ten,
                                       false});
 }
-
-TEST_CASE("Universal Robots: a factory calibration loads, none at all gives the maker's arm") {
-  const auto arm = calibrated_universal_robot<ur5e::Description>({});
-  for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t p = 0; p < std::size_t(LinkParameter::count); ++p)
-      CHECK(arm.link(i).numbers[p] == doctest::Approx(ur5e::Description::links[i].numbers[p]).epsilon(1e-14));
-  DhDelta<6> delta;
-  delta.theta[2] = 0.01, delta.a[1] = 0.001, delta.d[3] = -0.002, delta.alpha[4] = 1e-3;
-  const auto mine = calibrated_universal_robot<ur5e::Description, float>(delta);
-  CHECK(mine.link(2)[LinkParameter::offset] == 0.01f);
-  CHECK(mine.link(2)[LinkParameter::p_x] == doctest::Approx(-0.424));
-}

@@ -14,7 +14,8 @@ namespace {
 using Tree = DecisionTree<3, 3>;
 using Examples = std::vector<Example<3>>;
 
-/// 0 below a line of x, else 1 or 2 by y; the third number says nothing. A share `wrong` of the labels is random.
+/// 0 below a line of x, else 1 or 2 by y; the third number says nothing. A share `wrong` of the labels is
+/// random.
 Examples boxes(std::uint64_t seed, std::size_t n, double wrong) {
   auto random = seeded(seed);
   Examples out;

@@ -1,7 +1,7 @@
 // Recordings are cut where contact and motion change, by their own noise.
 //
-// Promise: segments of a recording are the same whatever its size, strength and pace: no threshold is a length,
-// a force or a speed
+// Promise: segments of a recording are the same whatever its size, strength and pace: no threshold is a
+// length, a force or a speed
 // Tried: a way, a grip with a squeeze, and a way back; ten times as large, as strong, half as fast; noise;
 // fingers that nothing measures
 
@@ -26,8 +26,8 @@ struct Shown {
   double size = 1, strength = 1, pace = 1, noise = 0;
   bool measures_opening = true;
 };
-/// The hand goes 0.3 m in 1 s and stands; fingers close at 2 s with 4 N and squeeze from 2.5 to 3.3 s with 8 N, with a
-/// stiffness of 2000 N/m; on the way back, from 4 to 5 s, they hold; they open at 5.6 s.
+/// The hand goes 0.3 m in 1 s and stands; fingers close at 2 s with 4 N and squeeze from 2.5 to 3.3 s with 8
+/// N, with a stiffness of 2000 N/m; on the way back, from 4 to 5 s, they hold; they open at 5.6 s.
 std::vector<ShownSample<>> recording(const Shown& s) {
   Random random = seeded(11);
   std::vector<ShownSample<>> out;

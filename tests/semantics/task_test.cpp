@@ -24,8 +24,8 @@ namespace {
 using Plan = TaughtTask<decltype(packing_oranges)::capacity>;
 static_assert(std::is_trivially_copyable_v<Plan> && std::is_trivially_copyable_v<TaskFault>);
 
-/// Walks a task as somebody does who knows nothing of proofs: a set of the numbers of facts, and dice. True: something
-/// was missing, in the way, or led nowhere.
+/// Walks a task as somebody does who knows nothing of proofs: a set of the numbers of facts, and dice. True:
+/// something was missing, in the way, or led nowhere.
 bool walk_breaks(const Plan& t, Random& random) {
   std::set<int> known;
   std::size_t at = 0;

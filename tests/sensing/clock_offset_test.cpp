@@ -180,7 +180,8 @@ TEST_CASE("ClockOffset: any bits in two times are survived; silence begins anew;
 }
 
 TEST_CASE("ClockOffset: beyond 200 ppm stamps come early at most, never later than the fastest messages") {
-  // What the rate lacks makes the stamps of a slow clock early; each fast message sets those of a fast one back.
+  // What the rate lacks makes the stamps of a slow clock early; each fast message sets those of a fast one
+  // back.
   for (const double ppm : {-300.0, 250.0, 300.0}) {
     SkewedClock clock({.ppm = ppm, .jitter = 200us}, 3);
     const ClockOffset offset;

@@ -243,15 +243,15 @@ TEST_CASE("RestLevel: a contact of an hour, from 0.05 thresholds on, loses less 
     const RestCell<> cell = RestLevel::cell(row, i);
     CHECK(std::abs(level(cell) - 200) < 0.01 * contact(i).size);
     CHECK(std::abs(cell.frozen) == 64);
-    CHECK(unexplained(cell));
+    CHECK(is_unexplained(cell));
   }
 }
 
 TEST_CASE("RestLevel: a drift taken for a contact is released by evidence, and named without") {
   const RestLevel rest;
   RestRow row = at_rest(rest, 200);
-  // Lanes 0 to 3: nothing near; 4 to 7: nothing known; 8 to 11: something near; 12 to 15: nothing near, but a touch
-  // that proximity does not see, and fast.
+  // Lanes 0 to 3: nothing near; 4 to 7: nothing known; 8 to 11: something near; 12 to 15: nothing near, but a
+  // touch that proximity does not see, and fast.
   const auto drift = [](std::size_t i) {
     return SkinDrift{SkinDrift::Kind::cell, 5, 150, 4 + 2 * double(i % 4)};
   };
@@ -273,10 +273,10 @@ TEST_CASE("RestLevel: a drift taken for a contact is released by evidence, and n
     if (i < 4) {
       CHECK(released[i] < 5 + 60);
       CHECK(level(cell) == doctest::Approx(350).epsilon(0.02));
-      CHECK_FALSE(unexplained(cell));
+      CHECK_FALSE(is_unexplained(cell));
     } else {
       CHECK(level(cell) == doctest::Approx(200).epsilon(0.002));
-      CHECK(unexplained(cell) == (i < 8 || i >= 12));
+      CHECK(is_unexplained(cell) == (i < 8 || i >= 12));
       CHECK((cell.frozen < 0) == (i >= 12));
     }
   }
@@ -286,8 +286,8 @@ TEST_CASE("RestLevel: in float, at 1 kHz, b follows to less than a thousandth of
   const RestLevel rest;
   for (const float b : {0.f, 3.f, 1000.f, 60000.f, 1048000.f}) {
     CAPTURE(b);
-    // 0.8 steps off: r falls as exp(-t/20 s) until an increment is half a unit in the last place of `fraction`:
-    // r/20000 = 2^-25, r = 6e-4.
+    // 0.8 steps off: r falls as exp(-t/20 s) until an increment is half a unit in the last place of
+    // `fraction`: r/20000 = 2^-25, r = 6e-4.
     RestRow row = at_rest(rest, b);
     double worst = 0;
     bool stalled = false;
@@ -437,7 +437,7 @@ TEST_CASE("RestLevel: a cell that is being released is not named as unexplained,
   const auto named = [](double frozen, double below, double evidence) {
     RestCell<double> cell{};
     cell.frozen = frozen, cell.below = below, cell.evidence = evidence;
-    return unexplained(cell);
+    return is_unexplained(cell);
   };
   for (const double sign : {1.0, -1.0}) {
     CHECK(named(sign * 60, 0, 0));

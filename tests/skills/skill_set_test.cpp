@@ -286,9 +286,9 @@ TEST_CASE(
     const auto e = run.step();
     auto sum = e.shares[0];
     for (std::size_t i = 1; i < Set::terms; ++i) sum += e.shares[i];
-    CHECK(largest<double>(sum - e.torque) < 1e-12);
-    if (run.changing()) CHECK(largest<double>(own(e) - last) < slow.max_rate * dt * (1 + 1e-9));
-    lacked = std::max(lacked, largest<double>(e.shares[Set::controllers]));
+    CHECK(largest(sum - e.torque) < 1e-12);
+    if (run.changing()) CHECK(largest(own(e) - last) < slow.max_rate * dt * (1 + 1e-9));
+    lacked = std::max(lacked, largest(e.shares[Set::controllers]));
     last = own(e);
   }
   CHECK(lacked > 0.01);

@@ -11,7 +11,8 @@ using namespace skinctl::testing;
 
 namespace {
 
-// Two ends, and a wire between them that delays, loses and spoils frames. Each end sends messages that it counts.
+// Two ends, and a wire between them that delays, loses and spoils frames. Each end sends messages that it
+// counts.
 struct Link {
   struct Side {
     LinkEnd end;

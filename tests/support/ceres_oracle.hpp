@@ -1,5 +1,5 @@
-// Ceres behind plain arrays: sightings and patches fitted by another solver, with derivatives by differences and rotations by
-// their vectors.
+// Ceres behind plain arrays: sightings and patches fitted by another solver, with derivatives by differences
+// and rotations by their vectors.
 #pragma once
 
 #include <array>
@@ -30,14 +30,15 @@ struct PlainPatch {
   double bias = 0, scale = 0, misalignment = 0;  ///< and of the sensors
 };
 
-/// Places the cells of a patch from `cells` and directions of gravity from `up`, where it also leaves what it found; the first
-/// cell stays. False if it did not converge.
+/// Places the cells of a patch from `cells` and directions of gravity from `up`, where it also leaves what it
+/// found; the first cell stays. False if it did not converge.
 bool ceres_patch(const PlainPatch& patch, std::vector<PlainPose>& cells,
                  std::vector<std::array<double, 3>>& up);
 
-/// Minimises half the sum of Cauchy losses of `width` of the lights' distances in deviations of `pixel`, from `poses`, where it
-/// also leaves what it found: the camera's in the base, then the patches' on their links. False if it did not converge. The header
-/// shows neither Ceres nor Eigen: ceres_oracle.cpp is built for the distribution's baseline.
+/// Minimises half the sum of Cauchy losses of `width` of the lights' distances in deviations of `pixel`, from
+/// `poses`, where it also leaves what it found: the camera's in the base, then the patches' on their links.
+/// False if it did not converge. The header shows neither Ceres nor Eigen: ceres_oracle.cpp is built for the
+/// distribution's baseline.
 /// @param camera  fx, fy, cx, cy [pixels].
 bool ceres_sightings(const std::array<double, 4>& camera, const std::vector<PlainSighting>& lights,
                      double pixel, double width, std::vector<PlainPose>& poses);

@@ -7,8 +7,8 @@
 
 namespace skinctl::testing {
 
-/// While it lives, C++ streams write 1234.5 as 1.234,5; so does C's printf, without the mark between thousands, where one of
-/// the system's locales does.
+/// While it lives, C++ streams write 1234.5 as 1.234,5; so does C's printf, without the mark between
+/// thousands, where one of the system's locales does.
 class CommaLocale {
  public:
   CommaLocale() : before_(std::locale::global(std::locale(std::locale::classic(), new Marks))) {

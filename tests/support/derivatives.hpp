@@ -33,8 +33,8 @@ class JacobianOf {
   int unknowns_;
 };
 
-/// The largest difference between the derivatives that `problem` gives at `x` and central differences, relative to
-/// the largest derivative of the same unknown.
+/// The largest difference between the derivatives that `problem` gives at `x` and central differences,
+/// relative to the largest derivative of the same unknown.
 template <class P>
 [[nodiscard]] double worst_derivative(const P& problem, const typename P::State& x, double h = 1e-6) {
   const int n = problem.unknowns();

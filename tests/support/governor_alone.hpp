@@ -13,7 +13,7 @@ struct TouchOf {
   const Nearest& near;
   [[nodiscard]] const Touch& pressed() const noexcept { return touch; }
   template <std::size_t>
-  [[nodiscard]] auto nearest() const noexcept {
+  [[nodiscard]] auto max_proximity() const noexcept {
     return near[0];
   }
 };

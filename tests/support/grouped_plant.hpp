@@ -1,5 +1,5 @@
-// A robot whose joints have several interfaces: stiff ones that follow commands, and driven ones that move as the
-// equations of motion say, on an arm that accelerates.
+// A robot whose joints have several interfaces: stiff ones that follow commands, and driven ones that move as
+// the equations of motion say, on an arm that accelerates.
 #pragma once
 
 #include "skinctl/core/command.hpp"
@@ -54,8 +54,8 @@ class GroupedPlant {
         ddq[i] = (after[i] - dq_[i]) / h;
       }
       if constexpr (Driven::count > 0) {
-        // Drift, kick, drift: the displacement is that of the mean velocity, so that the work of a held torque is
-        // exact, and a contact neither gains nor loses.
+        // Drift, kick, drift: the displacement is that of the mean velocity, so that the work of a held
+        // torque is exact, and a contact neither gains nor loses.
         JointPosition<joints> q = q_;
         for (const std::size_t i : Driven::index) q[i] += 0.5 * h * dq_[i];
         const JointAngles<M, double> angles(model_, q);

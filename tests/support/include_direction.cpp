@@ -1,7 +1,6 @@
 // not sanitized: for tests that read the tree
 #include "tests/support/include_direction.hpp"
 
-#include <algorithm>
 #include <fstream>
 #include <map>
 #include <set>

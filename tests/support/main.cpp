@@ -1,5 +1,5 @@
-// The main of every test program: doctest's, and a failure when something allocated inside a real-time scope, or when the
-// filters left no test to run.
+// The main of every test program: doctest's, and a failure when something allocated inside a real-time scope,
+// or when the filters left no test to run.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 

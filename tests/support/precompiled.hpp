@@ -1,5 +1,5 @@
-// What most tests read, once for all of them. Nothing of skinctl's own loop: a header that changes rebuilds the tests
-// that include it and no others.
+// What most tests read, once for all of them. Nothing of skinctl's own loop: a header that changes rebuilds
+// the tests that include it and no others.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -24,9 +24,9 @@
 #include "skinctl/testing/sanitized.hpp"
 #include "tests/support/digits50.hpp"
 
-// Under the sanitizers a case that runs in float, double and 50 digits runs in double: the same templates walk the same paths.
-// core/, math/, tactile/ and clearance/ keep float, which has lanes and kernels of its own there.
-// All scalars run in the other build.
+// Under the sanitizers a case that runs in float, double and 50 digits runs in double: the same templates
+// walk the same paths. core/, math/, tactile/ and clearance/ keep float, which has lanes and kernels of its
+// own there. All scalars run in the other build.
 #if SKINCTL_SANITIZED
 namespace skinctl::testing {
 

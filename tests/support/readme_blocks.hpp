@@ -17,8 +17,8 @@ struct ShownBlock {
   std::string code, printed;
 };
 
-/// The blocks of `cpp` of a Markdown text, in order. A block of `text` belongs to the block of `cpp` before it; throws
-/// `std::runtime_error` where there is none, or where it has one already.
+/// The blocks of `cpp` of a Markdown text, in order. A block of `text` belongs to the block of `cpp` before
+/// it; throws `std::runtime_error` where there is none, or where it has one already.
 [[nodiscard]] std::vector<ShownBlock> shown_programs(const std::string& markdown);
 
 /// Name and text of the regions of a source between `// [readme:NAME]` and `// [/readme:NAME]`, without the

@@ -121,9 +121,6 @@ inline Robot allegro(bool left) {
 inline Robot allegro_right() {
   return allegro(false);
 }
-inline Robot allegro_left() {
-  return allegro(true);
-}
 
 /// `b` with its base fixed to body `at` of `a` (-1: its base) at `R`, `p`.
 inline Robot joined(Robot a, int at, const Robot& b, const std::array<double, 9>& R,

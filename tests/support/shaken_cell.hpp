@@ -1,11 +1,12 @@
-// What the accelerometer of a cell reads on an arm that moves, is hit, and on which something slips: a generator.
+// What the accelerometer of a cell reads on an arm that moves, is hit, and on which something slips: a
+// generator.
 #pragma once
 
 #include <cmath>
 #include <random>
 
 #include "skinctl/core/time.hpp"
-#include "skinctl/frames/point.hpp"
+#include "skinctl/core/triple.hpp"
 #include "skinctl/testing/random.hpp"
 
 namespace skinctl::testing {

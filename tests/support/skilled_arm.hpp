@@ -16,6 +16,7 @@
 #include "skinctl/skills/library.hpp"
 #include "skinctl/testing/plant.hpp"
 #include "skinctl/testing/random.hpp"
+#include "tests/support/largest.hpp"
 #include "tests/support/scene.hpp"
 
 namespace skinctl::testing {
@@ -204,13 +205,6 @@ struct Bump {
 /// weights is predicted for a constant touch, and touches grow by up to 2 N m in a cycle.
 inline const Bump bump_bounds{.jump = 0.25, .kink = 300, .rate = SkillSettings{}.max_rate * 1.03, .time = 4};
 
-template <class T>
-double largest(const JointTorque<6, T>& x) {
-  double most = 0;
-  for (const T& v : x) most = std::max(most, static_cast<double>(detail::magnitude(v)));
-  return most;
-}
-
 /// @param look  called with the time since the request, the evaluation and the run, in every cycle.
 template <class T, class Set, class Look>
 Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed, const T& dt, Look&& look) {
@@ -248,8 +242,8 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
     const auto e = run.step();
     const auto felt = skin(e);
     const auto moved = whole ? e.torque - before : felt - weighed;
-    if (fastest) *fastest = std::max(*fastest, largest<T>(moved) / static_cast<double>(dt));
-    const double carried = largest<T>(e.shares[Set::controllers]);
+    if (fastest) *fastest = std::max(*fastest, largest(moved) / static_cast<double>(dt));
+    const double carried = largest(e.shares[Set::controllers]);
     out.carried = std::max(out.carried, carried);
     for (const T& v : e.torque) out.finite = out.finite && v - v == T(0);
     look(time, e, run);
@@ -270,9 +264,9 @@ Bump bump(const Set& set, std::uint8_t from, std::uint8_t to, std::uint64_t seed
   bool goes_on = follow(&out.rate, false);
   other.step();
   const auto after = other.torque();
-  if (std::max(largest<T>(otherwise - before), largest<T>(after - otherwise)) <=
+  if (std::max(largest(otherwise - before), largest(after - otherwise)) <=
       bump_bounds.rate * static_cast<double>(dt))
-    out.kink = largest<T>(run.torque() - after) / static_cast<double>(dt);
+    out.kink = largest(run.torque() - after) / static_cast<double>(dt);
   // Some are interrupted: by other goals, by a third skill, by a touch that comes or goes.
   const auto interruption = random() % 6;
   run.hold_touch(interruption > 2);

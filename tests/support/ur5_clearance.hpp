@@ -6,7 +6,8 @@
 
 namespace skinctl::testing {
 
-/// By the tubes of its links, 20 mm apart; links 1 to 5 see up to `Most` obstacles. The table is a ball of 100 m.
+/// By the tubes of its links, 20 mm apart; links 1 to 5 see up to `Most` obstacles. The table is a ball of
+/// 100 m.
 template <std::size_t Most>
 [[nodiscard]] ClearanceAround<Most> ur5_clearance() {
   ClearanceAround<Most> c;

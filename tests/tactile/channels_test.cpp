@@ -227,7 +227,7 @@ TEST_CASE("Channels: damaged, foreign and stale samples do not push, and say why
   CHECK(status(taxel(7, 1ms, 0, 0, 5)) == Status(Reason::time_backwards));
   CHECK(status(taxel(7, 20ms, 0, 0, 5)) == Status(Reason::sample_out_of_range));
   CHECK_FALSE(status(taxel(7, 5ms, 20, -20, 20)).any());
-  CHECK(skin.nearest<2>(skin.start(0ns)) == 1);
+  CHECK(skin.max_proximity<2>(skin.start(0ns)) == 1);
 }
 
 TEST_CASE("Channels: what is seen is no contact, and bounds what is near as a share of its range") {
@@ -238,7 +238,7 @@ TEST_CASE("Channels: what is seen is no contact, and bounds what is near as a sh
   skin.receive(memory, std::span(&sample, 1), 0ns, 10ms, 1, &mean);
   CHECK(skin.touch(memory).force == One<Nearness>::Wrenches{});
   CHECK(skin.touch(memory).proximity.data[0][2] == doctest::Approx(-0.2).epsilon(1e-4));
-  CHECK(skin.nearest<2>(memory) == doctest::Approx(0.25).epsilon(1e-4));
+  CHECK(skin.max_proximity<2>(memory) == doctest::Approx(0.25).epsilon(1e-4));
   CHECK(skin.pressed(memory).size() == 0);
 }
 

@@ -18,8 +18,8 @@ std::array<double, 3> place(const JointPosition<6>& q, const std::array<double, 
   const ur5::Model model;
   const auto pose = Poses<ur5::Model, all_links(6), double>(model, JointAngles<ur5::Model, double>(model, q))
                         .template get<I>();
-  const auto x = pose * Point<Link<I>>{{p[0], p[1], p[2]}};
-  return {x.xyz.x, x.xyz.y, x.xyz.z};
+  const auto x = pose.origin() + pose.axes() * Xyz<double>{p[0], p[1], p[2]};
+  return {x.x, x.y, x.z};
 }
 
 }  // namespace

@@ -19,14 +19,15 @@ using Cells = std::vector<Transform<Surface, Cell>>;
 std::vector<Xyz<double>> ports(const Transform<Surface, Cell>& X, double scale) {
   std::vector<Xyz<double>> out;
   for (const double x : {0.012, -0.012})
-    for (const double y : {0.007, -0.007}) out.push_back((X * Point<Cell>{{scale * x, scale * y, 0}}).xyz);
+    for (const double y : {0.007, -0.007})
+      out.push_back(X.origin() + X.axes() * Xyz<double>{scale * x, scale * y, 0});
   return out;
 }
 std::vector<Xyz<double>> corners(const Transform<Surface, Cell>& X, double scale) {
   std::vector<Xyz<double>> out;
   for (int k = 0; k < 6; ++k) {
     const double a = k * std::numbers::pi / 3;
-    out.push_back((X * Point<Cell>{{0.014 * scale * std::cos(a), 0.014 * scale * std::sin(a), 0}}).xyz);
+    out.push_back(X.origin() + 0.014 * scale * (X.axes() * Xyz<double>{std::cos(a), std::sin(a), 0}));
   }
   return out;
 }

@@ -47,16 +47,6 @@ TEST_CASE("FillIn: weights are >= 0, multiples of 2^-24, of sum <= 1; the mean f
   CHECK(FillIn().filled(0, plane, all) == 0);
 }
 
-TEST_CASE("FillIn: weights that are given are rounded down; wrong ones are refused") {
-  const CellGraph g = square_graph(2);  // four cells, three neighbours each
-  const FillIn given(g, std::vector<double>(12, 0.3));
-  CHECK(given.weight(3, 2) <= 0.3);
-  CHECK(given.weight(3, 2) > 0.3 - FillIn::unit);
-  for (const double wrong : {-0.1, 0.34, 1.1, std::nan("")})
-    CHECK_THROWS_AS(FillIn(g, std::vector<double>(12, wrong)), ConfigurationError);
-  CHECK_THROWS_AS(FillIn(g, std::vector<double>(11, 0.3)), ConfigurationError);
-}
-
 TEST_CASE("FillIn: weights of two rings are the best linear guess for a random field") {
   const auto cells = square_places(9);
   const CellGraph g = square_graph(9);

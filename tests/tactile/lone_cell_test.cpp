@@ -11,6 +11,7 @@
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "tests/support/random_skin.hpp"
+#include "tests/support/sliding_robots.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -84,4 +85,37 @@ TEST_CASE("lone_forces: of a described robot, by its Coulomb friction; wrong num
                   ConfigurationError);
   std::vector<CellPlace> beyond{CellPlace{.link = 6}};
   CHECK_THROWS_AS(static_cast<void>(lone_forces(ur5::Model{}, some, beyond)), ConfigurationError);
+}
+
+TEST_CASE(
+    "lone_forces: of an arm on wheels: the base slides under no lone cell; a slide behind a turn is "
+    "refused") {
+  using Tree = ChainOf<slides, slides, turns, turns>;
+  auto links = on_wheels<Tree>(40);
+  links[3].R = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+  links[3].p[2] = 0.5;
+  links[3].inertia = {2, {0.2, 0, 0}, 0.01, 0.01, 0.01};
+  const auto model = model_of<Tree>(links);
+  const JointTorque<4> coulomb{12, 12, 5, 6};
+  Random rng = seeded(5);
+  double largest[4] = {};
+  for (int k = 0; k < 2000; ++k) {
+    const auto unit = [&] { return uniform(rng, -1.0, 1.0); };
+    const Xyz<double> way{unit(), unit(), unit()}, normal = (1 / norm(way)) * way;
+    const CellPlace cell{.link = 3, .place = {0.4 * unit(), 0.1 * unit(), 0.1 * unit()}, .normal = normal};
+    const double force = lone_forces(model, coulomb, std::span(&cell, 1))[0];
+    const JointPosition<4> q{5 * unit(), 5 * unit(), 3 * unit(), 3 * unit()};
+    const auto poses = link_poses(model, q);
+    const Rotation<double> R = poses.get<3>().axes();
+    const Xyz<double> F = force * (R * normal), N = force * (R * cross(cell.place, normal));
+    const auto tau = transpose(jacobian<3>(poses)) * Wrench<Link<3>, Link<3>, Base>{F, N};
+    for (std::size_t j = 0; j < 4; ++j) largest[j] = std::max(largest[j], std::abs(tau[j]) / coulomb[j]);
+  }
+  for (const double share : largest) CHECK(share <= 0.9 * (1 + 1e-9));
+  CHECK(*std::max_element(largest, largest + 4) > 0.7);
+
+  const CellPlace outside{.link = 2};
+  CHECK_THROWS_AS(
+      static_cast<void>(lone_forces(cylindrical(), JointTorque<3>{1, 1, 1}, std::span(&outside, 1))),
+      ConfigurationError);
 }

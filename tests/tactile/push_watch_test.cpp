@@ -51,9 +51,8 @@ struct Course {
   unsigned tares = 0;
   Status status;
 };
-/// The arm for `duration`, pushed along the base's x by `push(t, x)` [N], x the way of the tool; its sensor reads
-/// `bias(t)` besides, along its own z axis,
-/// and after a second `turning` [N m] about its x axis.
+/// The arm for `duration`, pushed along the base's x by `push(t, x)` [N], x the way of the tool; its sensor
+/// reads `bias(t)` besides, along its own z axis, and after a second `turning` [N m] about its x axis.
 Course run(double duration, const std::function<double(double)>& bias,
            const std::function<double(double, double)>& push, bool watched = true, double turning = 0) {
   const auto sensor = wrist_sensor<5>(model, {.X_LS = X_LS,

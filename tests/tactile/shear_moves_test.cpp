@@ -31,8 +31,9 @@ constexpr std::size_t link = 2, each = 4, cells = 3 * each;
 const Xyz<double> middle{-0.25, 0, 0};
 const JointPosition<6> home{0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
 
-/// Three patches of four around a point of the forearm: two look along y and -y of the link, the third along -z.
-/// A hand that takes hold of the first two drags along z by their x axes; on the third it pushes along z.
+/// Three patches of four around a point of the forearm: two look along y and -y of the link, the third
+/// along -z. A hand that takes hold of the first two drags along z by their x axes; on the third it pushes
+/// along z.
 Patch<link, cells, Uskin> around() {
   std::vector<PlacedCell<link>> placed;
   for (std::size_t i = 0; i < cells; ++i) {

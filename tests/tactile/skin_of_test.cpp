@@ -92,7 +92,7 @@ TEST_CASE_TEMPLATE("SkinOf: bit for bit what a Skin of the same cells makes of a
     for (std::size_t j = 0; j < parts; ++j) means = means && u[j] == v[j];
     for (std::size_t i = 0; i < 260; ++i) held = held && fixed.held(a, i) == loose.held(b, i);
     sums = sums && fixed.touch(a) == loose.touch(b) && fixed.wrenches(a) == loose.wrenches(b);
-    near = near && fixed.template nearest<2>(a) == loose.template nearest<2>(b);
+    near = near && fixed.template max_proximity<2>(a) == loose.template max_proximity<2>(b);
     from = to;
   }
   CHECK((means && held && sums && statuses && near));
@@ -180,11 +180,11 @@ TEST_CASE_TEMPLATE("SkinOf: each cell has its threshold and its gain", T, float,
   patches[0].cells[5].gate[1] = EventGate<>::dead_band(0.75);
   const SkinOf<ur5::Model, T, 64, 2, link_bit<3>> dim(patches, settings);
   auto d = dim.start(0ns);
-  CHECK(dim.template nearest<3>(d) == 1);
+  CHECK(dim.template max_proximity<3>(d) == 1);
   std::vector<CellSample> all(40);
   for (std::size_t i = 0; i < 40; ++i) all[i].cell = patch.any()[i].id, all[i].time = 5ms;
   dim.receive(d, all, 0ns, 10ms, 1, &mean);
-  CHECK(dim.template nearest<3>(d) == T(0.75));
+  CHECK(dim.template max_proximity<3>(d) == T(0.75));
 }
 
 TEST_CASE("SkinOf: a scene takes it in place of a Skin") {
@@ -272,8 +272,8 @@ TEST_CASE("SkinOf: its sums differ from the exact ones by 0, with 20 000 cells a
   }
   CHECK(skin.recomputed(*memory) == *memory);
   CHECK(skin.silent(*memory) < skin.size());
-  // The exact sums in whole steps, of 2^-24 for forces and of 2^-24 times the next power of two of the largest
-  // moment of the patch. Gains make one count 1/4 and 1/8 N, so that nothing is rounded.
+  // The exact sums in whole steps, of 2^-24 for forces and of 2^-24 times the next power of two of the
+  // largest moment of the patch. Gains make one count 1/4 and 1/8 N, so that nothing is rounded.
   std::size_t i = 0;
   const auto touch = skin.touch(*memory);
   for (const SkinPatch& patch : patches) {

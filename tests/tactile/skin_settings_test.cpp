@@ -4,19 +4,17 @@
 
 #include <string>
 
+#include "tests/support/wrong_text.hpp"
+
 using namespace skinctl;
+using skinctl::testing::complaint_of;
 
 TEST_CASE("SkinSettings: the defaults pass, a time that is none is refused by its name") {
   CHECK_NOTHROW(SkinSettings{}.check());
   const auto refused = [](auto change) -> std::string {
     SkinSettings s;
     change(s);
-    try {
-      s.check();
-    } catch (const ConfigurationError& e) {
-      return e.what();
-    }
-    return "";
+    return complaint_of([&] { s.check(); });
   };
   const auto names = [](const std::string& text, const char* name) {
     return text.find(name) != std::string::npos;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <random>
-#include <vector>
 
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"

@@ -38,7 +38,7 @@ TEST_CASE("Squeeze: soft is told from rigid: 400 and 1500 N/m with noise, steps 
     // Bodies of one kind scatter by 15 %, and the skin by 20 %.
     std::normal_distribution<double> normal;
     const SqueezedBody body{.stiffness = k * std::exp(0.15 * normal(rng)),
-                            .own = 5000 * std::exp(0.2 * normal(rng)),
+                            .finger_stiffness = 5000 * std::exp(0.2 * normal(rng)),
                             .stiffening = uniform(rng, 0.0, 0.1),
                             .closing_noise = 2e-4};
     Squeeze<>::Memory m;
@@ -67,7 +67,7 @@ TEST_CASE("Squeeze: begins anew after a release, ignores what is not finite, tel
   CHECK_FALSE(squeeze.result(m).known);
   for (double f = 0; f < 3; f += 0.1) squeeze.take(m, f, f / 6000);
   CHECK(std::isinf(squeeze.result(m).stiffness));  // as stiff as the fingers themselves
-  CHECK_THROWS_AS(Squeeze<>({.own = 0}), ConfigurationError);
+  CHECK_THROWS_AS(Squeeze<>({.finger_stiffness = 0}), ConfigurationError);
   CHECK_THROWS_AS(Squeeze<>({.from = 4}), ConfigurationError);
   CHECK_THROWS_AS(Squeeze<>({.min_span = 4}), ConfigurationError);
 }

@@ -139,7 +139,8 @@ struct MotionRow {
   Nanoseconds time;
   Xyz<double> reading, predicted;  // gravity by the pose 0.1 s ago: the accelerometer is late
 };
-/// Readings of an accelerometer on a real arm that moves, and gravity by its pose; empty without the recordings.
+/// Readings of an accelerometer on a real arm that moves, and gravity by its pose; empty without the
+/// recordings.
 std::vector<MotionRow> recorded_motion(const char* name) {
   const char* data = std::getenv("SKINCTL_DATA_DIR");
   if (data == nullptr) return {};

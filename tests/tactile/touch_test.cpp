@@ -87,7 +87,7 @@ struct Full : sensor_sums::Summand {
   Coverage coverage(const Memory&) const noexcept { return {1, 2, Number}; }
   double noticed(const Memory&, std::size_t i) const noexcept { return Number + 0.1 * double(i); }
   template <std::size_t I>
-  double nearest(const Memory&) const noexcept {
+  double max_proximity(const Memory&) const noexcept {
     return 0.1 * Number;
   }
   template <class F>
@@ -130,7 +130,7 @@ constexpr unsigned rows() {
                             Table::has_cell_list,
                             Table::has_points,
                             Table::feels_everywhere,
-                            Table::template tells_nearest<2>,
+                            Table::template tells_max_proximity<2>,
                             detail::HasUnderstands<S>};
   unsigned bits = 0;
   for (unsigned k = 0; k < std::size(found); ++k) bits |= found[k] ? 1u << k : 0u;
@@ -220,11 +220,11 @@ TEST_CASE("Touch: each row of a wrapper gives what it gives without, each of a s
   CHECK(B::noticed(both, b, 3) == doctest::Approx(2.1));
   CHECK(W::noticed(wrapped, w, 1) == F::noticed(full, m, 1));
   CHECK(both.coverage(b).usable == 2);
-  CHECK(W::nearest<2>(wrapped, w) == F::nearest<2>(full, m));
-  CHECK(B::nearest<2>(both, b) == doctest::Approx(0.2));
-  CHECK(O::nearest<2>(one, o) == doctest::Approx(0.2));  // of those that tell
-  CHECK(P::nearest<2>(other, p) == doctest::Approx(0.2));
-  CHECK(TouchTable<Bare<>>::nearest<2>(Bare<>(), {}) == 1);
+  CHECK(W::max_proximity<2>(wrapped, w) == F::max_proximity<2>(full, m));
+  CHECK(B::max_proximity<2>(both, b) == doctest::Approx(0.2));
+  CHECK(O::max_proximity<2>(one, o) == doctest::Approx(0.2));  // of those that tell
+  CHECK(P::max_proximity<2>(other, p) == doctest::Approx(0.2));
+  CHECK(TouchTable<Bare<>>::max_proximity<2>(Bare<>(), {}) == 1);
   CHECK(W::index(wrapped, 11) == 1);
   CHECK(both.size() == 4);
   CHECK(both.index(11) == 1);
@@ -280,7 +280,7 @@ TEST_CASE("Touch: real skins behind wrappers read the same") {
   CHECK_FALSE(skin.receive(*b, samples, {}, State<6>{4ms, {}, {}}, 0ns, 4ms, 2, w).any());
   CHECK(v[1] == w[1]);
   CHECK(TouchTable<Skin>::coverage(skin, *b) == plain.coverage(*a));
-  CHECK(TouchTable<Skin>::nearest<2>(skin, *b) == plain.nearest<2>(*a));
+  CHECK(TouchTable<Skin>::max_proximity<2>(skin, *b) == plain.max_proximity<2>(*a));
   CHECK(TouchTable<Skin>::contacts(skin, *b).size() == 2);
   CHECK(skin.wrenches(skin.recomputed(*b)) == skin.wrenches(*b));
   CHECK(skin.understands(skin));

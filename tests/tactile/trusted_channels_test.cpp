@@ -163,7 +163,7 @@ TEST_CASE(
   CHECK(w.data[0][2] >= -3.001);
   CHECK(w.data[0][2] <= -2.9);
   CHECK(std::abs(w.data[0][0]) <= 0.8 * 3.001);
-  CHECK(run.skin.nearest<2>(*run.memory) == 1);
+  CHECK(run.skin.max_proximity<2>(*run.memory) == 1);
 }
 
 TEST_CASE("TrustedSkin of hexagons with their forces apart: each force has its own rest level") {

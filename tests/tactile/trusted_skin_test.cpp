@@ -12,10 +12,10 @@
 // keeps 0.8 of its push; a rim cell beside a push that lives is not masked. Stuck or creeping with the
 // noise of a sound sensor, untouched, touched elsewhere or there by hands that are springs: 30 mm, creeping
 // 75. In the main job a pair: 30 mm at most, and a finger on it meets no more than on silent cells. A push
-// that neither moves nor trembles counts 8 mm of way and 30 N at most. Hands of 400 and 8000 N/m that tremble by 2 % push as on a skin
-// that believes everything, within 15 %, and mask nobody; a touch that rises in 2 ms loses 5 % of half a
-// second's impulse. Also: `sensing/cell_life_test.cpp`, `examples/compliant_ur5/tests/main_job_test.cpp`,
-// study `skin_faults`, program `ur5_skin_faults`
+// that neither moves nor trembles counts 8 mm of way and 30 N at most. Hands of 400 and 8000 N/m that tremble
+// by 2 % push as on a skin that believes everything, within 15 %, and mask nobody; a touch that rises in 2 ms
+// loses 5 % of half a second's impulse. Also: `sensing/cell_life_test.cpp`,
+// `examples/compliant_ur5/tests/main_job_test.cpp`, study `skin_faults`, program `ur5_skin_faults`
 //
 // Promise: a stale, dead or lying cell does not push; a held contact does not fade
 // Tried: any bits in a sample. Also: `tactile/`
@@ -424,7 +424,7 @@ TEST_CASE("TrustedSkin: without a fault, a drift and a lone cell, it is the skin
   CHECK(same);
   CHECK(most > 10);
   CHECK(trusted.coverage(b).usable == 260);
-  CHECK(trusted.nearest<2>(b) <= base.nearest<2>(a) + 0.01);
+  CHECK(trusted.max_proximity<2>(b) <= base.max_proximity<2>(a) + 0.01);
 }
 
 TEST_CASE("TrustedSkin: replayed from any memory it is the same, and it allocates nothing") {

@@ -13,7 +13,8 @@ using namespace skinctl::testing;
 
 namespace {
 
-/// What cell 120 of a UR5 sends over 4 s, touched from 1 s on or not, with a fault from 2 s on; cell 40 is touched.
+/// What cell 120 of a UR5 sends over 4 s, touched from 1 s on or not, with a fault from 2 s on; cell 40 is
+/// touched.
 struct Heard {
   std::vector<CellSample> before, after;
   int others_changed = 0, refused = 0;

@@ -54,8 +54,9 @@ FrictionLearningSettings<6> learning() {
   return {.rate = 200, .bound = 3.0 * left_over, .dead_zone = 0.05 * degree};
 }
 
-/// The arm with dry friction, which holds a resting joint for ever: the friction's impulse of each step is that for
-/// which every joint either rests or is rubbed at its limit (projected Gauss and Seidel on the inverse mass matrix).
+/// The arm with dry friction, which holds a resting joint for ever: the friction's impulse of each step is
+/// that for which every joint either rests or is rubbed at its limit (projected Gauss and Seidel on the
+/// inverse mass matrix).
 struct RubbedArm {
   State<6> x{0ns, home, {}};
   JointTorque<6> coulomb, stiction;

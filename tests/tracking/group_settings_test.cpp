@@ -1,14 +1,13 @@
 // Promise: the gains that `tracking_settings` gives a robot in groups of joints suit the slowest of its loops
 // Tried: UR5, 4 mixtures of position, velocity and torque, 1 to 8 ms, delay 0 to 20 ms by torque: goals are
-// met within 10 mrad and at rest, where the gains of the whole arm by position swing or run away. Also:
-// `bench/studies/attack_groups`
+// met within 10 mrad and at rest; the gains of the whole arm by position, with which 11 of 16 swing or run
+// away, are refused. Also: `bench/studies/attack_groups`
 #include "skinctl/tracking/group_settings.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <vector>
 
@@ -101,7 +100,7 @@ End reach(const Robot& description, const JointControlSettings<6>& gains, Nanose
   return end;
 }
 template <LinkMask ByVelocity, LinkMask ByTorque>
-void try_mixture(int& broken) {
+void try_mixture() {
   for (const auto& times : {std::pair{1ms, 0ms}, {2ms, 8ms}, {8ms, 16ms}, {4ms, 20ms}}) {
     const Nanoseconds period = times.first, late = times.second;
     if (sanitized && period != 8ms) continue;
@@ -111,21 +110,19 @@ void try_mixture(int& broken) {
     CHECK(end.off < 0.01);
     CHECK(end.speed < 1e-3);
     const auto as_stiff = tracking_settings(by_position(ur5::Model{}, part<all>(period, 8ms, 8ms, true)));
-    const End other = reach<ByVelocity, ByTorque>(description, as_stiff, period, late);
-    broken += !(other.off < 0.01 && other.speed < 1e-3);
+    using Law = decltype(SplineJoint<6>(as_stiff) + GravityControl{});
+    CHECK_THROWS_AS((Cycle(description, Law(SplineJoint<6>(as_stiff) + GravityControl{}))),
+                    ConfigurationError);
   }
 }
 
 }  // namespace
 
 TEST_CASE("tracking_settings of a robot in groups: goals are met and at rest, whatever the mixture") {
-  int broken = 0;
-  try_mixture<0, 0b111000>(broken);
-  try_mixture<0b111000, 0b000111>(broken);
-  try_mixture<0b000111, 0b111000>(broken);
-  try_mixture<0b010010, 0b100100>(broken);
-  std::printf("%d of 16 are broken with the gains of the whole arm by position\n", broken);
-  if (!sanitized) CHECK(broken > 0);  // so the test can fail
+  try_mixture<0, 0b111000>();
+  try_mixture<0b111000, 0b000111>();
+  try_mixture<0b000111, 0b111000>();
+  try_mixture<0b010010, 0b100100>();
 }
 
 TEST_CASE(

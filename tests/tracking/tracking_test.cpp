@@ -18,6 +18,7 @@
 #include "skinctl/testing/plant.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/digits50.hpp"
+#include "tests/support/largest.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -52,12 +53,6 @@ static_assert(std::is_trivially_copyable_v<SplineJoint<6>::Memory> &&
 static_assert(SplineJoint<6>::role == LawRole::tracking);
 static_assert(SplineJoint<6>::needs == Needs{});  // what it needs lies half an interval ahead
 
-template <class T>
-T largest(const JointTorque<6, T>& tau) {
-  T most(0);
-  for (const T& x : tau) most = std::max(most, magnitude(x));
-  return most;
-}
 JointVelocity<6> fast() {
   return JointVelocity<6>::constant(100);
 }

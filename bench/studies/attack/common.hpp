@@ -7,6 +7,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -18,7 +21,8 @@ namespace attacks {
 /// The worst of something over all scenes.
 struct Found {
   const char* what;
-  double bound;  ///< up to which a scene is fine
+  double bound;        ///< up to which a scene is fine
+  bool judged = true;  ///< whether a scene beyond it fails the attack
   double worst = 0;
   std::uint64_t seed = 0, scenes = 0;  ///< of the worst; beyond the bound
 
@@ -38,9 +42,33 @@ bool print_table(const All& all, std::uint64_t scenes, std::uint64_t cycles, std
   bool good = true;
   for (const Found* f : all) {
     std::printf("| %s | %.6g | %llu | %llu |\n", f->what, f->worst, n(f->scenes), n(f->seed));
-    good = good && f->scenes == 0;
+    good = good && (!f->judged || f->scenes == 0);
   }
   return good;
+}
+/// `make()`, or nothing where it refuses its numbers.
+template <class Make>
+auto unless_refused(bool trace, const Make& make) -> std::optional<decltype(make())> {
+  try {
+    return make();
+  } catch (const skinctl::ConfigurationError& e) {
+    if (trace) std::printf("refused: %s\n", e.what());
+    return {};
+  }
+}
+/// `ATTACK [CYCLES = 500 000] [SEED = 1]` runs scenes, `ATTACK run SEED` one, and tells of it. 1: a bound was
+/// passed.
+template <class Findings>
+int attack_main(int argc, char** argv, void (*run)(std::uint64_t seed, Findings& found, bool trace)) {
+  Findings found;
+  if (argc > 2 && std::strcmp(argv[1], "run") == 0) {
+    run(std::strtoull(argv[2], nullptr, 10), found, true);
+    return 0;
+  }
+  const std::uint64_t cycles = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 500'000;
+  std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  while (found.cycles < cycles) run(seed++, found, false);
+  return print_table(found.all(), found.scenes, found.cycles, found.refused) ? 0 : 1;
 }
 inline void print_reasons(skinctl::Status status) {
   for (const skinctl::Fault& f : skinctl::faults)

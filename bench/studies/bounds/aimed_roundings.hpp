@@ -30,14 +30,15 @@ struct ProgramNear {
   std::vector<double> reach;       ///< how far an input may be from that of the state
 };
 
-/// Near a state the error of a result is `sum_k adjoint_k delta_k`: the adjoints hardly change, and each delta_k, the
-/// rounding of operation k, comes as it likes with the last digits of the inputs on which the operation depends. So
-/// inputs are taken in the order in which the program needs them (a beam search): of many numbers for the first one
-/// those stay for which the operations that it alone decides add up to most, of many for the second one likewise,
-/// and so on. By trial of all inputs at once the largest of n sums grows with the root of the number of operations
-/// times log n; so it does for each input's share.
+/// Near a state the error of a result is `sum_k adjoint_k delta_k`: the adjoints hardly change, and each
+/// delta_k, the rounding of operation k, comes as it likes with the last digits of the inputs on which the
+/// operation depends. So inputs are taken in the order in which the program needs them (a beam search): of
+/// many numbers for the first one those stay for which the operations that it alone decides add up to most,
+/// of many for the second one likewise, and so on. By trial of all inputs at once the largest of n sums grows
+/// with the root of the number of operations times log n; so it does for each input's share.
 ///
-/// The tape is replayed in `R`, operation by operation: as the program runs without fused products (`skinctl::exact`).
+/// The tape is replayed in `R`, operation by operation: as the program runs without fused products
+/// (`skinctl::exact`).
 template <class R>
 class AimedRoundings {
  public:
@@ -239,7 +240,8 @@ class AimedRoundings {
         return 0;
     }
   }
-  /// The operations of a turn after `before`, for several numbers of its input: values, and the sums of errors.
+  /// The operations of a turn after `before`, for several numbers of its input: values, and the sums of
+  /// errors.
   std::array<double, lanes> replay(const Turn& turn, const Choice& before, const Row& input,
                                    const std::vector<double>& adjoints, std::vector<Row>& values) const {
     std::array<double, lanes> sums{};

@@ -45,9 +45,9 @@ struct SearchResult {
   double seconds = 0;
 };
 
-/// Best first: the box with the largest bound is halved along the input that gains most. Which one that is, is tried
-/// where an input has not been halved at that width yet, and in one box of 64; else it is what gained most at these
-/// widths so far, which leaves all lanes to boxes that stay.
+/// Best first: the box with the largest bound is halved along the input that gains most. Which one that is,
+/// is tried where an input has not been halved at that width yet, and in one box of 64; else it is what
+/// gained most at these widths so far, which leaves all lanes to boxes that stay.
 class BoxSearch {
  public:
   using Output = math::TracedOutput;
@@ -146,8 +146,8 @@ class BoxSearch {
   [[nodiscard]] float width(const Piece& p, std::size_t j) const noexcept {
     return weights_[p.output][j] * (p.ends[2 * j + 1] - p.ends[2 * j]);
   }
-  /// Inputs that are much narrower than the widest one have to wait. (Half a turn gains nothing yet, whichever
-  /// joint it is.)
+  /// Inputs that are much narrower than the widest one have to wait. (Half a turn gains nothing yet,
+  /// whichever joint it is.)
   [[nodiscard]] float narrowest(const Piece& p, std::size_t joints) const noexcept {
     float widest = 0;
     for (std::size_t j = 0; j < joints; ++j) widest = std::max(widest, width(p, j));
@@ -174,8 +174,8 @@ class BoxSearch {
     batch_.push_back(piece);
     batch_.back().ends[2 * j] = middle;
   }
-  /// Notes what halving gained, and keeps the halves of each box along its best input. What is below the goal is
-  /// settled: only its largest bound is kept.
+  /// Notes what halving gained, and keeps the halves of each box along its best input. What is below the goal
+  /// is settled: only its largest bound is kept.
   void keep(std::vector<Piece>& heap, double goal) {
     for (std::size_t k = 0; k < parents_.size();) {
       const Piece& piece = parents_[k].piece;

@@ -1,4 +1,5 @@
-// What is proven of each robot and quantity, as a file: written by `bounds --csv`, read by the trade page and by tests.
+// What is proven of each robot and quantity, as a file: written by `bounds --csv`, read by the trade page and
+// by tests.
 #pragma once
 
 #include <algorithm>

@@ -23,7 +23,8 @@ struct Touched {
   std::array<float, 3> force;
 };
 
-/// The command of the first cycle of a UR5 whose skin is touched: skin, gravity, four sub-steps, limits, guard.
+/// The command of the first cycle of a UR5 whose skin is touched: skin, gravity, four sub-steps, limits,
+/// guard.
 template <class T>
 std::array<T, 6> first_command(const Touched& at) {
   const auto scene = testing::kinesthetic_scene<Interface::position, 260, T>();
@@ -45,8 +46,8 @@ std::array<T, 6> first_command(const Touched& at) {
   return q;
 }
 
-/// The torque of a whole law of a UR5 on its way to a goal, whose last link is touched: sliding mode, skin and gravity. It
-/// began at rest and moves at `dq` 2 ms later.
+/// The torque of a whole law of a UR5 on its way to a goal, whose last link is touched: sliding mode, skin
+/// and gravity. It began at rest and moves at `dq` 2 ms later.
 template <class T>
 std::array<T, 6> law_torque(const Touched& at) {
   using Touch = LinkWrenches<ur5::Model, 0b100000, T>;

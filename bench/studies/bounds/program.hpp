@@ -47,8 +47,8 @@ class Program {
     for (const Range& r : ranges_) inputs.push_back(r.whole);
     return traced(tape, inputs, [](const Traced* x) { return computed<Q>(Robot::template in<Traced>(), x); });
   }
-  /// At a state: joint by joint its angle and its rates. Forward dynamics have the torques as inputs in place of the
-  /// accelerations, and M times the acceleration as results.
+  /// At a state: joint by joint its angle and its rates. Forward dynamics have the torques as inputs in place
+  /// of the accelerations, and M times the acceleration as results.
   [[nodiscard]] ProgramNear<R> near(std::vector<R> x) const {
     constexpr double share = 1e-4;
     ProgramNear<R> out;

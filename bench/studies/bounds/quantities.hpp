@@ -138,8 +138,8 @@ auto acceleration(const M& model, const T* x) {
   for (std::size_t i = 0; i < N; ++i) q[i] = x[i], dq[i] = x[N + i], tau[i] = x[2 * N + i];
   return forward_dynamics(model, q, dq, tau).acceleration;
 }
-/// The error of forward dynamics as a torque: `M ddq + C dq + G - tau` of the computed ddq, judged with more digits. None where an
-/// acceleration is beyond `fastest`: no such state is promised anything.
+/// The error of forward dynamics as a torque: `M ddq + C dq + G - tau` of the computed ddq, judged with more
+/// digits. None where an acceleration is beyond `fastest`: no such state is promised anything.
 template <class R, class Wide, RobotModel M, RobotModel W>
 std::vector<double> unexplained_torque(const M& model, const W& wide, const R* x, double fastest) {
   constexpr std::size_t N = M::joints;
@@ -159,10 +159,11 @@ std::vector<double> unexplained_torque(const M& model, const W& wide, const R* x
 
 /// What the factorisation and solution of `M ddq = tau - bias` add to it, for a chain of at most `n` joints.
 ///
-/// With the rows of M scaled by the roots of its diagonal, `|L'| |D| |L| <= sqrt(m_ii m_jj)` (Cauchy and Schwarz; the
-/// product is M up to its own rounding). The backward error is at most `gamma(3 n + 4)` of that: n + 2 roundings in
-/// an entry of the factors (n differences, a product, a quotient by an inverse), n in each of the two
-/// substitutions, 2 in the division by a pivot; the difference of the torques adds a unit of `M ddq`.
+/// With the rows of M scaled by the roots of its diagonal, `|L'| |D| |L| <= sqrt(m_ii m_jj)` (Cauchy and
+/// Schwarz; the product is M up to its own rounding). The backward error is at most `gamma(3 n + 4)` of that:
+/// n + 2 roundings in an entry of the factors (n differences, a product, a quotient by an inverse), n in each
+/// of the two substitutions, 2 in the division by a pivot; the difference of the torques adds a unit of `M
+/// ddq`.
 ///
 /// @param diagonal  upper limits of the diagonal of M over all states.
 /// @param unit      2^-24 or 2^-53.

@@ -1,4 +1,5 @@
-// Symmetries of a traced program that change nothing but signs: a part of its states is bounded for all of them.
+// Symmetries of a traced program that change nothing but signs: a part of its states is bounded for all of
+// them.
 #pragma once
 
 #include <algorithm>
@@ -14,18 +15,19 @@
 
 namespace skinctl::bounds {
 
-/// The changes of signs that leave the bound of a result as it is, and a part of the states that stands for all of them.
+/// The changes of signs that leave the bound of a result as it is, and a part of the states that stands for
+/// all of them.
 ///
-/// Half a turn of a joint changes the signs of its sine and its cosine, a mirrored angle that of one of them. Where
-/// changes of the inputs change nothing but the signs of a program's values, the bound of its error is the same after as
-/// before: it depends on magnitudes. The sign of a product changes with those of its factors, and the operands of a
-/// sum must change theirs together: linear equations over the field of two elements. Each independent solution halves
-/// the states.
+/// Half a turn of a joint changes the signs of its sine and its cosine, a mirrored angle that of one of them.
+/// Where changes of the inputs change nothing but the signs of a program's values, the bound of its error is
+/// the same after as before: it depends on magnitudes. The sign of a product changes with those of its
+/// factors, and the operands of a sum must change theirs together: linear equations over the field of two
+/// elements. Each independent solution halves the states.
 class SignSymmetries {
  public:
   /// @param node    the result.
-  /// @param ranges  of the inputs: angles a turn around zero, others as far to either side of it. Those are halved first that a
-  ///                search of boxes splits most.
+  /// @param ranges  of the inputs: angles a turn around zero, others as far to either side of it. Those are
+  ///                halved first that a search of boxes splits most.
   SignSymmetries(const math::Tape& tape, std::int32_t node, const std::vector<Range>& ranges)
       : inputs_(ranges.size()) {
     const auto& nodes = tape.nodes();

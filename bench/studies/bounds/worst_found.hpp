@@ -1,4 +1,5 @@
-// The largest error found: inputs near the states of the largest bounds, chosen for the signs of their roundings.
+// The largest error found: inputs near the states of the largest bounds, chosen for the signs of their
+// roundings.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +20,9 @@ struct SteepState {
   std::vector<double> x;
 };
 
-/// Searches the states of the largest bounds. An error is a sum of hundreds of roundings that come as they like: it is large where
-/// many of them may be large, which the bound at a single state tells, in float and in double alike.
+/// Searches the states of the largest bounds. An error is a sum of hundreds of roundings that come as they
+/// like: it is large where many of them may be large, which the bound at a single state tells, in float and
+/// in double alike.
 class SteepStates {
   using Output = math::TracedOutput;
   using L = Output::L;
@@ -112,8 +114,8 @@ class SteepStates {
   std::vector<L> lanes_;
 };
 
-/// The largest error in `R` of any result, for `seconds` of processor time: around the states in turn, roundings are aimed upwards
-/// and downwards.
+/// The largest error in `R` of any result, for `seconds` of processor time: around the states in turn,
+/// roundings are aimed upwards and downwards.
 ///
 /// @param program  `near(x)`: a `ProgramNear<R>`; `errors(inputs)`: of each result.
 template <class R, class Program>

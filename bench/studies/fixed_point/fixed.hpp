@@ -10,17 +10,19 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
 
-/// A number in steps of `2^-Fraction` in 32 bits: `Fixed<20>` is Q11.20, from -2048 to 2048. A scalar for poses,
-/// Jacobians, G, inverse dynamics and M in SI units on a processor without floating point; with a unit for float, float
-/// is several times cheaper. Forward dynamics does not compile: it divides by pivots that have lost their digits.
+/// A number in steps of `2^-Fraction` in 32 bits: `Fixed<20>` is Q11.20, from -2048 to 2048. A scalar for
+/// poses, Jacobians, G, inverse dynamics and M in SI units on a processor without floating point; with a unit
+/// for float, float is several times cheaper. Forward dynamics does not compile: it divides by pivots that
+/// have lost their digits.
 ///
-/// Sums wrap around; products and quotients are rounded to the nearest step and wrap as well, a quotient by zero is the
-/// largest number of its sign. So choose the format by the largest intermediate value: of a UR5's inverse dynamics at
-/// 3 rad/s and 10 rad/s^2 that is a torque of 100 N m, and `Fixed<22>` (up to 512) has room for it. There is no NaN and
-/// no infinity: what is not finite becomes the largest number of its sign, NaN zero.
+/// Sums wrap around; products and quotients are rounded to the nearest step and wrap as well, a quotient by
+/// zero is the largest number of its sign. So choose the format by the largest intermediate value: of a UR5's
+/// inverse dynamics at 3 rad/s and 10 rad/s^2 that is a torque of 100 N m, and `Fixed<22>` (up to 512) has
+/// room for it. There is no NaN and no infinity: what is not finite becomes the largest number of its sign,
+/// NaN zero.
 ///
-/// For a UR5 at up to 3 rad/s and 10 rad/s^2, the worst of 10 000 states: tool 47, 3.2, 0.76 um; G 1.5e-3, 5.7e-5, 1.8e-5
-/// N m; inverse dynamics 2.9e-3, 1.1e-4, 3.6e-5 N m in Q15.16, Q11.20, Q9.22.
+/// For a UR5 at up to 3 rad/s and 10 rad/s^2, the worst of 10 000 states: tool 47, 3.2, 0.76 um; G 1.5e-3,
+/// 5.7e-5, 1.8e-5 N m; inverse dynamics 2.9e-3, 1.1e-4, 3.6e-5 N m in Q15.16, Q11.20, Q9.22.
 template <int Fraction>
 class Fixed {
  public:
@@ -99,7 +101,8 @@ class Fixed {
     }
     return of_steps(static_cast<std::int32_t>(root));
   }
-  /// Sine and cosine, rounded to the nearest step, any angle [rad]: polynomials in steps of 2^-30, off by 2e-9 before.
+  /// Sine and cosine, rounded to the nearest step, any angle [rad]: polynomials in steps of 2^-30, off by
+  /// 2e-9 before.
   friend constexpr void sin_cos(Fixed x, Fixed& sine, Fixed& cosine) noexcept {
     // Quarter turns, by 2/pi in steps of 2^-32; what is left of pi/2 in steps of 2^-60 is exact to 2^-30.
     constexpr std::int64_t two_over_pi = 2734261102, half_pi = 1686629713;  // 2^32, 2^30

@@ -1,5 +1,6 @@
-// The floor under laws of the UR5's tool: their equations written out by hand in plain doubles, with the tool 0.15 m
-// along the flange's axis and everything that a law does besides them (goals, ramps, limits, singularities) left out.
+// The floor under laws of the UR5's tool: their equations written out by hand in plain doubles, with the tool
+// 0.15 m along the flange's axis and everything that a law does besides them (goals, ramps, limits,
+// singularities) left out.
 #pragma once
 
 #include <cmath>
@@ -103,8 +104,8 @@ BENCH_FLOOR_INLINE void reference(const double* q, const double* dq, const doubl
 
 }  // namespace detail
 
-/// Spline Operational at a fixed target: the reference now, once more at the middle of the interval, `Y_r Theta -
-/// K_d S_q` there.
+/// Spline Operational at a fixed target: the reference now, once more at the middle of the interval, `Y_r
+/// Theta - K_d S_q` there.
 BENCH_FLOOR_INLINE void floor_operational(const double* q, const double* dq, const double* target, double dt,
                                           double* I1, double* I2, double* tau) {
   detail::ToolReference now, then;
@@ -131,8 +132,9 @@ BENCH_FLOOR_INLINE double floor_tool_force(const double* q, const double* tau) {
   return sum;
 }
 
-/// One step of a robot with `mass` and `damping` at its tool (diagonals): `M_rest = M - J' G J` with
-/// `G = L Re (L J M^-1 J' L + i a)^-1 L`, L the root of the mass; then `(M_rest + J'(mass + dt damping) J) dv = dt (tau - C v - G)`.
+/// One step of a robot with `mass` and `damping` at its tool (diagonals): `M_rest = M - J' G J` with `G = L
+/// Re (L J M^-1 J' L + i a)^-1 L`, L the root of the mass; then `(M_rest + J'(mass + dt damping) J) dv = dt
+/// (tau - C v - G)`.
 BENCH_FLOOR_INLINE void floor_tool_shape(const double* q, const double* dq, const double* tau,
                                          const double* mass, const double* damping, double a, double dt,
                                          double* dv) {

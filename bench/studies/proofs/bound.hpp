@@ -21,18 +21,19 @@ inline std::uint64_t& undecided() noexcept {
 }
 
 /// A scalar for error bounds of a program that computes in `R`, float or double: an enclosure of the exact
-/// value, and a bound of the error of the value that the program has in its place. Any algorithm of the library
-/// takes it as its `Real` and runs unaltered.
+/// value, and a bound of the error of the value that the program has in its place. Any algorithm of the
+/// library takes it as its `Real` and runs unaltered.
 ///
-/// The bound is the running error of every operation: `e(a + b) = e(a) + e(b) + u(|a + b| + e(a) + e(b))`, and
-/// so on, where `u(x)` is half a unit in the last place of x; a fused multiplication and addition only lowers
-/// it. Sines, cosines and tanh have the error that their kernels are proven to have (`rounding_unit.hpp`);
-/// other functions of the C library are taken to be accurate to one unit in the last place. A number from a
-/// double starts with the error of its rounding to `R`; the exact value is the double itself.
+/// The bound is the running error of every operation: `e(a + b) = e(a) + e(b) + u(|a + b| + e(a) + e(b))`,
+/// and so on, where `u(x)` is half a unit in the last place of x; a fused multiplication and addition only
+/// lowers it. Sines, cosines and tanh have the error that their kernels are proven to have
+/// (`rounding_unit.hpp`); other functions of the C library are taken to be accurate to one unit in the last
+/// place. A number from a double starts with the error of its rounding to `R`; the exact value is the double
+/// itself.
 ///
 /// Comparisons are decided by the enclosures of what exact and rounded program compare; where these overlap
-/// the outcome is counted in `undecided()`. Where a result has no bound (a quotient by an interval with zero) the
-/// error is infinite.
+/// the outcome is counted in `undecided()`. Where a result has no bound (a quotient by an interval with zero)
+/// the error is infinite.
 template <class R>
 class Bound {
   static_assert(std::is_same_v<R, float> || std::is_same_v<R, double>, "Bound<R>: R is float or double");

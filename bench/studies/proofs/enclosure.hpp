@@ -13,8 +13,9 @@ namespace math {
 /// The numbers from `low` to `high`: every operation contains the exact result for all numbers of its
 /// operands.
 ///
-/// Computed in the usual rounding to nearest; an end is moved outwards by one number only where the result was
-/// not exact. A result that is not bounded (a quotient by zero) is the whole line. NaN stays in both ends.
+/// Computed in the usual rounding to nearest; an end is moved outwards by one number only where the result
+/// was not exact. A result that is not bounded (a quotient by zero) is the whole line. NaN stays in both
+/// ends.
 struct Enclosure {
   double low = 0, high = 0;
 

@@ -9,8 +9,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {
 
-/// `sum_k |adjoint_k| delta_k`: term by term, and as a form over the inputs, because the terms are not all largest
-/// at the same place of the box. Where an adjoint changes its sign, a chord is above its magnitude.
+/// `sum_k |adjoint_k| delta_k`: term by term, and as a form over the inputs, because the terms are not all
+/// largest at the same place of the box. Where an adjoint changes its sign, a chord is above its magnitude.
 template <class L>
 struct ErrorSum {
   L plain, centre, rest;

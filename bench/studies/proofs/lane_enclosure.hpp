@@ -9,8 +9,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {
 
-/// As `Enclosure`, but every end is moved outwards, exact or not: by two units in its last place and the smallest
-/// normal number. Ends are numbers, never NaN, as long as no operand is infinite.
+/// As `Enclosure`, but every end is moved outwards, exact or not: by two units in its last place and the
+/// smallest normal number. Ends are numbers, never NaN, as long as no operand is infinite.
 template <class L>
 struct LaneEnclosure {
   L low, high;
@@ -60,7 +60,8 @@ SKINCTL_INLINE LaneEnclosure<L> operator/(const LaneEnclosure<L>& a, const LaneE
   return {select(good, y.low, -endless), select(good, y.high, endless)};
 }
 
-/// Sine and cosine at once. An interval below half a turn holds an extreme of one where the other changes its sign.
+/// Sine and cosine at once. An interval below half a turn holds an extreme of one where the other changes its
+/// sign.
 template <class L>
 SKINCTL_INLINE void sincos(const LaneEnclosure<L>& x, LaneEnclosure<L>& sin, LaneEnclosure<L>& cos) noexcept {
   const auto from = math::sincos(x.low), to = math::sincos(x.high);

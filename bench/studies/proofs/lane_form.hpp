@@ -19,8 +19,8 @@ struct InputSet {
 };
 
 /// `centre + sum_i slope_i e_i + rest e`, all e in [-1, 1] and e_i the place of input i in the box; and,
-/// independently, an enclosure of the same value. Where the box is narrow the form is the tighter of the two, because
-/// it knows that two values depend on the same input; its excess falls with the square of the box.
+/// independently, an enclosure of the same value. Where the box is narrow the form is the tighter of the two,
+/// because it knows that two values depend on the same input; its excess falls with the square of the box.
 template <class L>
 struct LaneForm {
   LaneEnclosure<L> range;

@@ -8,8 +8,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The limits of `R`, as values of `T`, which is made of an `R` and is no IEEE number itself. For specialisations of
-/// `std::numeric_limits` to inherit.
+/// The limits of `R`, as values of `T`, which is made of an `R` and is no IEEE number itself. For
+/// specialisations of `std::numeric_limits` to inherit.
 template <class T, class R>
 struct LimitsLike {
   using Of = std::numeric_limits<R>;

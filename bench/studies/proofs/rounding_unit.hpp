@@ -20,8 +20,8 @@ namespace math::detail {
   return x - x == 0 && power_of_two_below(x) == (x < 0 ? -x : x);
 }
 
-/// Half a unit in the last place of the numbers of magnitude up to `most`: what rounding to nearest changes of a
-/// result in that range. The smallest normal number is added for underflow, also if that goes to zero.
+/// Half a unit in the last place of the numbers of magnitude up to `most`: what rounding to nearest changes
+/// of a result in that range. The smallest normal number is added for underflow, also if that goes to zero.
 template <class R>
 [[nodiscard]] constexpr double half_ulp(double most) noexcept {
   if (most == 0) return 0;
@@ -50,9 +50,9 @@ constexpr double turning_error(const double (&error)[turning_steps], double low,
   return most;
 }
 
-/// Absolute errors of `math::sincos` and `math::tanh`, policy Fast, with fused products or without: proven by Gappa and
-/// Sollya in `tests/math/kernels_test.cpp`. `turning` is that of sines and cosines by their magnitude. Beyond the
-/// kernel's limit, where the C library computes, the same is assumed.
+/// Absolute errors of `math::sincos` and `math::tanh`, policy Fast, with fused products or without: proven by
+/// Gappa and Sollya in `tests/math/kernels_test.cpp`. `turning` is that of sines and cosines by their
+/// magnitude. Beyond the kernel's limit, where the C library computes, the same is assumed.
 template <class R>
 struct kernel_error;
 template <>

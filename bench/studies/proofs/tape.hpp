@@ -72,8 +72,8 @@ class Tape {
     return push({TapeOp::constant, x != as_rounded, -1, -1, x},
                 x < as_rounded ? Enclosure(x, as_rounded) : Enclosure(as_rounded, x));
   }
-  /// @param unit   a relative error that is larger than that of any rounded operation, and an absolute one that is
-  ///               larger than that of any kernel.
+  /// @param unit   a relative error that is larger than that of any rounded operation, and an absolute one
+  ///               that is larger than that of any kernel.
   /// @param least  what an underflow may lose.
   std::int32_t operation(TapeOp op, std::int32_t a, std::int32_t b, double unit, double least) {
     const bool exact = op == TapeOp::negate || op == TapeOp::abs || exactly_ || scales(op, a, b);

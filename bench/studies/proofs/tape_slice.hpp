@@ -14,8 +14,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {
 
-/// The operations of a tape on which one result depends, with its inputs first, then constants, then operations in
-/// order. What does not depend on an input is a constant with an error, computed once.
+/// The operations of a tape on which one result depends, with its inputs first, then constants, then
+/// operations in order. What does not depend on an input is a constant with an error, computed once.
 class TapeSlice {
  protected:
   struct Step {

@@ -12,13 +12,14 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
 
-/// A scalar for error bounds over boxes of inputs of a program that computes in `R`, float or double. It records
-/// each operation on the tape of the thread's `Tape::Recording`; `TracedOutput` then bounds the error of a result.
+/// A scalar for error bounds over boxes of inputs of a program that computes in `R`, float or double. It
+/// records each operation on the tape of the thread's `Tape::Recording`; `TracedOutput` then bounds the error
+/// of a result.
 ///
-/// Where `Bound` adds up errors in magnitude, step by step, the tape knows how far each rounding reaches: rotated
-/// errors do not grow. Numbers made outside of a recording are constants of the program. A comparison is
-/// decided by the ranges over the box of the recording and checked again in every other box; where ranges overlap
-/// it is counted in `undecided()`, and the box must be split.
+/// Where `Bound` adds up errors in magnitude, step by step, the tape knows how far each rounding reaches:
+/// rotated errors do not grow. Numbers made outside of a recording are constants of the program. A comparison
+/// is decided by the ranges over the box of the recording and checked again in every other box; where ranges
+/// overlap it is counted in `undecided()`, and the box must be split.
 template <class R>
 class Traced {
   static_assert(std::is_same_v<R, float> || std::is_same_v<R, double>, "Traced<R>: R is float or double");

@@ -19,9 +19,10 @@ namespace math {
 ///     |computed - exact| <= sum_k |adjoint_k| delta_k,
 ///
 /// where delta_k is the largest error of operation k alone (half a unit in the last place of its result, the
-/// error of a kernel, of a constant), and adjoint_k the derivative of the result after it. By the mean value theorem
-/// this holds with enclosures of values and adjoints over the box that contain everything between the exact and
-/// the rounded computation, so no term of higher order is left out. Several boxes at once, in lanes.
+/// error of a kernel, of a constant), and adjoint_k the derivative of the result after it. By the mean value
+/// theorem this holds with enclosures of values and adjoints over the box that contain everything between the
+/// exact and the rounded computation, so no term of higher order is left out. Several boxes at once, in
+/// lanes.
 class TracedOutput : private detail::TapeSlice {
  public:
   using L = Lane<double, native_lanes<double>>;
@@ -55,8 +56,8 @@ class TracedOutput : private detail::TapeSlice {
   /// An upper limit of the result itself, in the boxes of the last evaluation.
   [[nodiscard]] L highest() const noexcept { return values_[result_].range.high; }
 
-  /// The bound of the error of `lanes` boxes; infinite where there is none, or where a decision of the program
-  /// may come out differently.
+  /// The bound of the error of `lanes` boxes; infinite where there is none, or where a decision of the
+  /// program may come out differently.
   ///
   /// @param lows, highs  ends of `lanes` enclosures for each input, in `inputs().size()` rows.
   [[nodiscard]] Errors operator()(const L* lows, const L* highs) noexcept {

@@ -1,4 +1,5 @@
-// Parts of the model that are computed less often, or not at all: what that costs in accuracy. For the study alone.
+// Parts of the model that are computed less often, or not at all: what that costs in accuracy. For the study
+// alone.
 #pragma once
 
 #include <array>
@@ -16,8 +17,8 @@ enum class Abridgement {
   no_coriolis,  ///< C dq = 0
   diagonal      ///< M without what is off its diagonal
 };
-/// `Base` with one abridgement. Integrators find the functions below by their argument; they are more constrained than the
-/// library's.
+/// `Base` with one abridgement. Integrators find the functions below by their argument; they are more
+/// constrained than the library's.
 template <class Base, Abridgement what, unsigned Every = 1>
 struct Abridged : Base {
   using Unabridged = Base;

@@ -22,7 +22,8 @@ inline std::string quoted(const std::string& word) {
   return out + "'";
 }
 
-/// Runs `program words... cycles` under callgrind, which collects only inside of `trade_step`. All NaN where it fails.
+/// Runs `program words... cycles` under callgrind, which collects only inside of `trade_step`. All NaN where
+/// it fails.
 inline Counted count(const std::string& valgrind, const std::string& program,
                      const std::vector<std::string>& words, std::size_t cycles) {
   Counted out;

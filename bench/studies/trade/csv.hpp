@@ -28,7 +28,8 @@ namespace trade {
 }
 
 /// Calls `each(words, place)` for each row of a file with this heading, `place` its file and line. Throws
-/// `std::runtime_error` with its place where it is no such file: `what` it should be, or a row with another number of words.
+/// `std::runtime_error` with its place where it is no such file: `what` it should be, or a row with another
+/// number of words.
 template <class Each>
 void read_table(const std::string& file, const std::string& heading, const std::string& what, Each&& each) {
   std::ifstream in(file);
@@ -45,7 +46,8 @@ void read_table(const std::string& file, const std::string& heading, const std::
   }
 }
 
-/// The number that a word is, `otherwise` if it is empty. Throws `std::runtime_error` for a word that is none.
+/// The number that a word is, `otherwise` if it is empty. Throws `std::runtime_error` for a word that is
+/// none.
 [[nodiscard]] inline double number_in(const std::string& word, double otherwise, const std::string& place) {
   if (word.empty()) return otherwise;
   char* end = nullptr;

@@ -153,7 +153,8 @@ TEST_CASE("Trade: the browser's answers are the cheapest and the most accurate o
       CHECK(points == wanted);
       CHECK(rings == presets);
       if (have == nullptr) CHECK(dom.find("Nothing of this scene costs so little") != std::string::npos);
-      // What is proven: a line of its table for each; beside an answer what rounding may change of its robot's torque.
+      // What is proven: a line of its table for each; beside an answer what rounding may change of its
+      // robot's torque.
       std::size_t lines = 0;
       const std::size_t table = dom.find("id=\"proven\""), end = dom.find("</table>", table);
       for (std::size_t at = table; (at = dom.find("<tr>", at)) < end; ++at) ++lines;

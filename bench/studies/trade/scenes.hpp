@@ -9,8 +9,8 @@ namespace trade {
 inline constexpr double newtons_per_unit = 20;
 inline constexpr std::array<double, 6> arm_home = {0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
 
-/// 113 N on the upper arm, then 25 N on the forearm: forces that are given; and a finger that plunges 20 mm deep into the
-/// forearm, as stiff as the main job's.
+/// 113 N on the upper arm, then 25 N on the forearm: forces that are given; and a finger that plunges 20 mm
+/// deep into the forearm, as stiff as the main job's.
 inline World pressed_arm() {
   const auto side = [](std::size_t link, const Xyz<double>& place, double force, double from, double to) {
     return Press{

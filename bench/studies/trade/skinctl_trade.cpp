@@ -5,9 +5,10 @@
 //     skinctl_trade --cycles POINT COUNT      runs one point's cycles: what callgrind counts
 //     skinctl_trade --from FILE --page FILE   the page of an earlier run's CSV
 //
-// Each point runs in a world of stiff joints, once pressed by forces that are given and once by a stiff finger, beside a
-// reference with everything unabridged. Its cycles are then run again from their record: hot, and with code and data
-// flushed from the caches; callgrind counts their instructions and the lines of code that they touch.
+// Each point runs in a world of stiff joints, once pressed by forces that are given and once by a stiff
+// finger, beside a reference with everything unabridged. Its cycles are then run again from their record:
+// hot, and with code and data flushed from the caches; callgrind counts their instructions and the lines of
+// code that they touch.
 #include <cstdio>
 #include <cstdlib>
 #include <map>

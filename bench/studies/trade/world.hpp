@@ -1,4 +1,5 @@
-// The worlds of the trade study: stiff joints that follow commands, pressed by forces that are given, or by a stiff finger.
+// The worlds of the trade study: stiff joints that follow commands, pressed by forces that are given, or by a
+// stiff finger.
 #pragma once
 
 #include <algorithm>
@@ -58,7 +59,8 @@ struct Record {
   }
 };
 
-/// Places on the links of a robot in the base's axes, by its model in double; `tool` [m] stands on link `Tool`.
+/// Places on the links of a robot in the base's axes, by its model in double; `tool` [m] stands on link
+/// `Tool`.
 template <class M, std::size_t Tool>
 struct Places {
   M model;
@@ -76,8 +78,8 @@ struct Places {
   Xyz<double> tool(const Row& q) const { return (*this)(q, Tool, on_tool); }
 };
 
-/// Runs `scene` in `world`; `goal(t)` sets goals. `place(q, link, p)` is a point of a link in the base's axes and `turn` its
-/// direction, both in double.
+/// Runs `scene` in `world`; `goal(t)` sets goals. `place(q, link, p)` is a point of a link in the base's axes
+/// and `turn` its direction, both in double.
 template <class Scene, class Place, class Goal>
 Course run(const Scene& scene, const World& world, const std::array<double, Scene::joints>& home,
            const std::vector<CellPlace>& cells, double newtons, const Choices& choices, const Place& place,

@@ -33,8 +33,8 @@ struct AsItComesVerdict {
   double early_ratio = 0, late_ratio = 0;
   bool moved, early, late, goal, away, led_further, silent = false;
 
-  /// No harder than `late_bound` times its twin; while gaps are met and agreed to, in the first 10 s of guided
-  /// motion, and while the arm is blocked: no harder than a rigid one.
+  /// No harder than `late_bound` times its twin; while gaps are met and agreed to, in the first 10 s of
+  /// guided motion, and while the arm is blocked: no harder than a rigid one.
   AsItComesVerdict(const AsItComes& c, const AsItComesResult& r, const AsItComesResult& twin) {
     constexpr double felt = 5;  // less than this force is no force
     if (twin.early > 0 || r.early > 0) early_ratio = std::max(r.early, felt) / std::max(twin.early, felt);
@@ -44,8 +44,8 @@ struct AsItComesVerdict {
     early = r.early > std::max(rigid, late_bound * twin.early);
     late = late_ratio > late_bound && (c.scene != AsItComesScene::blocked || r.late > rigid);
     goal = r.goal_error > 0.01;
-    // Alone: further than the greatest lead of the virtual robot (0.36 rad for 60 ms) and a little coasting. A hand may
-    // lead an arm as far as it likes; it slides along a smooth finger, so twins part.
+    // Alone: further than the greatest lead of the virtual robot (0.36 rad for 60 ms) and a little coasting.
+    // A hand may lead an arm as far as it likes; it slides along a smooth finger, so twins part.
     led_further = r.outside > twin.outside + 0.5;
     away =
         r.beyond > 0.1 || r.alone > 0.4 || (c.scene == AsItComesScene::held_goal && led_further) || !r.valid;
@@ -92,8 +92,8 @@ AsItComesResult run_as_it_comes(const AsItComes& c, const Scene& scene, bool tru
   constexpr double settled = 5;
   joints.advance(settled);  // under its load
   const auto q0 = joints.q();
-  // What explains that a joint which nobody touches moves: gap, droop, friction and encoder, and what its servo
-  // makes of a step by its gap.
+  // What explains that a joint which nobody touches moves: gap, droop, friction and encoder, and what its
+  // servo makes of a step by its gap.
   std::array<double, 6> slack{}, rest = q0, led = q0, alone_to = q0, sent = alone_to;
   const auto load = world.torque(TruePoses(q0), {});
   for (std::size_t i = 0; i < 6; ++i) {
@@ -250,7 +250,8 @@ inline AsItComesResult run_as_it_comes(const AsItComes& c, bool truly) {
   return c;
 }
 
-/// The case with other noise, that starts elsewhere: each joint by a random share of `gaps`, and by up to `aside`.
+/// The case with other noise, that starts elsewhere: each joint by a random share of `gaps`, and by up to
+/// `aside`.
 [[nodiscard]] inline AsItComes started_aside(AsItComes c, const std::array<double, 6>& gaps, double aside,
                                              std::uint64_t number) {
   Random random = seeded(c.seed ^ (number << 40));
@@ -260,10 +261,10 @@ inline AsItComesResult run_as_it_comes(const AsItComes& c, bool truly) {
   return c;
 }
 
-/// The worst of several twins. What a hand meets that slides along a link, and when a plan waits for it, hangs on
-/// millimetres, and how far a blocked arm leaps that is let go, on the moment: a robot declared truly parts from itself, too.
-/// Twins therefore start where the robot as it comes may stand: the first in its gap, the others up to there and 5 mrad away;
-/// blocked ones are let go at other moments.
+/// The worst of several twins. What a hand meets that slides along a link, and when a plan waits for it,
+/// hangs on millimetres, and how far a blocked arm leaps that is let go, on the moment: a robot declared
+/// truly parts from itself, too. Twins therefore start where the robot as it comes may stand: the first in
+/// its gap, the others up to there and 5 mrad away; blocked ones are let go at other moments.
 inline AsItComesResult worst_twin(const AsItComes& c, AsItComesResult worst, std::uint64_t further) {
   for (std::uint64_t k = 1; k <= further; ++k) {
     AsItComes aside = k == 1 ? started_in_gap(c) : started_aside(c, c.truth.gap, 0.005, k);

@@ -130,7 +130,6 @@ class FaultInjection {
  public:
   using Scene = decltype(faulty_scene<I>());
   using Skills = typename Scene::law_type;
-  using Governed = std::remove_cvref_t<decltype(std::declval<Scene>().governor())>;
   static constexpr bool torque = I == Interface::torque;
   static constexpr std::size_t skills = Skills::skills;
 

@@ -47,8 +47,8 @@ inline auto led_scene() {
 }
 }  // namespace led
 
-/// The arm: skin around its tool, kinesthetic teaching (gives way to touch, holds gravity), 125 Hz, servos with 8 ms of
-/// delay and 12 ms of lag. Its base is the world.
+/// The arm: skin around its tool, kinesthetic teaching (gives way to touch, holds gravity), 125 Hz, servos
+/// with 8 ms of delay and 12 ms of lag. Its base is the world.
 class LedArm {
  public:
   static constexpr auto period = led::led_period;
@@ -58,8 +58,8 @@ class LedArm {
         scene_(led::led_scene()),
         arm_(scene_, led::led_cells(), pose(), 0.008, 0.012) {}
 
-  /// Three goals, one after the other: led there with a stop on the way, held until the person is content, left alone,
-  /// switched (a push of 4 to 10 N that moves the arm), led on.
+  /// Three goals, one after the other: led there with a stop on the way, held until the person is content,
+  /// left alone, switched (a push of 4 to 10 N that moves the arm), led on.
   [[nodiscard]] LedDemonstration teach() {
     LedDemonstration out;
     const auto start = tool().origin();

@@ -1,5 +1,5 @@
-// A reader of recorded grasps: the iCub Grasp Dataset (H. Soh, Y. Su, Y. Demiris, IROS 2012), which is no part of
-// this project.
+// A reader of recorded grasps: the iCub Grasp Dataset (H. Soh, Y. Su, Y. Demiris, IROS 2012), which is no
+// part of this project.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@
 
 namespace skinctl::testing {
 
-/// One grasp of a hand with five fingers of 12 taxels. A reading is 255 minus what the file says: 0 untouched,
-/// in steps of the sensor. The files have no times: frames are taken to be `period` apart.
+/// One grasp of a hand with five fingers of 12 taxels. A reading is 255 minus what the file says: 0
+/// untouched, in steps of the sensor. The files have no times: frames are taken to be `period` apart.
 struct RecordedGrasp {
   static constexpr std::size_t fingers = 5, taxels_a_finger = 12, taxels = fingers * taxels_a_finger;
   using Frame = std::array<double, taxels>;
@@ -41,8 +41,8 @@ struct RecordedGrasp {
   [[nodiscard]] double held(std::size_t taxel) const { return frames.back()[taxel] - rest[taxel]; }
 };
 
-/// Reads one recording. Throws `std::runtime_error` with the file's name for a file that cannot be read, begins
-/// with another mark, or holds no whole frames.
+/// Reads one recording. Throws `std::runtime_error` with the file's name for a file that cannot be read,
+/// begins with another mark, or holds no whole frames.
 [[nodiscard]] inline RecordedGrasp read_recorded_grasp(const std::filesystem::path& path,
                                                        double period = 0.1) {
   constexpr std::size_t encoders = 9, sums = RecordedGrasp::fingers;

@@ -1,5 +1,5 @@
-// What skin cells read in a day: drifts, contacts of an hour, noise; at any rate and by events. Each one is a function
-// of time, so that it can be sampled in any way.
+// What skin cells read in a day: drifts, contacts of an hour, noise; at any rate and by events. Each one is a
+// function of time, so that it can be sampled in any way.
 #pragma once
 
 #include <algorithm>
@@ -100,8 +100,8 @@ struct ContactShares {
   return {begin, 0.006, size, 0.001, false, 0};
 }
 
-/// Noise and steps of a sensor: near to normal, from four uniform numbers, so within +-3.46 deviations and the
-/// same on every machine.
+/// Noise and steps of a sensor: near to normal, from four uniform numbers, so within +-3.46 deviations and
+/// the same on every machine.
 class ReadingNoise {
  public:
   /// @param sigma  standard deviation before rounding [steps].

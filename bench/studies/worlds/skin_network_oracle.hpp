@@ -1,4 +1,5 @@
-// What a skin's network must have found, by a search that sees all of it at once; and the token that it is measured against.
+// What a skin's network must have found, by a search that sees all of it at once; and the token that it is
+// measured against.
 #pragma once
 
 #include <map>
@@ -22,8 +23,8 @@ namespace skinctl::testing {
   return d;
 }
 
-/// What is wrong with the network; empty if nothing is: ids unique, labels 1 to n, names of all neighbours right,
-/// every label reached from the PC in as many hops as its cell counted.
+/// What is wrong with the network; empty if nothing is: ids unique, labels 1 to n, names of all neighbours
+/// right, every label reached from the PC in as many hops as its cell counted.
 ///
 /// @param reports  whether they must be there.
 [[nodiscard]] inline std::string network_error(const SkinNetwork& net, bool reports = true) {

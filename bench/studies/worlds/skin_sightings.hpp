@@ -9,7 +9,8 @@
 
 namespace skinctl::testing {
 
-/// A vertical, then horizontal axes: shoulder, elbow, wrist; lengths about a UR5's. A tube of skin on each link.
+/// A vertical, then horizontal axes: shoulder, elbow, wrist; lengths about a UR5's. A tube of skin on each
+/// link.
 struct SeenArm {
   static constexpr std::size_t links = 4;
   std::vector<std::vector<Eigen::Vector3d>> cells, normals;  ///< in each patch

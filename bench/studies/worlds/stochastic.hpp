@@ -11,13 +11,13 @@
 
 namespace skinctl::testing {
 
-/// A number `R`, float or double, whose operations round to one of the two neighbours of the exact result, chosen
-/// by lot with equal chances (exact results stay). Runs of the same program then differ by as much as rounding
-/// matters to it: their spread tells how many digits of a result are its own, also after a million steps, where bounds
-/// say nothing any more (Vignes 2004, Discrete stochastic arithmetic).
+/// A number `R`, float or double, whose operations round to one of the two neighbours of the exact result,
+/// chosen by lot with equal chances (exact results stay). Runs of the same program then differ by as much as
+/// rounding matters to it: their spread tells how many digits of a result are its own, also after a million
+/// steps, where bounds say nothing any more (Vignes 2004, Discrete stochastic arithmetic).
 ///
-/// Any algorithm of the library takes it as its `Real`. Sines, tanh and the like are the C library's, rounded so;
-/// constants are rounded to nearest. The lot is drawn from `seed()` of the thread.
+/// Any algorithm of the library takes it as its `Real`. Sines, tanh and the like are the C library's, rounded
+/// so; constants are rounded to nearest. The lot is drawn from `seed()` of the thread.
 template <class R>
 class Stochastic {
   static_assert(std::is_same_v<R, float> || std::is_same_v<R, double>, "Stochastic<R>: R is float or double");

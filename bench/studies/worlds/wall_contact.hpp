@@ -18,9 +18,9 @@ struct Touched : StatelessLaw<Touched> {
 };
 
 /// The displacement [m] along the first of `rows`, cycle by cycle, of a robot at `q0` that is tied to one or
-/// two springs of `stiffness` which push and pull, after an initial displacement `kick` [m]. The springs' forces are
-/// linear between cycles. The robot takes its commands `late` [s] after the
-/// declared delay: where that is whole periods, the cycle in which they arrive has just missed them.
+/// two springs of `stiffness` which push and pull, after an initial displacement `kick` [m]. The springs'
+/// forces are linear between cycles. The robot takes its commands `late` [s] after the declared delay: where
+/// that is whole periods, the cycle in which they arrive has just missed them.
 template <std::size_t K>
 std::vector<double> tied_to_springs(const RobotConfiguration<6>& c, const JointPosition<6>& q0,
                                     const double (&rows)[K][6], double stiffness, double seconds_long,

@@ -82,8 +82,8 @@ class CanHand {
     return Heard::silent;
   }
 
-  /// Torques. Nothing is sent before a set of positions was plausible: to a hand of another generation the same
-  /// bytes are other torques.
+  /// Torques. Nothing is sent before a set of positions was plausible: to a hand of another generation the
+  /// same bytes are other torques.
   bool send(const std::array<std::int16_t, 16>& value) noexcept {
     if (!judged_) return true;
     for (unsigned f = 0; f < 4; ++f)

@@ -10,9 +10,9 @@
 
 namespace adapters::allegro {
 
-/// Where a cell is. The maker publishes the cells' order (palm, then the index's two phalanges and tip; then of
-/// middle, ring and thumb three phalanges and tip each) and no places: those here are the middle of each pad,
-/// read off the links' lengths. Which phalanx of the index has no cell is a guess as well: the first.
+/// Where a cell is. The maker publishes the cells' order (palm, then the index's two phalanges and tip; then
+/// of middle, ring and thumb three phalanges and tip each) and no places: those here are the middle of each
+/// pad, read off the links' lengths. Which phalanx of the index has no cell is a guess as well: the first.
 struct CellPlace {
   int link = -1;  ///< of `skinctl::allegro::Tree`; -1: the palm, in the frame of the hand
   skinctl::Xyz<double>
@@ -37,8 +37,8 @@ struct CellPlace {
   return {proximal + 2, {0.0104, 0, 0.0483}, 0.5236};
 }
 
-/// Turns vectors in the axes of the maker's description of link `i` into those in which z is the joint's axis: see
-/// `skinctl::allegro::finger_links`.
+/// Turns vectors in the axes of the maker's description of link `i` into those in which z is the joint's
+/// axis: see `skinctl::allegro::finger_links`.
 [[nodiscard]] inline skinctl::Rotation<double> makers_turn(std::size_t i,
                                                            skinctl::allegro::Side side) noexcept {
   using namespace skinctl::allegro::detail;
@@ -48,8 +48,8 @@ struct CellPlace {
   return i % 4 == 0 ? one : y_to_z;
 }
 
-/// Poses of the 16 cells in the frames of their links of `skinctl::allegro::hand(side)`, the palm's in the frame of
-/// the hand; z is the outward normal.
+/// Poses of the 16 cells in the frames of their links of `skinctl::allegro::hand(side)`, the palm's in the
+/// frame of the hand; z is the outward normal.
 using CellPose = skinctl::Transform<skinctl::SomeLink, skinctl::Cell>;
 [[nodiscard]] inline std::array<CellPose, 16> cell_poses(skinctl::allegro::Side side) {
   using skinctl::Rotation, skinctl::turn_back;
@@ -73,8 +73,9 @@ using CellPose = skinctl::Transform<skinctl::SomeLink, skinctl::Cell>;
   return out;
 }
 
-/// The cells as patches of a model that has the hand's link i as its link `first + i`. The palm's cell moves with
-/// link `palm`; without such a link (-1: a hand that is fixed to the world) it is left out: its force moves nothing.
+/// The cells as patches of a model that has the hand's link i as its link `first + i`. The palm's cell moves
+/// with link `palm`; without such a link (-1: a hand that is fixed to the world) it is left out: its force
+/// moves nothing.
 /// @param gain  [N] per unit of the sum of the three (equal) readings. Uncalibrated.
 [[nodiscard]] inline std::vector<skinctl::SkinPatch> skin_patches(skinctl::allegro::Side side, double gain,
                                                                   std::size_t first = 0, int palm = -1) {

@@ -33,8 +33,8 @@ struct Datagram {
 
 inline constexpr std::size_t header_size = 16, telemetry_size = 164;
 
-/// The parts of a datagram; none where magic, version or length are wrong. What follows the payload is ignored.
-/// The payload points into `bytes`.
+/// The parts of a datagram; none where magic, version or length are wrong. What follows the payload is
+/// ignored. The payload points into `bytes`.
 [[nodiscard]] std::optional<Datagram> parse(std::span<const std::uint8_t> bytes) noexcept;
 
 /// Joints in the order of `skinctl::allegro` (index, middle, ring, thumb). On the wire the thumb comes first.

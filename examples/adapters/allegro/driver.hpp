@@ -1,4 +1,5 @@
-// Drives an Allegro hand by torque: states with estimated velocities, torques, and a servo that is off at any end.
+// Drives an Allegro hand by torque: states with estimated velocities, torques, and a servo that is off at any
+// end.
 #pragma once
 
 #include <cstdio>
@@ -10,8 +11,9 @@
 
 namespace adapters::allegro {
 
-/// Reactions of a driver. Silence lasts 1.5 periods and then one period each: a cycle on the last state, which
-/// holds the hand. What goes on for `give_up`, or is hot or broken, is lost: the loop ends and the servo goes off.
+/// Reactions of a driver. Silence lasts 1.5 periods and then one period each: a cycle on the last state,
+/// which holds the hand. What goes on for `give_up`, or is hot or broken, is lost: the loop ends and the
+/// servo goes off.
 struct DriverOptions {
   Timeout give_up{100};       ///< without a complete set of positions
   int hottest = 70;           ///< [C]
@@ -19,9 +21,9 @@ struct DriverOptions {
   Timeout first_state{2000};  ///< after the servo went on
 };
 
-/// A `RobotDriver` for 16 joints over any `HandLink`. Connecting throws `ConnectionError`; in the loop the reason
-/// is kept in `error()`. The servo goes off in `stop`, in the destructor, and therefore with every exception; a
-/// program that dies by SIGKILL leaves the last torque to the hand, see `Guardian`.
+/// A `RobotDriver` for 16 joints over any `HandLink`. Connecting throws `ConnectionError`; in the loop the
+/// reason is kept in `error()`. The servo goes off in `stop`, in the destructor, and therefore with every
+/// exception; a program that dies by SIGKILL leaves the last torque to the hand, see `Guardian`.
 template <HandLink Link>
 class Driver {
  public:
@@ -157,8 +159,8 @@ class Driver {
   bool running_ = false, waited_ = false, halted_ = false;
 };
 
-/// The tactile cells of a V5 Sense as a `SkinSource`: samples with ids 0 (the palm) to 15, all three force readings
-/// alike. Readings are uncalibrated; `full_scale` is the reading that counts as 1.
+/// The tactile cells of a V5 Sense as a `SkinSource`: samples with ids 0 (the palm) to 15, all three force
+/// readings alike. Readings are uncalibrated; `full_scale` is the reading that counts as 1.
 template <class HandDriver>
 class TactileSkin {
  public:

@@ -78,8 +78,9 @@ enum class Gears : std::uint8_t {
   geared,  ///< half the current
   unknown  ///< half the current, and at most half of the largest: the smaller torque of both types
 };
-/// A V5 Sense is geared unless `chosen` says otherwise: all of the maker's drivers halve its current. For a V5 only
-/// `chosen` tells: the maker's pages and drivers contradict each other about the letter in the serial number.
+/// A V5 Sense is geared unless `chosen` says otherwise: all of the maker's drivers halve its current. For a
+/// V5 only `chosen` tells: the maker's pages and drivers contradict each other about the letter in the serial
+/// number.
 [[nodiscard]] constexpr Gears gears(Generation g, std::optional<bool> chosen) noexcept {
   if (g == Generation::v4) return Gears::plain;
   if (chosen) return *chosen ? Gears::geared : Gears::plain;

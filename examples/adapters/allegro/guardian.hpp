@@ -16,10 +16,10 @@ using can::FrameSocket;
 using can::SlcanCodec;
 using can::SlcanLink;
 
-/// A hand keeps its last torque when its computer falls silent: no time-out of the maker's is known. Signals and
-/// exceptions stop it through the driver; this covers SIGKILL and crashes. A second process shares the link's
-/// descriptor, sleeps, and when the first one ends without a farewell writes the last words. It does not cover a
-/// computer that hangs or loses its power.
+/// A hand keeps its last torque when its computer falls silent: no time-out of the maker's is known. Signals
+/// and exceptions stop it through the driver; this covers SIGKILL and crashes. A second process shares the
+/// link's descriptor, sleeps, and when the first one ends without a farewell writes the last words. It does
+/// not cover a computer that hangs or loses its power.
 class Guardian {
  public:
   /// One message per write.

@@ -6,8 +6,8 @@
 
 namespace adapters::allegro {
 
-/// Range of the joints of both hands [rad]: allegro_right_hand.urdf of Gepetto/example-robot-data. Its 7 rad/s and 15 N m are
-/// no property of the hand; torques are limited by what the hand takes.
+/// Range of the joints of both hands [rad]: allegro_right_hand.urdf of Gepetto/example-robot-data. Its 7
+/// rad/s and 15 N m are no property of the hand; torques are limited by what the hand takes.
 inline constexpr std::array<double, 16> lower = {-0.47,  -0.196, -0.174, -0.227, -0.47,  -0.196,
                                                  -0.174, -0.227, -0.47,  -0.196, -0.174, -0.227,
                                                  0.263,  -0.105, -0.189, -0.162};

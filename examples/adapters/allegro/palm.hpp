@@ -1,4 +1,5 @@
-// What the palm of a hand feels, passed on to the arm that carries it: from one loop to the other, without a lock.
+// What the palm of a hand feels, passed on to the arm that carries it: from one loop to the other, without a
+// lock.
 #pragma once
 
 #include <atomic>
@@ -29,8 +30,8 @@ class Palm {
     at_.store(at.time_since_epoch().count(), std::memory_order_relaxed);
     number_.store(n + 2, std::memory_order_release);
   }
-  /// By the arm's loop: a reading that it has not had yet, as a sample of `cell` on the clock that shows `now`. Nothing
-  /// while one is being written: it comes with the next cycle.
+  /// By the arm's loop: a reading that it has not had yet, as a sample of `cell` on the clock that shows
+  /// `now`. Nothing while one is being written: it comes with the next cycle.
   [[nodiscard]] std::optional<skinctl::CellSample> take(std::uint32_t cell,
                                                         skinctl::Nanoseconds now) noexcept {
     const std::uint32_t before = number_.load(std::memory_order_acquire);
@@ -41,8 +42,8 @@ class Palm {
     if (number_.load(std::memory_order_relaxed) != before) return std::nullopt;
     taken_ = before;
     const skinctl::Nanoseconds age = Clock::now() - at;
-    // Its readings are numbered: one that repeats is of a palm that lives. The number stands where this cell has no
-    // accelerometer.
+    // Its readings are numbered: one that repeats is of a palm that lives. The number stands where this cell
+    // has no accelerometer.
     return skinctl::CellSample{.time = age > skinctl::Nanoseconds(0) ? now - age : now,
                                .cell = cell,
                                .force = {f, f, f},

@@ -10,8 +10,8 @@ namespace adapters::allegro {
 /// complete when all four have come.
 ///
 /// - The same frame with the same numbers again: a duplicate, or a hand at rest; nothing changes.
-/// - The same finger with other numbers, or a frame later than half a period after the set's first: a frame was
-///   lost. The set begins anew.
+/// - The same finger with other numbers, or a frame later than half a period after the set's first: a frame
+///   was lost. The set begins anew.
 /// - Whatever the order of frames and losses, a complete set mixes instants at most half a period apart.
 class PositionSet {
  public:

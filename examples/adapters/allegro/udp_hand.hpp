@@ -13,8 +13,9 @@ using can::Deadline;
 using can::Descriptor;
 using can::wait_for;
 
-/// Datagrams of others than the hand's address are dropped by the kernel. Samples that are not newer than the last
-/// one (duplicates, late ones) are counted and dropped; time is the hand's, period times number of the sample.
+/// Datagrams of others than the hand's address are dropped by the kernel. Samples that are not newer than the
+/// last one (duplicates, late ones) are counted and dropped; time is the hand's, period times number of the
+/// sample.
 class UdpHand {
  public:
   /// Binds to `local_port` (0: any); the hand is at `host:port`. Throws `ConnectionError`.

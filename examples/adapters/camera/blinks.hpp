@@ -7,15 +7,16 @@
 
 namespace camera {
 
-/// A light is on in one image of each pair: in the first for a 1, in the second for a 0. So every light is seen in each pair,
-/// whatever its id, and a lamp or the sun, which are on in both, are no light. Ten bits of the id, lowest first, then four
-/// that check them.
+/// A light is on in one image of each pair: in the first for a 1, in the second for a 0. So every light is
+/// seen in each pair, whatever its id, and a lamp or the sun, which are on in both, are no light. Ten bits of
+/// the id, lowest first, then four that check them.
 struct Blinks {
   static constexpr std::size_t id_bits = 10, check_bits = 4, bits = id_bits + check_bits;
   static constexpr std::size_t images = 2 * bits;
   static constexpr std::uint16_t highest = (1u << id_bits) - 1;
 
-  /// The id with its check, the remainder by `x^4 + x + 1`: two wrong bits, or up to four next to each other, are found.
+  /// The id with its check, the remainder by `x^4 + x + 1`: two wrong bits, or up to four next to each other,
+  /// are found.
   [[nodiscard]] static constexpr std::uint32_t code(std::uint16_t id) noexcept {
     std::uint32_t rest = std::uint32_t(id & highest) << check_bits;
     for (std::size_t k = bits; k-- > check_bits;)

@@ -10,8 +10,8 @@
 namespace camera {
 namespace {
 
-// Takes off what the room's light changed between two images, and tells the deviation of single pixels: both by medians, since
-// most pixels show nothing.
+// Takes off what the room's light changed between two images, and tells the deviation of single pixels: both
+// by medians, since most pixels show nothing.
 double level(cv::Mat& difference) {
   std::vector<float> values;
   for (int y = 0; y < difference.rows; y += 3)
@@ -46,7 +46,8 @@ LightsFound find_lights(std::span<const cv::Mat> images, const LightSettings& s)
     cv::accumulate(cv::abs(differences[k]), all);
   }
   all /= static_cast<double>(Blinks::bits);
-  // The mean size of noise is 0.8 of its deviation; the mean over the pairs scatters by 0.6 of it over their root.
+  // The mean size of noise is 0.8 of its deviation; the mean over the pairs scatters by 0.6 of it over their
+  // root.
   const double floor = 0.8 * noise, deviation = 0.6 * noise / std::sqrt(double(Blinks::bits));
   cv::Mat spots, labels, statistics, centres;
   cv::threshold(all, spots, floor + s.least * deviation, 255, cv::THRESH_BINARY);

@@ -26,13 +26,14 @@ struct LightsFound {
   std::size_t spots = 0, unsure = 0, misread = 0, large = 0, twice = 0;
 };
 
-/// The lights in `Blinks::images` grey images of one size (CV_8UC1) of a camera and a robot that stand still. Spots are where
-/// the images of the pairs differ; the place of one is the centre of its brightness. Two spots of one id: the brighter one.
-/// Throws `std::invalid_argument` for another number of images, and for images of another kind or of different sizes.
+/// The lights in `Blinks::images` grey images of one size (CV_8UC1) of a camera and a robot that stand still.
+/// Spots are where the images of the pairs differ; the place of one is the centre of its brightness. Two
+/// spots of one id: the brighter one. Throws `std::invalid_argument` for another number of images, and for
+/// images of another kind or of different sizes.
 [[nodiscard]] LightsFound find_lights(std::span<const cv::Mat> images, const LightSettings& s = {});
 
-/// The pose of known points in the camera's frame, X_CamPatch, from one view of which a third may be wrong: OpenCV's
-/// solvePnPRansac, refined on those that agree to 2 pixels. None with less than six that agree.
+/// The pose of known points in the camera's frame, X_CamPatch, from one view of which a third may be wrong:
+/// OpenCV's solvePnPRansac, refined on those that agree to 2 pixels. None with less than six that agree.
 [[nodiscard]] std::optional<skinctl::FitPose> pose_in_view(const skinctl::PinholeCamera& camera,
                                                            std::span<const Eigen::Vector3d> points,
                                                            std::span<const Eigen::Vector2d> pixels);

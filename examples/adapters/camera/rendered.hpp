@@ -1,4 +1,5 @@
-// Images of blinking lights as a camera would take them: what tests and the simulated skin have instead of one.
+// Images of blinking lights as a camera would take them: what tests and the simulated skin have instead of
+// one.
 #pragma once
 
 #include <opencv2/core.hpp>

@@ -39,8 +39,8 @@ class Descriptor {
 /// Waits until `fd` is ready for `events` (of poll); false when the time is over. It looks at least once.
 bool wait_for(int fd, short events, Deadline deadline) noexcept;
 
-/// A CAN link: `read` gives the next frame and waits for it at most until `deadline`, `write` sends one within
-/// `timeout`. Both are bounded and do not throw.
+/// A CAN link: `read` gives the next frame and waits for it at most until `deadline`, `write` sends one
+/// within `timeout`. Both are bounded and do not throw.
 template <class L>
 concept CanLink = requires(L& link, Frame& frame, const Frame& sent, Deadline deadline, Timeout timeout) {
   { link.read(frame, deadline) } noexcept -> std::same_as<Read>;

@@ -7,8 +7,9 @@
 
 namespace adapters::dds {
 
-/// Publishes cycles as ROS 2 has them: joint states of every cycle, reliably; cells as often as samples came, best effort;
-/// robot and skin once, also for readers that come later. Each write is a system call in the thread beside the loop.
+/// Publishes cycles as ROS 2 has them: joint states of every cycle, reliably; cells as often as samples came,
+/// best effort; robot and skin once, also for readers that come later. Each write is a system call in the
+/// thread beside the loop.
 template <class C>
 class DdsView : public skinctl::CycleConsumer<C> {
  public:

@@ -27,8 +27,8 @@ using Bytes = std::vector<unsigned char>;
 
 namespace {
 
-/// A type whose sample is its CDR bytes, header included. A participant has one of a name for topics of any length: its
-/// size is what buffers begin with, and they grow.
+/// A type whose sample is its CDR bytes, header included. A participant has one of a name for topics of any
+/// length: its size is what buffers begin with, and they grow.
 class RawType : public fast::TopicDataType {
  public:
   explicit RawType(const skinctl::MessageType& type) {

@@ -1,4 +1,5 @@
-// DDS as ROS 2 speaks it, without ROS: topics whose samples are the bytes that skinctl encodes. Over Fast DDS.
+// DDS as ROS 2 speaks it, without ROS: topics whose samples are the bytes that skinctl encodes. Over Fast
+// DDS.
 #pragma once
 
 #include <chrono>
@@ -25,8 +26,9 @@ struct ParticipantOptions {
   std::string name = "skinctl";
 };
 
-/// Takes part in a domain over UDPv4 on one address. Others are looked for at the ports of the first four participants of
-/// each host: this one's on loopback; on another interface by multicast. Threads of Fast DDS serve it.
+/// Takes part in a domain over UDPv4 on one address. Others are looked for at the ports of the first four
+/// participants of each host: this one's on loopback; on another interface by multicast. Threads of Fast DDS
+/// serve it.
 class Participant {
  public:
   /// Throws `skinctl::ConfigurationError` where the domain or the address cannot be used.
@@ -45,8 +47,8 @@ class Participant {
 /// Writes messages of one topic. Not for the loop: a write is a system call in the calling thread.
 class RawWriter {
  public:
-  /// `topic` as ROS 2 names it, "/skin/cells"; DDS calls it "rt/skin/cells". A message has at most `most` bytes. The
-  /// participant must live longer. Throws `skinctl::ConfigurationError`.
+  /// `topic` as ROS 2 names it, "/skin/cells"; DDS calls it "rt/skin/cells". A message has at most `most`
+  /// bytes. The participant must live longer. Throws `skinctl::ConfigurationError`.
   RawWriter(Participant& participant, const std::string& topic, const skinctl::MessageType& type,
             Delivery delivery, std::size_t most);
   ~RawWriter();
@@ -73,8 +75,8 @@ class RawReader {
   RawReader(RawReader&&) noexcept;
   RawReader& operator=(RawReader&&) = delete;
 
-  /// The newest message since the last call, if there is one: CDR bytes of anybody, perhaps padded. They stay until the
-  /// next call.
+  /// The newest message since the last call, if there is one: CDR bytes of anybody, perhaps padded. They stay
+  /// until the next call.
   [[nodiscard]] std::optional<std::span<const unsigned char>> take();
   /// Waits until there is a message, or the time is over; returns whether there is one.
   bool wait(std::chrono::milliseconds time);

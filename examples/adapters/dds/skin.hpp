@@ -17,8 +17,8 @@ constexpr std::size_t skin_cloud_size(std::size_t cells) noexcept {
   return 1024 + cells * sizeof(skinctl::SkinPoint);
 }
 
-/// Reads `/skin/cells` in a thread of its own; the loop takes samples out of a ring, without a lock or a system call.
-/// Stamps are the sender's; they become the robot's by `ClockOffset`.
+/// Reads `/skin/cells` in a thread of its own; the loop takes samples out of a ring, without a lock or a
+/// system call. Stamps are the sender's; they become the robot's by `ClockOffset`.
 class SkinReader {
  public:
   /// Room for `most` cells. Throws `skinctl::ConfigurationError`.
@@ -34,9 +34,9 @@ class SkinReader {
   SkinReader(const SkinReader&) = delete;
   SkinReader& operator=(const SkinReader&) = delete;
 
-  /// The loop: the samples that are new, stamped on the robot's clock, which shows `now`. Empty until the clocks are
-  /// tied. Valid until the next call; allocates nothing. Of more messages at once than it has room for, the last
-  /// samples are dropped and counted.
+  /// The loop: the samples that are new, stamped on the robot's clock, which shows `now`. Empty until the
+  /// clocks are tied. Valid until the next call; allocates nothing. Of more messages at once than it has room
+  /// for, the last samples are dropped and counted.
   std::span<const skinctl::CellSample> poll(skinctl::Nanoseconds now) noexcept {
     std::size_t count = 0;
     ring_.consume([&](std::span<const unsigned char> bytes) {

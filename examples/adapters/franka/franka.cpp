@@ -147,7 +147,8 @@ ClockFault Franka::read(std::span<const std::uint8_t> bytes, ClockedStateOf<join
       (s.mode == Mode::reflex || s.mode == Mode::user_stopped || (moves_ && s.number > newest_.number)))
     return ended(s);
   moves_ = moves_ || runs;
-  // Of the last 100 commands; those of before are no loss of this motion. One that was overtaken tells nothing.
+  // Of the last 100 commands; those of before are no loss of this motion. One that was overtaken tells
+  // nothing.
   if (s.number > newest_.number) {
     const auto lost = std::lround(100 * (success_ - s.success));
     if (moves_ && lost > 0) late_ += static_cast<std::uint32_t>(lost);

@@ -10,8 +10,8 @@
 
 namespace adapters::gripper {
 
-/// What switches such a gripper: `set(closed)` is false where the word could not be sent; `good()` is false once the
-/// line is gone; `read()` is what the device echoes, if it does.
+/// What switches such a gripper: `set(closed)` is false where the word could not be sent; `good()` is false
+/// once the line is gone; `read()` is what the device echoes, if it does.
 template <class L>
 concept GripperLine = requires(L& line, const L& same, bool closed) {
   { line.set(closed) } noexcept -> std::same_as<bool>;
@@ -28,8 +28,8 @@ struct BinaryConfig {
       std::chrono::milliseconds(500);  ///< so soon a line that echoes must show the word
 };
 
-/// A `GripperDriver`. A goal of less than half the opening closes it. Its opening is the time since the last word, so
-/// `GripperState::measured` is false, and it never says that it holds: ask the skin on its fingers.
+/// A `GripperDriver`. A goal of less than half the opening closes it. Its opening is the time since the last
+/// word, so `GripperState::measured` is false, and it never says that it holds: ask the skin on its fingers.
 template <GripperLine Line>
 class BinaryGripper {
  public:

@@ -7,8 +7,8 @@
 
 namespace adapters::gripper {
 
-/// A `GripperLine` over the outputs of a robot or of any other device: `write(bit, on)` is false where it failed,
-/// `bits()` gives what the device reports, or nothing before it has.
+/// A `GripperLine` over the outputs of a robot or of any other device: `write(bit, on)` is false where it
+/// failed, `bits()` gives what the device reports, or nothing before it has.
 ///
 /// `close_bit` is on while closed; a valve with two coils has an `open_bit` too, off then.
 template <class Outputs>

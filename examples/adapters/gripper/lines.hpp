@@ -10,11 +10,12 @@
 
 namespace adapters::gripper {
 
-/// Collects bytes and gives lines that are not empty. A line that is longer than there is room for is thrown away and
-/// counted.
+/// Collects bytes and gives lines that are not empty. A line that is longer than there is room for is thrown
+/// away and counted.
 class Lines {
  public:
-  /// @param word  a line of its own wherever a line begins with it, whether a line end follows or not; empty: none.
+  /// @param word  a line of its own wherever a line begins with it, whether a line end follows or not; empty:
+  ///              none.
   explicit Lines(std::string_view word = {}) : word_(word) {}
 
   /// Where the next bytes may be written; never empty after `next` has found no line.

@@ -21,8 +21,8 @@ struct Frame {
 };
 
 enum class Found { frame, more, nonsense };
-/// Takes the first frame of `bytes`: `size` is its length. `more`: its end has not arrived; `nonsense`: this is no
-/// Modbus, and no later byte can be trusted.
+/// Takes the first frame of `bytes`: `size` is its length. `more`: its end has not arrived; `nonsense`: this
+/// is no Modbus, and no later byte can be trusted.
 [[nodiscard]] Found find_frame(std::span<const std::uint8_t> bytes, Frame& frame, std::size_t& size) noexcept;
 
 /// A request or an answer in bytes.

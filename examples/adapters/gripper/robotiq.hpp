@@ -41,8 +41,8 @@ struct RobotiqAnswer {
 
 /// A `GripperDriver`. `connect` waits and throws `ConnectionError`; nothing else does.
 ///
-/// Its state comes from OBJ (does it move, does it hold) and POS, and only counts for the newest goal once the
-/// gripper echoes that goal in PRE: for a while after a new goal OBJ still speaks of the one before.
+/// Its state comes from OBJ (does it move, does it hold) and POS, and only counts for the newest goal once
+/// the gripper echoes that goal in PRE: for a while after a new goal OBJ still speaks of the one before.
 class Robotiq {
  public:
   /// Throws `ConfigurationError` for a range or counts that cannot be.

@@ -47,7 +47,8 @@ struct Service {
 /// A topic that clients publish to, as JSON (the protocol's `clientPublish`).
 struct Inlet {
   std::string topic;  ///< "/simulation/finger"
-  /// In the server's thread. Not done: not understood; words are said to who published, each in place of the last.
+  /// In the server's thread. Not done: not understood; words are said to who published, each in place of the
+  /// last.
   std::function<Answer(std::string_view)> take;
   std::function<void()> left;  ///< who published has gone, or has said that it is done
 };
@@ -88,9 +89,9 @@ class ServerError : public std::runtime_error {
 
 /// Serves clients in a thread of its own; nothing that a client does delays who publishes.
 ///
-/// Of a request, `Host` must be 127.0.0.1 or localhost with this port (or the bound address), `Origin` absent, the
-/// server's own or https://app.foxglove.dev, and the sub-protocol foxglove.sdk.v1 or foxglove.websocket.v1: any page in
-/// a browser can open a connection to this computer.
+/// Of a request, `Host` must be 127.0.0.1 or localhost with this port (or the bound address), `Origin`
+/// absent, the server's own or https://app.foxglove.dev, and the sub-protocol foxglove.sdk.v1 or
+/// foxglove.websocket.v1: any page in a browser can open a connection to this computer.
 class FoxgloveServer {
  public:
   /// Binds. Throws `ServerError` where that fails.
@@ -117,7 +118,8 @@ class FoxgloveServer {
   /// A parameter has changed by itself: clients are told.
   void set_parameter(const std::string& name, double value);
   [[nodiscard]] ServerStatistics statistics() const noexcept;
-  /// Ends all connections and the thread; `words` [optional] say why, to all that are connected, 0.1 s before.
+  /// Ends all connections and the thread; `words` [optional] say why, to all that are connected, 0.1 s
+  /// before.
   void stop(const std::string& words = {}) noexcept;
 
  private:

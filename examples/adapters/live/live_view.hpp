@@ -28,7 +28,8 @@ class Requests {
   /// The request since the last call, if any.
   [[nodiscard]] skinctl::CycleRequest take() noexcept { return asked_.exchange(skinctl::CycleRequest::none); }
 
-  /// The `law`-th weight of a blended sum shall be `weight`; the others stay as they are asked for, at first 1.
+  /// The `law`-th weight of a blended sum shall be `weight`; the others stay as they are asked for, at
+  /// first 1.
   void weigh(std::size_t law, double weight) noexcept {
     weights_[law].store(weight);
     weighed_.store(true);
@@ -70,18 +71,19 @@ struct WeightRange {
   double lower = 0, upper = 1;
 };
 
-/// Streams cycles to a server: joint states and torque shares of every cycle, cells, contacts and frames at 30 Hz, the
-/// status at 10 Hz, robot and skin once. What nobody hears is not encoded.
+/// Streams cycles to a server: joint states and torque shares of every cycle, cells, contacts and frames at
+/// 30 Hz, the status at 10 Hz, robot and skin once. What nobody hears is not encoded.
 ///
-/// Where the scene's law is blended, its weights are parameters of the server, "weight of LAW". A weight that the scene
-/// refuses goes back to what it was.
+/// Where the scene's law is blended, its weights are parameters of the server, "weight of LAW". A weight that
+/// the scene refuses goes back to what it was.
 template <class C>
 class LiveView : public skinctl::CycleConsumer<C> {
  public:
   using typename skinctl::CycleConsumer<C>::Beginning;
 
-  /// Adds topics and the services /skinctl/stop and /skinctl/resume to the server, which is started afterwards. Stop is
-  /// always obeyed; resume where the server allows control. Throws where `CycleMessages` does.
+  /// Adds topics and the services /skinctl/stop and /skinctl/resume to the server, which is started
+  /// afterwards. Stop is always obeyed; resume where the server allows control. Throws where `CycleMessages`
+  /// does.
   /// @param weights  of a blended law, in its order.
   LiveView(FoxgloveServer& server, Requests& requests, skinctl::RunDescription run,
            const std::vector<WeightRange>& weights = {})

@@ -121,7 +121,8 @@ void Subscriber::set_publishers(const Value& uris) {
     }
     publishers_.push_back(std::make_unique<Publisher>(item.text));
   }
-  // Those that have gone are closed here; their places stay until the others' numbers may change: when nobody is heard.
+  // Those that have gone are closed here; their places stay until the others' numbers may change: when nobody
+  // is heard.
   for (auto& p : publishers_)
     if (p->gone) p->stream.close();
   if (connected() == 0) std::erase_if(publishers_, [](const auto& p) { return p->gone; });

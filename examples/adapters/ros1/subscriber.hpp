@@ -1,4 +1,5 @@
-// A node that subscribes to one topic of ROS 1: it registers with the master, asks publishers for their streams, and reads them.
+// A node that subscribes to one topic of ROS 1: it registers with the master, asks publishers for their
+// streams, and reads them.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -21,8 +22,8 @@ struct SubscriberConfig {
   std::string topic;
   std::string type, md5;  ///< of its messages; a publisher of others is refused
   std::string node;       ///< this node's name; empty: "/skinctl_" and the process's number
-  /// This computer's address, as the master and the publishers reach it; empty: the one on the way to the master. The
-  /// node listens there and nowhere else.
+  /// This computer's address, as the master and the publishers reach it; empty: the one on the way to the
+  /// master. The node listens there and nowhere else.
   std::string address;
   Timeout timeout{1000};  ///< of a call, and of a connection to a publisher
   Timeout again{1000};    ///< a publisher that was lost is tried again after this
@@ -31,17 +32,18 @@ struct SubscriberConfig {
   std::size_t most_publishers = 8;  ///< heard at once
 };
 
-/// Subscribed from construction to destruction. Everything happens in `poll`; a call to a slow node holds it for `timeout` at
-/// most, and streams wait in their sockets meanwhile.
+/// Subscribed from construction to destruction. Everything happens in `poll`; a call to a slow node holds it
+/// for `timeout` at most, and streams wait in their sockets meanwhile.
 ///
-/// The master's word is taken: it names publishers, and this node connects to them. Only the master's address may call this node.
+/// The master's word is taken: it names publishers, and this node connects to them. Only the master's address
+/// may call this node.
 class Subscriber {
  public:
   /// What takes a message. @param publisher  whose, from 0; valid for its connection.
   using Take = std::function<void(std::size_t publisher, std::span<const std::uint8_t> message)>;
 
-  /// Registers. Throws `ConnectionError` where the master cannot be reached or refuses, `ConfigurationError` for a topic, type
-  /// or name that is none.
+  /// Registers. Throws `ConnectionError` where the master cannot be reached or refuses, `ConfigurationError`
+  /// for a topic, type or name that is none.
   explicit Subscriber(SubscriberConfig config);
   ~Subscriber();
   Subscriber(const Subscriber&) = delete;

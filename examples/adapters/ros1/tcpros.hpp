@@ -12,14 +12,14 @@ namespace adapters::ros1 {
 
 using Fields = std::map<std::string, std::string, std::less<>>;
 
-/// The fields "name=value" of a header, each with its length before it (uint32, little-endian). None where a length
-/// leads out of `bytes` or a field has no name.
+/// The fields "name=value" of a header, each with its length before it (uint32, little-endian). None where a
+/// length leads out of `bytes` or a field has no name.
 [[nodiscard]] std::optional<Fields> parse_fields(std::span<const std::uint8_t> bytes);
 /// A header with its length, ready to send.
 [[nodiscard]] std::vector<std::uint8_t> header(const Fields& fields);
 
-/// Cuts a stream into blocks: a length (uint32, little-endian) and so many bytes. Memory grows with what has arrived,
-/// never with what a length announces.
+/// Cuts a stream into blocks: a length (uint32, little-endian) and so many bytes. Memory grows with what has
+/// arrived, never with what a length announces.
 class Blocks {
  public:
   /// @param largest  a longer block breaks the stream.

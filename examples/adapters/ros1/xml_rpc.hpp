@@ -10,8 +10,8 @@
 
 namespace adapters::ros1 {
 
-/// A text, a whole number or a list. What else XML-RPC has is read as the nearest of them: a boolean as a number; a double,
-/// a date or base64 as its text; a structure as the list of its members' values.
+/// A text, a whole number or a list. What else XML-RPC has is read as the nearest of them: a boolean as a
+/// number; a double, a date or base64 as its text; a structure as the list of its members' values.
 struct Value {
   enum class Kind : std::uint8_t { text, number, list };
 
@@ -42,7 +42,8 @@ inline constexpr std::size_t deepest = 8, max_values = 1024;
 [[nodiscard]] std::string write(const Call& call);
 [[nodiscard]] std::string write(const Value& answer);
 
-/// An HTTP message that comes in pieces: at most 8 KiB of header and 64 KiB of body, no other transfer encoding.
+/// An HTTP message that comes in pieces: at most 8 KiB of header and 64 KiB of body, no other transfer
+/// encoding.
 class HttpMessage {
  public:
   enum class Kind : std::uint8_t { request, answer };
@@ -50,7 +51,8 @@ class HttpMessage {
 
   explicit HttpMessage(Kind kind) : kind_(kind) {}
 
-  /// What follows the end of the message is ignored. A request other than POST and an answer other than 200 are broken.
+  /// What follows the end of the message is ignored. A request other than POST and an answer other than 200
+  /// are broken.
   State take(std::span<const std::uint8_t> bytes);
   /// The peer has closed: an answer without a length ends here.
   State closed();
@@ -78,7 +80,8 @@ struct Uri {
   std::string host, path;
   std::uint16_t port = 0;
 };
-/// None where it is none: no "http://", no port, or a host of other than letters, digits and -._ (at most 255).
+/// None where it is none: no "http://", no port, or a host of other than letters, digits and -._ (at most
+/// 255).
 [[nodiscard]] std::optional<Uri> parse_uri(std::string_view text);
 
 }  // namespace adapters::ros1

@@ -39,8 +39,8 @@ class Scanner {
  public:
   explicit Scanner(std::string_view xml) : left_(trimmed(xml)) {}
 
-  /// Calls `f(element, attribute, value)`, for text with an empty attribute; false for what is no such XML, or if `f`
-  /// says so.
+  /// Calls `f(element, attribute, value)`, for text with an empty attribute; false for what is no such XML,
+  /// or if `f` says so.
   template <class F>
   bool each(std::string_view root, F&& f) {
     if (left_.size() > longest) return false;

@@ -27,7 +27,8 @@ struct Sen {
   bool stop = false;                   ///< ends the motion there
 };
 
-/// False for what is no such XML: names in any case and order, others passed over; numbers finite, |number| <= 1e6.
+/// False for what is no such XML: names in any case and order, others passed over; numbers finite, |number|
+/// <= 1e6.
 bool parse(std::string_view xml, Rob& out) noexcept;
 bool parse(std::string_view xml, Sen& out) noexcept;
 /// The number of characters written; 0: there was no room.

@@ -22,8 +22,8 @@ class Key {
 
   /// Throws `ConfigurationError` where the program was built without libsodium, naming the package.
   explicit Key(std::span<const std::uint8_t, size> bytes);
-  /// Reads 64 hexadecimal digits. Throws `ConfigurationError` for a file that cannot be read, that others than
-  /// its owner may read or write, or that holds anything else.
+  /// Reads 64 hexadecimal digits. Throws `ConfigurationError` for a file that cannot be read, that others
+  /// than its owner may read or write, or that holds anything else.
   static Key read(const std::string& file);
   Key(const Key&) = default;
   Key& operator=(const Key&) = default;

@@ -15,8 +15,8 @@
 
 namespace adapters::skin {
 
-/// A file that is no bag, is damaged, or is compressed in a way that this build cannot read. The text names the file
-/// and the place.
+/// A file that is no bag, is damaged, or is compressed in a way that this build cannot read. The text names
+/// the file and the place.
 class BagError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -28,8 +28,8 @@ struct BagMessage {
   std::span<const std::uint8_t> bytes;
 };
 
-/// Reads a bag from its front to its end, chunk by chunk; the index is not needed, so a bag whose recorder was killed
-/// is read up to where it ends. Memory is bounded by the largest chunk, at most `largest`.
+/// Reads a bag from its front to its end, chunk by chunk; the index is not needed, so a bag whose recorder
+/// was killed is read up to where it ends. Memory is bounded by the largest chunk, at most `largest`.
 class BagReader {
  public:
   static constexpr std::size_t largest = 64 << 20;
@@ -68,7 +68,8 @@ class BagReader {
 /// Writes a bag of one topic, uncompressed, with its index.
 class BagWriter {
  public:
-  /// Throws `BagError` where the file cannot be written. `md5sum` "*" fits every reader that takes any definition.
+  /// Throws `BagError` where the file cannot be written. `md5sum` "*" fits every reader that takes any
+  /// definition.
   BagWriter(const std::string& file, const std::string& topic, const std::string& type,
             const std::string& definition, const std::string& md5sum = "*");
   ~BagWriter();

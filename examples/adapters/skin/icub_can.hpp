@@ -17,8 +17,8 @@ struct IcubFrame {
   std::uint32_t first = 0, count = 0;
   std::array<std::uint8_t, 7> raw{};  ///< 255 untouched, less when pressed
 
-  /// Taxel `k` < count as a cell of one force sensor: its id is `192 board + 12 triangle + taxel`, its reading
-  /// (255 - raw) / 255. Untouched taxels rest a little above 0, each elsewhere: see `RestLevel`.
+  /// Taxel `k` < count as a cell of one force sensor: its id is `192 board + 12 triangle + taxel`, its
+  /// reading (255 - raw) / 255. Untouched taxels rest a little above 0, each elsewhere: see `RestLevel`.
   [[nodiscard]] skinctl::CellSample sample(std::size_t k, skinctl::Nanoseconds time) const noexcept;
 };
 inline constexpr std::uint32_t icub_taxels_of_a_triangle = 12, icub_taxels_of_a_board = 192;

@@ -14,12 +14,12 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <thread>
 #include <vector>
 
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 
 using namespace adapters::skin;
 using Clock = std::chrono::steady_clock;
@@ -40,7 +40,8 @@ double busy_of_this_thread() {
   return s(use.ru_utime) + s(use.ru_stime);
 }
 
-/// Sends `total` datagrams of `samples` samples at a steady rate; gives how many it sent late by 5 ms and more.
+/// Sends `total` datagrams of `samples` samples at a steady rate; gives how many it sent late by 5 ms and
+/// more.
 std::uint64_t send_all(std::uint16_t port, std::uint64_t total, std::size_t samples, double a_second,
                        const std::optional<Key>& key, const std::atomic<bool>& stop) {
   sockaddr_in to{};
@@ -118,11 +119,7 @@ int main(int argc, char** argv) {
   app.add_option("rate", rate, "samples a second")->check(CLI::Range(1e3, 1e8))->capture_default_str();
   app.add_option("sealed", sealed, "1: authenticated datagrams");
   app.add_flag("--simulate", simulate, "a simulated skin (there is no other)");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   const job::StopSignals signals;
   std::optional<Key> key;
   if (sealed) key.emplace(std::array<std::uint8_t, Key::size>{1, 2, 3});

@@ -25,9 +25,9 @@ struct Ros1Units {
       64;  ///< of one array: cells with more sensors than ours are read, the rest is left
 };
 
-/// The samples of a message, in order; their times are the `ts` of the sender. False, and nothing is added, unless
-/// all of `bytes` is one message: little-endian, lengths as uint32. Whether a sample is plausible is still to be
-/// checked (`skinctl::check`).
+/// The samples of a message, in order; their times are the `ts` of the sender. False, and nothing is added,
+/// unless all of `bytes` is one message: little-endian, lengths as uint32. Whether a sample is plausible is
+/// still to be checked (`skinctl::check`).
 bool parse_ros1(std::span<const std::uint8_t> bytes, std::vector<skinctl::CellSample>& out,
                 const Ros1Units& units = {});
 /// The message of these samples.

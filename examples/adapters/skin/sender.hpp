@@ -21,8 +21,8 @@ class Sender {
   /// With a key the datagrams are sealed, and answer the receiver's questions.
   Sender(const std::string& host, std::uint16_t port, std::optional<Key> key = {});
 
-  /// Sends `samples`, whose times are of the clock that shows `now`; without samples a heartbeat. Samples whose time
-  /// is after `now` are refused by the receiver. Returns how many datagrams went out.
+  /// Sends `samples`, whose times are of the clock that shows `now`; without samples a heartbeat. Samples
+  /// whose time is after `now` are refused by the receiver. Returns how many datagrams went out.
   template <skinctl::SensorKind Kind = skinctl::Hexagon>
   std::size_t send(std::span<const skinctl::SampleOf<Kind>> samples, skinctl::Nanoseconds now) noexcept {
     listen();

@@ -14,8 +14,8 @@ struct Options {
   Timeout answer{500};  ///< of each question before the start, asked three times
 };
 
-/// A `ClockProtocol`. The program STREAM_MOTN, or what calls it, has to run on the controller; the streamed joints are
-/// those of a URDF: J3 is relative to link 2.
+/// A `ClockProtocol`. The program STREAM_MOTN, or what calls it, has to run on the controller; the streamed
+/// joints are those of a URDF: J3 is relative to link 2.
 class StreamMotion {
  public:
   static constexpr std::size_t joints = 6;

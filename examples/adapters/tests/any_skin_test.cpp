@@ -1,9 +1,9 @@
 // AnySkin: packets among damage, a pad at a pseudo terminal, and forces from its fields.
 //
 // Promise: an AnySkin's packets are found again behind any damage, and no other frames are
-// Tried: 20 000 streams with bytes lost or added at one place, cut anywhere: every whole packet behind a whole
-// end is read, and none that the pad did not write; where half of the numbers hold line ends, of 10 000 seams
-// fewer than 200 are taken; 20 000 streams with bytes changed, lost and added everywhere: every byte is
+// Tried: 20 000 streams with bytes lost or added at one place, cut anywhere: every whole packet behind a
+// whole end is read, and none that the pad did not write; where half of the numbers hold line ends, of 10 000
+// seams fewer than 200 are taken; 20 000 streams with bytes changed, lost and added everywhere: every byte is
 // accounted for, every number likely
 
 #include <doctest/doctest.h>

@@ -1,5 +1,6 @@
-// A ROS 1 master and a publisher of one topic, in a thread; their bytes are written by hand from ROS's Master API, Slave API and
-// TCPROS pages: texts without a type and <i4> as roscpp sends them, <string> and <int> as rospy does.
+// A ROS 1 master and a publisher of one topic, in a thread; their bytes are written by hand from ROS's Master
+// API, Slave API and TCPROS pages: texts without a type and <i4> as roscpp sends them, <string> and <int> as
+// rospy does.
 #pragma once
 
 #include <poll.h>

@@ -1,4 +1,5 @@
-// A UR5 by direct torque in step with its simulation: goes to rest at a target, or after targets that come in steps.
+// A UR5 by direct torque in step with its simulation: goes to rest at a target, or after targets that come in
+// steps.
 #pragma once
 
 #include <cmath>
@@ -136,7 +137,8 @@ struct Following {
   std::string lost;
 };
 
-/// Follows 0.2 rad at 0.25 Hz of which a position comes every 20 ms, for 8 s. `Tracker`: what makes a reference of it.
+/// Follows 0.2 rad at 0.25 Hz of which a position comes every 20 ms, for 8 s. `Tracker`: what makes a
+/// reference of it.
 template <class Tracker>
 Following follow_steps(double coulomb_scale) {
   Arm arm(coulomb_scale);

@@ -1,4 +1,5 @@
-// The UR driver against the simulated robot: connecting, power, protective stops, inputs, reconnection, versions.
+// The UR driver against the simulated robot: connecting, power, protective stops, inputs, reconnection,
+// versions.
 //
 // Promise: the UR driver powers up by dashboard or REST, releases a protective stop on request only, and
 // connects again after a restart only when told to
@@ -65,7 +66,8 @@ simulated_ur5::Change reports(const Version& v) {
   };
 }
 
-/// Answers one HTTP request after the other, each on a connection of its own, with what `answer(request)` gives.
+/// Answers one HTTP request after the other, each on a connection of its own, with what `answer(request)`
+/// gives.
 class Web {
  public:
   explicit Web(std::function<std::string(const std::string&)> answer)

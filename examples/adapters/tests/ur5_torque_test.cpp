@@ -1,5 +1,5 @@
-// The UR driver by torque: the simulated arm, with the friction that its controller leaves over, comes to rest at its
-// target.
+// The UR driver by torque: the simulated arm, with the friction that its controller leaves over, comes to
+// rest at its target.
 //
 // Promise: by direct torque the simulated UR5 rests at its target and stands there, also where its
 // controller compensates dry friction by the measured speed; targets that come in steps make no step of
@@ -15,7 +15,8 @@
 using namespace under_torque;
 
 TEST_CASE("UR driver: by torque the simulated arm rests within 0.1 degree of its target, and stands") {
-  // The controller compensates dry friction by the measured speed, none at rest; learning takes what is left over.
+  // The controller compensates dry friction by the measured speed, none at rest; learning takes what is left
+  // over.
   const Rest without = rest(false, 0.8);
   MESSAGE("a fifth of friction left over, without learning: ", without.error / degree, " deg");
   CHECK(without.error > 0.5 * degree);

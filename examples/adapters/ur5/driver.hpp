@@ -71,8 +71,8 @@ class Driver {
   Driver(const Driver&) = delete;
   Driver& operator=(const Driver&) = delete;
 
-  /// Connects, powers up, subscribes, uploads the program and waits until the robot has connected back. After a loss
-  /// it may be called again, which is the user's consent to go on.
+  /// Connects, powers up, subscribes, uploads the program and waits until the robot has connected back. After
+  /// a loss it may be called again, which is the user's consent to go on.
   void connect();
 
   skinctl::Heard wait(skinctl::State<6>& state) noexcept;
@@ -94,8 +94,8 @@ class Driver {
   /// this computer's clock [s]; negative: not known, as `DriverConfig::echo` is off, the controller is older
   /// than 3.9 or 5.3, or time is not real.
   [[nodiscard]] double round_trip() const noexcept { return round_trip_; }
-  /// Where the arm was told to be at the newest report: a droop or an offset of the encoders lies between this
-  /// and the measured position.
+  /// Where the arm was told to be at the newest report: a droop or an offset of the encoders lies between
+  /// this and the measured position.
   [[nodiscard]] skinctl::JointPosition<6> told() const noexcept {
     return skinctl::JointPosition<6>(report_.told);
   }
@@ -117,7 +117,8 @@ class Driver {
   [[nodiscard]] const Version& controller() const noexcept { return rtde_.version(); }
   /// Packages that said nothing we could use.
   [[nodiscard]] std::uint64_t nonsense() const noexcept { return nonsense_; }
-  /// Packages whose time stamp was not later than the one before: repeated, out of order, or of a clock that stands.
+  /// Packages whose time stamp was not later than the one before: repeated, out of order, or of a clock that
+  /// stands.
   [[nodiscard]] std::uint64_t stood() const noexcept { return stood_; }
 
   /// The share of full speed that trajectories of the controller get, 0 to 1. False if it could not be sent.
@@ -126,8 +127,8 @@ class Driver {
   bool set_digital_output(unsigned output, bool on) noexcept;
   /// What the flange carries [kg], and its centre of mass in the flange's frame [m]. Runs beside the program.
   bool set_payload(double mass, const std::array<double, 3>& centre);
-  /// Releases a protective stop: only ever on this request. Throws `ConnectionError` with the robot's answer, such as that
-  /// five seconds have not passed yet.
+  /// Releases a protective stop: only ever on this request. Throws `ConnectionError` with the robot's answer,
+  /// such as that five seconds have not passed yet.
   void unlock_protective_stop();
 
  private:

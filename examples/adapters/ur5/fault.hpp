@@ -1,4 +1,5 @@
-// Why a UR is lost to its program: one table of what is seen, what happens, how long until rest, and the way back.
+// Why a UR is lost to its program: one table of what is seen, what happens, how long until rest, and the way
+// back.
 #pragma once
 
 #include <array>
@@ -28,8 +29,8 @@ enum class Fault : unsigned char {
   count
 };
 
-/// A row of the table. `rest_ms` counts from the fault until all joints stand, of an arm that is told no more than
-/// 3 rad/s: what the robot does by itself is part of it.
+/// A row of the table. `rest_ms` counts from the fault until all joints stand, of an arm that is told no more
+/// than 3 rad/s: what the robot does by itself is part of it.
 struct FaultRow {
   Fault fault;
   const char* name;      ///< as the enumerator

@@ -1,5 +1,5 @@
-// The robot's panel from afar: power, brakes and unlocking, by the dashboard server or by the REST interface of
-// PolyScope X.
+// The robot's panel from afar: power, brakes and unlocking, by the dashboard server or by the REST interface
+// of PolyScope X.
 #pragma once
 
 #include <string>
@@ -24,8 +24,9 @@ class Dashboard {
   std::string rest_;
 };
 
-/// `PUT .../robotstate/v1/state {"action": ACTION}` and `GET .../robotmode`: an HTTP exchange on a connection of its
-/// own. Answers of more than 64 kB, redirections and anything but 2xx are `ConnectionError`s with the answer's text.
+/// `PUT .../robotstate/v1/state {"action": ACTION}` and `GET .../robotmode`: an HTTP exchange on a connection
+/// of its own. Answers of more than 64 kB, redirections and anything but 2xx are `ConnectionError`s with the
+/// answer's text.
 class Rest {
  public:
   Rest(std::string host, std::uint16_t port, Timeout timeout);

@@ -22,9 +22,9 @@ inline constexpr double servoj_lookahead = 0.03;
 /// What the controller compensates under direct torque, beside gravity.
 struct TorqueSettings {
   bool friction = true;  ///< false: none
-  /// Shares of the controller's own model of friction, 0 to 1; only where the version takes them. Dry friction it
-  /// compensates by the measured speed: not at rest, and at once when a joint slips, so that a law that learns friction
-  /// (`FrictionLearning`) hunts beside it: give it `coulomb` 0.
+  /// Shares of the controller's own model of friction, 0 to 1; only where the version takes them. Dry
+  /// friction it compensates by the measured speed: not at rest, and at once when a joint slips, so that a
+  /// law that learns friction (`FrictionLearning`) hunts beside it: give it `coulomb` 0.
   std::array<double, 6> viscous{0.9, 0.9, 0.8, 0.9, 0.9, 0.9}, coulomb{0.8, 0.8, 0.7, 0.8, 0.8, 0.8};
 };
 
@@ -41,8 +41,8 @@ inline constexpr int echo_register = 24;  ///< an integer, of those that no fiel
 inline constexpr std::int32_t echo_numbers =
     512 * 2000;  ///< after the last of them the count begins anew with 1
 
-/// The text. It connects to `address:port`, obeys each message for at most the time in it, and then stops the arm with
-/// `stopj`, whatever has become of this computer.
+/// The text. It connects to `address:port`, obeys each message for at most the time in it, and then stops the
+/// arm with `stopj`, whatever has become of this computer.
 [[nodiscard]] std::string program(const ProgramSettings& settings);
 
 /// A message of the reverse socket: read timeout [ms], six numbers in millionths, mode.

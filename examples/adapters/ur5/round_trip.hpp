@@ -14,8 +14,8 @@ struct RoundTrip {
   skinctl::Nanoseconds controller_median{}, controller_longest{};
 };
 
-/// Writes `input_int_register_24` and waits until the outputs show it, `echoes` times, on an RTDE connection of its own.
-/// Moves nothing. Throws `ConnectionError`, also if another client holds the register.
+/// Writes `input_int_register_24` and waits until the outputs show it, `echoes` times, on an RTDE connection
+/// of its own. Moves nothing. Throws `ConnectionError`, also if another client holds the register.
 [[nodiscard]] RoundTrip measure_round_trip(const std::string& host, std::uint16_t rtde_port, double rate,
                                            int echoes = 50, Timeout timeout = Timeout(5000));
 

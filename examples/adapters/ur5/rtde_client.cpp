@@ -1,7 +1,5 @@
 #include "examples/adapters/ur5/rtde_client.hpp"
 
-#include <sstream>
-
 namespace adapters::ur5 {
 namespace {
 

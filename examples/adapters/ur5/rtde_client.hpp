@@ -19,7 +19,8 @@ class RtdeClient {
   void connect(const std::string& host, std::uint16_t port, Timeout timeout);
   /// Subscribes; the recipe's number. `types`: those expected; the error names the outputs that differ.
   std::uint8_t outputs(double rate, const std::string& names, const std::string& types);
-  /// Registers inputs; the recipe's number. Those that another client holds, and unknown ones, are named in the error.
+  /// Registers inputs; the recipe's number. Those that another client holds, and unknown ones, are named in
+  /// the error.
   std::uint8_t inputs(const std::string& names);
   void start();
   /// The next package, waiting at most `timeout`.

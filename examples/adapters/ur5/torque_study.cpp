@@ -1,10 +1,12 @@
-// ur5_torque_study: a simulated UR5 by direct torque, with the friction that its controller leaves over: how near to its
-// target it rests, and what targets in steps do to it. In step with the simulation, some ten seconds.
+// ur5_torque_study: a simulated UR5 by direct torque, with the friction that its controller leaves over: how
+// near to its target it rests, and what targets in steps do to it. In step with the simulation, some ten
+// seconds.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "examples/adapters/tests/under_torque.hpp"
 #include "examples/support/job.hpp"
+#include "examples/support/program.hpp"
 
 using namespace under_torque;
 
@@ -16,11 +18,7 @@ int main(int argc, char** argv) {
   app.footer(job::exit_help());
   bool simulate = false;
   app.add_flag("--simulate", simulate, "a simulated UR5 (there is no other)");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return job::code(app.exit(e) == 0 ? job::Exit::fine : job::Exit::refused);
-  }
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   std::printf(
       "| compensated by the controller | learning | farthest joint at rest [deg] | moves there by [deg] "
       "|\n|---|---|---|---|\n");

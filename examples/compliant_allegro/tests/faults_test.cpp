@@ -1,4 +1,5 @@
-// Everything that goes wrong between the job and a hand: the reaction, the time until the servo is off, the exit code.
+// Everything that goes wrong between the job and a hand: the reaction, the time until the servo is off, the
+// exit code.
 #include <doctest/doctest.h>
 
 #include <cstdio>

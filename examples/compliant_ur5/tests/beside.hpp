@@ -29,8 +29,9 @@ inline Settings settings() {
   return s;
 }
 
-/// A port on which nobody listens just now, and that no connection gets by itself: below those that the system gives
-/// away (32768 and up) and those of a robot (29999 and up), so that nobody takes it before it is listened on.
+/// A port on which nobody listens just now, and that no connection gets by itself: below those that the
+/// system gives away (32768 and up) and those of a robot (29999 and up), so that nobody takes it before it is
+/// listened on.
 template <class Socket>
 std::uint16_t free_port() {
   using boost::asio::ip::address_v4;

@@ -17,7 +17,6 @@
 #include <fstream>
 #include <numbers>
 #include <random>
-#include <thread>
 
 #include "examples/compliant_ur5/fault_runs.hpp"
 #include "examples/compliant_ur5/noted.hpp"

@@ -1,5 +1,5 @@
-// A run of the main job that is disturbed while the arm moves: when the arm rests, how the job ends, and whether it can be
-// started again.
+// A run of the main job that is disturbed while the arm moves: when the arm rests, how the job ends, and
+// whether it can be started again.
 #pragma once
 
 #include <functional>
@@ -85,7 +85,8 @@ struct Disturbed {
     if (words.empty()) words = log.words;
   }
 
-  /// Once the cables are whole and `mend` has put the robot right: whether the job starts again and ends well.
+  /// Once the cables are whole and `mend` has put the robot right: whether the job starts again and ends
+  /// well.
   bool starts_again(const std::function<void(Disturbed&)>& mend = {}) {
     using Cable = simulated_ur5::FaultyWire::Cable;
     for (auto* wire : {&rtde, &reverse}) {

@@ -1,4 +1,5 @@
-// Everything that can happen between the main job and its robot: what it does, how soon the arm rests, and how it ends.
+// Everything that can happen between the main job and its robot: what it does, how soon the arm rests, and
+// how it ends.
 //
 // Promise: whatever happens between the main job and its robot, the arm rests in the time that its table
 // states, and the exit code and words tell why

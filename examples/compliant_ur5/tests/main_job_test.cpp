@@ -123,8 +123,8 @@ TEST_CASE("main job: gives way to every touch, returns, and is five times softer
     CHECK(t.return_error < 0.003);
     CHECK(t.true_peak_force > 0);
   }
-  // A finger that comes and goes makes the force rise and fall once; behind the lag of servoj a few swings of more than
-  // 3 N may follow the first, and no row of them.
+  // A finger that comes and goes makes the force rise and fall once; behind the lag of servoj a few swings of
+  // more than 3 N may follow the first, and no row of them.
   for (const auto& t : soft.touches) {
     int turns = 0;
     double extreme = 0;
@@ -195,7 +195,8 @@ TEST_CASE("main job: by torque it gives way to every touch of the same scenario,
   }
   CHECK(log.peak_force < 60);  // of the third, which meets the arm on its way
   CHECK(fact(log, "allocations in the loop") == "0");
-  // Seconds after each touch every joint rests beside its target by less than the promise, and does not hunt about it.
+  // Seconds after each touch every joint rests beside its target by less than the promise, and does not hunt
+  // about it.
   constexpr double degree = 0.017453292519943295;
   for (const auto& span : {std::pair{1.0, 2.0}, std::pair{8.4, 8.9}, std::pair{15.4, 15.9},
                            std::pair{32.4, 32.9}, std::pair{39.4, 39.9}, std::pair{58.0, 60.0}}) {
@@ -271,7 +272,8 @@ TEST_CASE(
   REQUIRE(run(s, false, soft) == Outcome::fine);
   REQUIRE(soft.touches.size() == 1);
   CHECK(soft.touches[0].deflection > 0.02);
-  // Every tenth cell of the forearm is masked: its neighbours fill it in. All of them: the robot is blind there.
+  // Every tenth cell of the forearm is masked: its neighbours fill it in. All of them: the robot is blind
+  // there.
   for (auto& patch : file.patches)
     for (std::size_t c = 0; c < patch.cells.size(); c += 10)
       if (patch.name == "forearm") patch.cells[c].masked = "as a test";

@@ -1,6 +1,6 @@
-// Presses the arm of a live main job by its page in headless Chromium: by the pointer, dragged, and by keys; it
-// gives way, goes back, and the job goes on until it is stopped. Ends with 77 (ctest: skipped) without Chromium. `--keep FOLDER`
-// leaves a screenshot behind.
+// Presses the arm of a live main job by its page in headless Chromium: by the pointer, dragged, and by keys;
+// it gives way, goes back, and the job goes on until it is stopped. Ends with 77 (ctest: skipped) without
+// Chromium. `--keep FOLDER` leaves a screenshot behind.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 #include <signal.h>
@@ -23,7 +23,8 @@ constexpr int skipped = 77;
 std::string chromium;
 std::filesystem::path keep;
 
-/// The main job as a user starts it, without scripted fingers and goals, which would press and move it meanwhile.
+/// The main job as a user starts it, without scripted fingers and goals, which would press and move it
+/// meanwhile.
 struct Job {
   explicit Job(const std::filesystem::path& folder) {
     const auto scenario = folder / "nobody.toml";

@@ -1,16 +1,14 @@
 // The pointer of a page on the simulated arm: what its messages do, and what they cannot do.
 //
 // Promise: whoever sees the page of a simulated run presses the arm, and nothing else
-// Tried: a press on a cell, dragged, lifted, forgotten; a page that closes; 10 000 damaged messages; a press through
-// the whole job by a page in Chromium
-// Also: `examples/compliant_ur5/tests/pointer_in_browser.cpp`
+// Tried: a press on a cell, dragged, lifted, forgotten; a page that closes; 10 000 damaged messages; a press
+// through the whole job by a page in Chromium Also: `examples/compliant_ur5/tests/pointer_in_browser.cpp`
 #include "examples/compliant_ur5/pointer.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 

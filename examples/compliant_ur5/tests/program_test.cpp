@@ -31,7 +31,8 @@ struct Ran {
   double seconds = 0;  ///< from the signal, or the start
 };
 
-/// Runs the program; after a second of output `number` is sent, if it is not 0. `deaf`: nobody reads what it prints.
+/// Runs the program; after a second of output `number` is sent, if it is not 0. `deaf`: nobody reads what it
+/// prints.
 Ran run(std::vector<std::string> words, int number = 0, bool deaf = false) {
   int ends[2];
   REQUIRE(::pipe(ends) == 0);

@@ -1,7 +1,7 @@
-// Looks at the live page and the placing page in headless Chromium, on a run that goes on: what is drawn, stop, resume,
-// scrubbing, a cut file, a patch laid by hand; at the width of a phone nothing overflows; no error of a script. Ends
-// with 77 (ctest: skipped) without Chromium. `--keep FOLDER` leaves screenshots behind; `--serve` serves until it is
-// interrupted, for people.
+// Looks at the live page and the placing page in headless Chromium, on a run that goes on: what is drawn,
+// stop, resume, scrubbing, a cut file, a patch laid by hand; at the width of a phone nothing overflows; no
+// error of a script. Ends with 77 (ctest: skipped) without Chromium. `--keep FOLDER` leaves screenshots
+// behind; `--serve` serves until it is interrupted, for people.
 //
 // Promise: a patch that is laid onto a link by hand is skin that the main job feels
 // Tried: every cell to within 1e-12 m of the tube, dragged by mouse and keys; the file that the button
@@ -95,9 +95,9 @@ std::string recorded(const browser::Folder& folder) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// The smallest difference of two of these colours ("rgb(1, 2, 3)" or "#010203"), CIE76, to normal eyes and to those of the
-/// three kinds of dichromats (Machado, Oliveira, Fernandes, "A physiologically-based model for simulation of color
-/// vision deficiency", 2009, severity 1). Eyes tell 2.3 apart.
+/// The smallest difference of two of these colours ("rgb(1, 2, 3)" or "#010203"), CIE76, to normal eyes and
+/// to those of the three kinds of dichromats (Machado, Oliveira, Fernandes, "A physiologically-based model
+/// for simulation of color vision deficiency", 2009, severity 1). Eyes tell 2.3 apart.
 double nearest_colours(const nlohmann::json& colours) {
   constexpr double eyes[4][9] = {
       {1, 0, 0, 0, 1, 0, 0, 0, 1},

@@ -1,5 +1,5 @@
-// The live view's server against clients written here byte by byte: hand-shake, hosts and origins, messages, services,
-// parameters, nonsense, clients that do not read.
+// The live view's server against clients written here byte by byte: hand-shake, hosts and origins, messages,
+// services, parameters, nonsense, clients that do not read.
 //
 // Promise: a live page shows what runs and cannot be misused
 // Tried: hosts, origins and sub-protocols of others refused; stop at once, resume and weights only with

@@ -31,6 +31,7 @@ using Limits = ClearanceLimits<Model, double, near_most>;
 constexpr double dt = 0.008;
 
 /// Of a point in the world from the trays' walls, boxes of 8 mm on the table; and from both.
+Trays standing_trays = first_trays;
 double from_walls(const Xyz<double>& p) {
   double least = 1e9;
   constexpr double half = 0.004;
@@ -39,7 +40,7 @@ double from_walls(const Xyz<double>& p) {
                  dy = std::max(0.0, std::abs(p.y - y) - half_y), dz = std::max(0.0, p.z - wall);
     least = std::min(least, std::hypot(dx, dy, dz));
   };
-  for (const Tray& t : {box_tray, bin_tray(0), bin_tray(1)})
+  for (const Tray& t : standing_trays)
     for (const double side : {-1.0, 1.0}) {
       box(t.x + side * (t.half_x + half), t.y, half, t.half_y + 2 * half, t.wall);
       box(t.x, t.y + side * (t.half_y + half), t.half_x + 2 * half, half, t.wall);
@@ -123,6 +124,27 @@ TEST_CASE(
                      << " at walls");
   CHECK(met > ways / 2);
   CHECK(walls > ways / 4);
+}
+
+TEST_CASE(
+    "packing_oranges: an arm keeps clear of the walls of a box that was moved; of where they were it does "
+    "not") {
+  const auto joints = A::robot().limits();
+  standing_trays[0].x = -0.08, standing_trays[0].y = 0.06;
+  const Limits knows(Model{}, joints, A::clearance_at_work(0, standing_trays)),
+      believes(Model{}, joints, A::clearance_at_work());
+  auto rng = testing::seeded(9);
+  int met = 0;
+  constexpr int ways = 20;
+  for (int n = 0; n < ways; ++n) {
+    const Tray& t = standing_trays[0];
+    const Xyz<double> to{t.x + t.half_x, t.y + testing::uniform(rng, -1.0, 1.0) * t.half_y, 0};
+    CAPTURE(n);
+    CHECK(lead_down(knows, joints, to) > -0.001);
+    met += lead_down(believes, joints, to) < -0.001;
+  }
+  standing_trays = first_trays;
+  CHECK(met > ways / 4);
 }
 
 TEST_CASE(

@@ -8,6 +8,10 @@
 // Promise: a hand learns from what slips how firmly it carries, and asks once about what it cannot carry
 // Tried: four oranges of friction 0.15, which 5 N do not hold: all right with at most 10 N, no question (0 by
 // the world that learns nothing); of friction 0.05: none, all left, each arm asks once
+//
+// Promise: a box that a person moves is found again: oranges end in it, and no arm presses on its walls
+// Tried: 12 oranges, the box moved by 120 mm two or three times: all right, no wall touched for 0.5 s or with
+// 12 N, by hands too; an arm that does not look for it presses on a wall with 100 N and more
 
 #include <doctest/doctest.h>
 
@@ -24,9 +28,18 @@ RunSettings six(std::uint64_t seed) {
   s.supply.oranges = 6;
   s.seed = seed;
   s.touch_every = 0;
-  s.work.executor.place = 2s;
+  s.work.executor.max_place_wait = 2s;
   s.honest = true;
   return s;
+}
+/// An arm that takes no part.
+ArmBody still(double x) {
+  ArmBody body;
+  body.X_WB =
+      skinctl::Transform<skinctl::World, skinctl::Base>({{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}, {x, 2, 1});
+  for (auto& l : body.links) l.mass = 1, l.inertia = {0.1, 0.1, 0.1, 0, 0, 0};
+  body.flange = 0.3;
+  return body;
 }
 int questions(const Outcome& o) {
   return o.arm[0].asked + o.arm[1].asked;
@@ -103,5 +116,46 @@ TEST_CASE("packing_oranges --world honest: what slips is held more firmly, or le
   for (const auto& a : wet.arm) {
     CHECK(a.asked == 1);
     CHECK(a.slipped.size() >= 1);
+  }
+}
+
+TEST_CASE("World: a tray slides when it is pulled by more than its friction, and stays where it was left") {
+  const auto way_of = [](bool moves, double force) {
+    World world({still(0), still(1)}, {.trays_move = moves}, 1);
+    world.pull_tray(0, {force, 0, 0});
+    for (int i = 0; i < 300; ++i) world.step();
+    world.pull_tray(0, {0, 0, 0});
+    for (int i = 0; i < 300; ++i) world.step();
+    const double left = world.tray(0).x;
+    for (int i = 0; i < 300; ++i) world.step();
+    CHECK(std::abs(world.tray(0).x - left) < 1e-4);
+    CHECK(world.tray(1).x == doctest::Approx(first_trays[1].x).epsilon(1e-6));
+    return left - first_trays[0].x;
+  };
+  CHECK(way_of(true, 12) > 0.05);
+  CHECK(std::abs(way_of(true, 4)) < 1e-3);
+  CHECK(way_of(false, 12) == 0);
+}
+
+TEST_CASE(
+    "packing_oranges --world honest: a box that is moved is found again; who does not look meets its walls") {
+  for (const bool hands : {false, true}) {
+    RunSettings s = six(2);
+    s.supply.oranges = 12;
+    s.move_box = 0.12;
+    s.hand = {hands, hands};
+    const Outcome o = run_ur5(s);
+    CAPTURE(hands);
+    CHECK(o.over);
+    CHECK(o.box_moved >= 2);
+    CHECK(o.right() == 12);
+    for (const auto& a : o.arm) {
+      CHECK(a.longest_at_wall < 500);
+      CHECK(a.wall_force < 12);
+    }
+    if (hands) continue;
+    s.honest = false;
+    const Outcome blind = run_ur5(s);
+    CHECK(std::max(blind.arm[0].wall_force, blind.arm[1].wall_force) > 100);
   }
 }

@@ -11,7 +11,7 @@ TEST_CASE("packing_oranges: two oranges are judged and packed") {
   settings.supply.oranges = 2;
   settings.seed = 3;
   settings.touch_every = 0;
-  settings.work.executor.place = 2s;
+  settings.work.executor.max_place_wait = 2s;
   const Outcome o = run_ur5(settings);
   CHECK(o.over);
   CHECK(o.right() == 2);

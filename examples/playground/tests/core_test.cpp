@@ -125,7 +125,8 @@ TEST_CASE(
   r.arms->hurt(true);
   r.run(2);
   CHECK(r.view.usable == 260 - Arms::dead - Arms::stuck);
-  // A cell that sticks at 5 N is not followed, and on its way to a place the arm does not lead with what feels nothing.
+  // A cell that sticks at 5 N is not followed, and on its way to a place the arm does not lead with what
+  // feels nothing.
   for (std::size_t i = 0; i < 6; ++i) CHECK(std::abs(r.view.q[i] - before[i]) < 0.05);
   CHECK(std::string(r.arms->words())
             .find("all joints are slowed, for a place that would lead and feels badly") != std::string::npos);

@@ -55,8 +55,8 @@ CallbackReturn SkinController::on_activate(const rclcpp_lifecycle::State&) {
                                                                            : CallbackReturn::ERROR;
 }
 
-// The first update starts the scene where the arm is; as in `run_loop`, commands begin with the next state. No
-// allocation, lock or exception, if the skin's source has none.
+// The first update starts the scene where the arm is; as in `run_loop`, commands begin with the next state.
+// No allocation, lock or exception, if the skin's source has none.
 return_type SkinController::update(const rclcpp::Time& time, const rclcpp::Duration&) {
   Parts& p = *parts_;
   State<6> measured;

@@ -1,4 +1,5 @@
-// A controller of ros2_control: a UR5 by position that gives way to its skin, one cycle of skinctl in each `update()`.
+// A controller of ros2_control: a UR5 by position that gives way to its skin, one cycle of skinctl in each
+// `update()`.
 #pragma once
 
 #include <functional>
@@ -12,8 +13,8 @@ namespace skinctl_controller {
 
 /// Where the samples of a cycle come from, stamped on the clock of `update()`, which shows `now`.
 using SkinSource = std::function<std::span<const skinctl::CellSample>(skinctl::Nanoseconds now)>;
-/// The source of controllers that are made from now on. A manager makes controllers by name and cannot pass one: the
-/// library that knows the skin (a driver, `adapters::dds::SkinReader`) sets it when it is loaded.
+/// The source of controllers that are made from now on. A manager makes controllers by name and cannot pass
+/// one: the library that knows the skin (a driver, `adapters::dds::SkinReader`) sets it when it is loaded.
 void set_skin_source(SkinSource source);
 
 class SkinController : public controller_interface::ControllerInterface {

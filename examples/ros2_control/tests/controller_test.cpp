@@ -1,4 +1,5 @@
-// The controller, loaded by class_loader as pluginlib loads it: its commands are those of `run_loop`, to the bit.
+// The controller, loaded by class_loader as pluginlib loads it: its commands are those of `run_loop`, to the
+// bit.
 //
 // Promise: a controller of ros2_control commands what `run_loop` does, to the bit
 // Tried: 500 cycles with touches, loaded by class_loader. Also: `examples/ros2_control/tests`

@@ -119,7 +119,8 @@ TEST_CASE(
     const auto in_hand =
         skinctl::Transform<skinctl::Base, skinctl::SomeLink>(poses.get<7>().axes(), poses.get<7>().origin()) *
         cells_of[7];
-    // The middle finger points up the hand's z axis from (0, 0, 0.0007): 16.4, 54 and 38.4 mm, and 32.7 mm of the tip.
+    // The middle finger points up the hand's z axis from (0, 0, 0.0007): 16.4, 54 and 38.4 mm, and 32.7 mm of
+    // the tip.
     CHECK(in_hand.origin().z == doctest::Approx(0.0007 + 0.0164 + 0.054 + 0.0384 + 0.0327));
     CHECK(in_hand.origin().x == doctest::Approx(0.0104));
     CHECK(std::abs(in_hand.origin().y) < 1e-12);

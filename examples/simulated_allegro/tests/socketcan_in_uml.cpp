@@ -1,6 +1,6 @@
-// Driver and simulated hand over a real SocketCAN bus, on kernels without one too: this program boots Linux as a process
-// (Debian package user-mode-linux) with itself as init, on a read-only view of this machine's files. Skipped with 77
-// where the package is missing.
+// Driver and simulated hand over a real SocketCAN bus, on kernels without one too: this program boots Linux
+// as a process (Debian package user-mode-linux) with itself as init, on a read-only view of this machine's
+// files. Skipped with 77 where the package is missing.
 #include <fcntl.h>
 #include <linux/if_link.h>
 #include <linux/rtnetlink.h>

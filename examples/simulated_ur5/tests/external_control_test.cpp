@@ -1,5 +1,5 @@
-// A program of the size and means of the makers' external-control script, sent in their way: three sockets, threads,
-// servoj, speedj, torques, trajectories by points and by splines, script commands. Raw bytes only.
+// A program of the size and means of the makers' external-control script, sent in their way: three sockets,
+// threads, servoj, speedj, torques, trajectories by points and by splines, script commands. Raw bytes only.
 #include <doctest/doctest.h>
 
 #include <algorithm>

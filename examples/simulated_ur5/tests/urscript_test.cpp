@@ -222,7 +222,8 @@ TEST_CASE("URScript: errors end the program with line and column") {
   CHECK(r.exception() == "2:3 compile_error_name_not_found:calldoesntexist:");
   r.run("  x = unknown_variable + 1\n");
   CHECK(r.exception() == "2:7 compile_error_name_not_found:unknown_variable:");
-  // A motion that is not known is no motion left out; one of the maker's that is not simulated ends what calls it.
+  // A motion that is not known is no motion left out; one of the maker's that is not simulated ends what
+  // calls it.
   r.run("  moveq([0, 0, 0, 0, 0, 0])\n");
   CHECK(r.exception() == "2:3 compile_error_name_not_found:moveq:");
   r.run(

@@ -58,8 +58,8 @@ struct Function {
   bool thread = false;
 };
 
-/// A call in the text. After linking one of `function` and `builtin` is set, and `target[i]` is the parameter that
-/// argument i goes to.
+/// A call in the text. After linking one of `function` and `builtin` is set, and `target[i]` is the parameter
+/// that argument i goes to.
 struct CallSite {
   std::string name;
   Place at;

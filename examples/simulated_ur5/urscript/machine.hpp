@@ -14,7 +14,8 @@ class Machine {
  public:
   explicit Machine(Code code);
 
-  /// Runs every thread until all wait. Main goes first, and again when what it waited for has come within the cycle.
+  /// Runs every thread until all wait. Main goes first, and again when what it waited for has come within the
+  /// cycle.
   void step(Robot& robot);
 
   bool ended() const { return ended_; }

@@ -32,8 +32,8 @@ struct Token {
   bool is(std::string_view s) const { return (kind == Kind::name || kind == Kind::sign) && text == s; }
 };
 
-/// All tokens of `text`, which must outlive them; the last one is `end`. Comments vanish, and so do the line ends
-/// within brackets.
+/// All tokens of `text`, which must outlive them; the last one is `end`. Comments vanish, and so do the line
+/// ends within brackets.
 std::vector<Token> tokens_of(std::string_view text);
 
 }  // namespace simulated_ur5::urscript

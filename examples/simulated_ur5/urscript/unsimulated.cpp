@@ -1,5 +1,5 @@
-// Functions of the maker's that this simulator knows by name only: a program that has them runs, one that calls them
-// ends with an error.
+// Functions of the maker's that this simulator knows by name only: a program that has them runs, one that
+// calls them ends with an error.
 #include "examples/simulated_ur5/urscript/builtin.hpp"
 
 namespace simulated_ur5::urscript {

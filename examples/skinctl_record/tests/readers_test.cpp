@@ -1,4 +1,5 @@
-// Readers that others wrote, or that were written from the specifications alone, agree on every field of a file.
+// Readers that others wrote, or that were written from the specifications alone, agree on every field of a
+// file.
 //
 // Promise: readers that others wrote agree on every field, CRC, index and hash
 // Tried: 420 messages of seven topics: Python from the specifications alone, @mcap/core with

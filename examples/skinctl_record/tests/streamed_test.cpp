@@ -1,5 +1,6 @@
-// The main job from end to end: streamed and recorded at once, while a client stops it, lets it go on and changes the weights
-// of its laws. The file replays to the bit, and readers that share nothing with the library find the streamed numbers in it.
+// The main job from end to end: streamed and recorded at once, while a client stops it, lets it go on and
+// changes the weights of its laws. The file replays to the bit, and readers that share nothing with the
+// library find the streamed numbers in it.
 //
 // Promise: a run that is streamed, recorded, stopped, resumed and weighed at once replays to the bit, and
 // others hear and read the same numbers

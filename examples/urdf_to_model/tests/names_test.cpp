@@ -1,4 +1,5 @@
-// A header made from names that are no identifiers: links are found by their names, and stand where they should.
+// A header made from names that are no identifiers: links are found by their names, and stand where they
+// should.
 #include "names.hpp"
 
 #include <Eigen/Geometry>

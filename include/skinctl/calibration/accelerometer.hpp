@@ -6,18 +6,20 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What is wrong with an accelerometer. Its reading, in g, is
+/// The errors of an accelerometer. Its reading, in g, is
 /// ```
 /// y = (1 + s) o Q' f + b,   Q = R turn(m),   f = (a - gravity) / |gravity|
 /// ```
 /// with `R` the axes of the cell and `f` the specific force at its origin, both in one frame.
 struct AccelerometerErrors {
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();          ///< b [g]
-  Eigen::Vector3d scale = Eigen::Vector3d::Zero();         ///< s [1]
-  Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();  ///< m, of the soldered sensor in its cell [rad]
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();   ///< b [g]
+  Eigen::Vector3d scale = Eigen::Vector3d::Zero();  ///< s [1]
+  /// m, turn of the soldered sensor in its cell [rad].
+  Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();
 };
 
-/// Standard deviations of `AccelerometerErrors` by the maker's word, each axis: of a BMA250, soldered by machine.
+/// Standard deviations of `AccelerometerErrors` by the maker's word, each axis: of a BMA250, soldered by
+/// machine.
 struct AccelerometerPrior {
   double bias = 0.040;                       ///< [g]
   double scale = 0.015;                      ///< [1]
@@ -26,21 +28,21 @@ struct AccelerometerPrior {
 
 /// The reading, and its derivatives. A turn of the cell is `R turn(d)`.
 struct AccelerometerReading {
-  Eigen::Vector3d y;                ///< [g]
-  Eigen::Matrix3d by_turn;          ///< of the cell, in its axes [g/rad]
-  Eigen::Matrix3d by_force;         ///< by the specific force in the outer frame
-  Eigen::Matrix3d by_misalignment;  ///< [g/rad]
-  Eigen::Vector3d by_scale;         ///< the diagonal of a matrix; by the bias it is 1
+  Eigen::Vector3d y;                ///< reading [g]
+  Eigen::Matrix3d by_turn;          ///< derivative by a turn of the cell in its axes [g/rad]
+  Eigen::Matrix3d by_force;         ///< derivative by the specific force in the outer frame [g/g]
+  Eigen::Matrix3d by_misalignment;  ///< derivative by the misalignment [g/rad]
+  Eigen::Vector3d by_scale;  ///< diagonal of the derivative by the scale [g]; the derivative by the bias is 1
 };
 
-/// What a cell with the axes `R` reads where the specific force is `f` [g]: without noise.
+/// The reading [g] of a cell with the axes `R` where the specific force is `f` [g]: without noise.
 [[nodiscard]] inline Eigen::Vector3d reading(const Eigen::Matrix3d& R, const AccelerometerErrors& e,
                                              const Eigen::Vector3d& f) noexcept {
   const Eigen::Vector3d u = turn(e.misalignment).transpose() * (R.transpose() * f);
   return (Eigen::Vector3d::Ones() + e.scale).cwiseProduct(u) + e.bias;
 }
 
-/// The same with its derivatives.
+/// The reading of `reading(R, e, f)`, with its derivatives.
 [[nodiscard]] inline AccelerometerReading reading_and_derivatives(const Eigen::Matrix3d& R,
                                                                   const AccelerometerErrors& e,
                                                                   const Eigen::Vector3d& f) noexcept {

@@ -14,7 +14,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a cell reads while one joint moves alone, in the axes of its sensor and in g:
+/// The reading of a cell while one joint moves alone, in the axes of its sensor and in g:
 /// ```
 /// y = (n x r) ddq/|g| - r_perp dq^2/|g| + e_par + b + e_perp cos q - (n x e_perp) sin q
 /// ```
@@ -23,12 +23,12 @@ struct JointSignature {
   bool measured = false;  ///< the joint moved alone for 1 s or more, and the cell reported
   double F = 0;           ///< explained variance per unexplained one; about 1 for a cell that does not move
   double radius = 0;      ///< |n x r| [m]
-  double turn = 0;        ///< of gravity, |e_perp| [g]
-  double certainty = 0;   ///< of the axis: signal over noise
+  double turn = 0;        ///< part of gravity across the axis, which turns in the cell: |e_perp| [g]
+  double certainty = 0;   ///< certainty of the axis: signal over noise
   bool moves = false;     ///< the joint moves the cell
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();    ///< n
-  Eigen::Vector3d to_axis = Eigen::Vector3d::Zero();  ///< from the cell to the nearest point of the axis [m]
-  Eigen::Vector3d up = Eigen::Vector3d::Zero();       ///< e + b at home [g]
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();    ///< n, unit vector of the axis, along the cell's axes
+  Eigen::Vector3d to_axis = Eigen::Vector3d::Zero();  ///< way from the cell to the axis' nearest point [m]
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();       ///< e + b at home, along the cell's axes [g]
 };
 
 struct ActivationSettings {
@@ -39,12 +39,12 @@ struct ActivationSettings {
   double gravity = 9.80665;  ///< [m/s^2]
 };
 
-/// Which joints move which cells.
+/// The joints that move each cell.
 struct Activation {
   Eigen::VectorXd home;     ///< position of the joints at the first stamp of the recording [rad]
   std::vector<bool> alone;  ///< joints that moved alone, from home, for a second or more
-  double lateness = 0;      ///< of the cells' labels, to 10 ms [s]
-  std::vector<std::vector<JointSignature>> cells;  ///< by cell, then joint
+  double lateness = 0;      ///< lateness of the cells' time stamps, to 10 ms [s]
+  std::vector<std::vector<JointSignature>> cells;  ///< signatures by cell, then by joint
   /// The link that carries a cell is that of the last joint that moves it; -1: none does.
   [[nodiscard]] int link(std::size_t cell) const noexcept {
     int last = -1;
@@ -151,8 +151,8 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
 
 }  // namespace detail::fit
 
-/// Finds which joints move which cells from blocks in which single joints move while the others stand at home, the
-/// positions at the start of the recording.
+/// Finds which joints move which cells from blocks in which single joints move while the others stand at
+/// home, the positions at the start of the recording.
 [[nodiscard]] inline Activation find_activation(const detail::fit::BlockMeans& data,
                                                 const MeasuredMotion& motion,
                                                 const ActivationSettings& settings = {}) {

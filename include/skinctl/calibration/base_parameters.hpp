@@ -14,10 +14,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Which columns of the regressor are independent, and how the others depend on them: `Y = Y_base K`,
+/// The independent columns of the regressor, and the dependence of the others on them: `Y = Y_base K`,
 /// `theta_base = K theta`.
 struct BaseParameters {
-  std::vector<int> columns;  ///< of the regressor, independent ones
+  std::vector<int> columns;  ///< indices of independent columns of the regressor
   Eigen::MatrixXd K;         ///< base parameters of a parameter vector
 
   [[nodiscard]] int count() const noexcept { return int(columns.size()); }

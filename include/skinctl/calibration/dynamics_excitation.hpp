@@ -12,17 +12,19 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A motion about home for `fit_inertia`: seven sines a joint, sought for the largest `log det` of the regressor of base
-/// parameters, viscous friction and rotors, in torque limits; within the limits of positions, velocities, accelerations and torques.
+/// A motion about home for `fit_inertia`: seven sines a joint, sought for the largest `log det` of the
+/// regressor of base parameters, viscous friction and rotors, in torque limits; within the limits of
+/// positions, velocities, accelerations and torques.
 ///
-/// Frequencies are unlike each other: a motion that repeats itself says the same of a gear's ripple in every period.
+/// Frequencies are unlike each other: a motion that repeats itself says the same of a gear's ripple in every
+/// period.
 class DynamicsExcitation : public Excitation {
  public:
   struct Settings {
-    double period = 10;  ///< of the slowest sine, about [s], 2 to 60; 20 s move a UR5 too slowly
-    int periods = 3;     ///< how long it takes, 1 to 100
-    double range = 1.5;  ///< at most, from home [rad], 0.05 to 3
-    double share = 0.9;  ///< of each limit that may be used, 0.1 to 1
+    double period = 10;  ///< approximate period of the slowest sine [s], 2 to 60; 20 s move a UR5 too slowly
+    int periods = 3;     ///< duration in periods, 1 to 100
+    double range = 1.5;  ///< largest way of a joint from home [rad], 0.05 to 3
+    double share = 0.9;  ///< share of each limit that may be used, 0.1 to 1
     int tries = 150;     ///< motions that are compared, 1 to 100000
     std::uint64_t seed = 1;
   };
@@ -76,9 +78,9 @@ class DynamicsExcitation : public Excitation {
 
   [[nodiscard]] static double random(std::mt19937_64& rng) { return double(rng() >> 11) * 0x1p-52 - 1; }
 
-  // Five slow sines for gravity, each about a harmonic of the period, and two fast ones for inertia. No two joints share a
-  // frequency, and the motion does not repeat itself within its duration: what torques have of positions, such as the ripple of a
-  // gear, is then not the same in every period.
+  // Five slow sines for gravity, each about a harmonic of the period, and two fast ones for inertia. No two
+  // joints share a frequency, and the motion does not repeat itself within its duration: what torques have of
+  // positions, such as the ripple of a gear, is then not the same in every period.
   detail::fit::RisingSines draw(std::mt19937_64& rng, Eigen::Index joint, const ExcitationLimits& limits,
                                 const Settings& s) const {
     detail::fit::RisingSines f{0, duration_, std::min(1.0, s.period / 4), {}, {}, {}};

@@ -21,7 +21,7 @@ struct Estimate {
 
 /// Something that the data do not show, or not well enough to be used.
 struct Unobservable {
-  std::string name;  ///< of it, in the words of the domain: "height of the base"
+  std::string name;  ///< name in the words of the domain: "height of the base"
   double deviation = std::numeric_limits<double>::infinity();  ///< predicted, in `unit`; infinite: not at all
   std::string unit{};                                          ///< "m", "rad"
   std::string remedy{};  ///< remedy in words: "tilt the base"; empty: none that the method knows
@@ -32,8 +32,8 @@ struct Unobservable {
 /// A value of any type with the covariance of its error, and what the data do not show of it.
 ///
 /// @tparam Value  number, vector or pose; the docstring of the function that returns it says which error the
-///                covariance is of (for a pose: position [m] in the outer frame, then rotation vector [rad] in its own axes,
-///                unless said otherwise).
+///                covariance is of (for a pose: position [m] in the outer frame, then rotation vector [rad]
+///                in its own axes, unless said otherwise).
 template <class Value, int N = Eigen::Dynamic>
 struct EstimateOf {
   Value value{};

@@ -16,29 +16,17 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What the joints may do.
+/// The limits of the joints in an excitation.
 struct ExcitationLimits {
-  Eigen::VectorXd lower, upper;            ///< [rad]
-  Eigen::VectorXd velocity, acceleration;  ///< [rad/s], [rad/s^2]
-  Eigen::VectorXd torque{};                ///< [N m]; empty: not asked for
-
-  /// From the limits of a description, `robot.limits()`.
-  template <class Limits>
-  [[nodiscard]] static ExcitationLimits of(const Limits& limits) {
-    const auto vector = [](const auto& v) {
-      Eigen::VectorXd out(Eigen::Index(v.size()));
-      for (std::size_t i = 0; i < v.size(); ++i) out(Eigen::Index(i)) = static_cast<double>(v[i]);
-      return out;
-    };
-    return {vector(limits.lower()), vector(limits.upper()), vector(limits.velocity()),
-            vector(limits.acceleration()), vector(limits.torque())};
-  }
+  Eigen::VectorXd lower, upper;            ///< position limits [rad]
+  Eigen::VectorXd velocity, acceleration;  ///< velocity and acceleration limits [rad/s], [rad/s^2]
+  Eigen::VectorXd torque{};                ///< torque limits [N m]; empty: not asked for
 };
 
 /// A part of an excitation, in words for those who stand near the robot.
 struct Announcement {
-  double from = 0, to = 0;  ///< [s]
-  int joint = -1;           ///< that moves alone; -1: all
+  double from = 0, to = 0;  ///< beginning and end [s]
+  int joint = -1;           ///< index of the joint that moves alone; -1: all joints move
   std::string text;
 };
 
@@ -80,7 +68,7 @@ class Excitation {
   [[nodiscard]] double duration() const noexcept { return duration_; }
   [[nodiscard]] int joints() const noexcept { return int(home_.size()); }
   [[nodiscard]] const Eigen::VectorXd& home() const noexcept { return home_; }
-  /// Where the joints are `t` seconds after the start; at rest at home before it and after the end.
+  /// The position of the joints `t` seconds after the start; at rest at home before it and after the end.
   [[nodiscard]] JointPoint at(double t) const {
     JointPoint p{home_, Eigen::VectorXd::Zero(home_.size()), Eigen::VectorXd::Zero(home_.size())};
     for (Eigen::Index j = 0; j < home_.size(); ++j)
@@ -90,10 +78,12 @@ class Excitation {
       }
     return p;
   }
-  /// What will move, when, how far and how fast. Read it out, or show it, before the robot moves.
+  /// The joints that will move, with times, angles and speeds. Read them out, or show them, before the robot
+  /// moves.
   [[nodiscard]] const std::vector<Announcement>& announcements() const noexcept { return announcements_; }
 
-  /// The largest share of a limit that the motion uses: position (of the room from home), velocity, acceleration.
+  /// The largest share of a limit that the motion uses: position (of the room from home), velocity,
+  /// acceleration.
   [[nodiscard]] double largest_share(const ExcitationLimits& limits) const {
     double worst = 0;
     for (double t = 0; t < duration_; t += 0.004) {
@@ -159,23 +149,25 @@ class Excitation {
   }
 };
 
-/// The motion for `find_joint_lines`: each joint alone, then all together, each sweeping slowly (gravity) and wiggling
-/// (acceleration). Of 60 s, a UR5: 6 x 4 s alone, 36 s together.
+/// The motion for `find_joint_lines`: each joint alone, then all together, each sweeping slowly (gravity) and
+/// wiggling (acceleration). Of 60 s, a UR5: 6 x 4 s alone, 36 s together.
 class SkinExcitation : public Excitation {
  public:
   struct Settings {
-    double duration = 60;  ///< [s], 20 to 3600; two fifths of it for single joints
-    double sweep = 1;      ///< amplitude [rad]
-    double wiggle = 1;     ///< amplitude of its speed [rad/s]
-    double share = 0.9;    ///< of each limit that may be used, 0.1 to 1
+    double duration = 60;  ///< duration [s], 20 to 3600; two fifths of it for single joints
+    double sweep = 1;      ///< amplitude of the slow sweep [rad]
+    double wiggle = 1;     ///< amplitude of the wiggle's speed [rad/s]
+    double share = 0.9;    ///< share of each limit that may be used, 0.1 to 1
   };
-  /// Throws `ConfigurationError` for a home less than 0.1 rad from a limit, and for numbers out of their range.
+  /// Throws `ConfigurationError` for a home less than 0.1 rad from a limit, and for numbers out of their
+  /// range.
   SkinExcitation(const Eigen::VectorXd& home, const ExcitationLimits& limits, const Settings& s) {
     plan(home, limits, s);
   }
   SkinExcitation(const Eigen::VectorXd& home, const ExcitationLimits& limits)
       : SkinExcitation(home, limits, Settings{}) {}
-  /// The same within the torque limits, by a model with masses.
+  /// Within the torque limits as well, by a model with masses: wiggles less where they would be exceeded.
+  /// Throws also where that does not suffice.
   template <RobotModel M>
   SkinExcitation(const Eigen::VectorXd& home, const ExcitationLimits& limits, Settings s, const M& model) {
     plan(home, limits, s);

@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Why a fit ended.
+/// The reason for which a fit ended.
 enum class FitEnd {
   converged,   ///< a further step would lower the cost by less than `FitSettings::decrease`
   steps_used,  ///< the fit was still improving after `FitSettings::steps`

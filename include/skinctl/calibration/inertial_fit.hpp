@@ -30,22 +30,24 @@ struct InertialFitSettings {
 template <std::size_t N>
 struct InertialFit {
   InertialParameters<N> theta;
-  std::array<double, N> viscous{}, coulomb{}, rotor{};  ///< [N m s/rad], [N m], [kg m^2]
-  double lateness = 0;                                  ///< of the torques [s]
-  std::array<double, N> presliding{};                   ///< way in which friction turns round [rad]
-  std::array<double, N> noise{};                        ///< standard deviation of a torque from the fit [N m]
-  std::array<double, N> explained{};                    ///< R^2 of each joint, of torques less their means
+  /// Viscous and Coulomb friction, rotor inertia [N m s/rad], [N m], [kg m^2].
+  std::array<double, N> viscous{}, coulomb{}, rotor{};
+  double lateness = 0;                 ///< lateness of the torques behind the positions [s]
+  std::array<double, N> presliding{};  ///< way in which friction turns round [rad]
+  std::array<double, N> noise{};       ///< standard deviation of a torque from the fit [N m]
+  std::array<double, N> explained{};   ///< R^2 of each joint, of torques less their means
   BaseParameters base;
   EstimateOf<Eigen::VectorXd>
       base_values;                      ///< theta_base and its covariance, of least squares with the prior
-  InertialParameters<N> least_squares;  ///< result of ordinary least squares: no body need have it
+  InertialParameters<N> least_squares;  ///< result of ordinary least squares; no physical body need have it
   std::array<double, N> ls_viscous{}, ls_coulomb{},
       ls_rotor{};  ///< friction and rotors of ordinary least squares
   int steps = 0;
   bool converged = false;
 };
 
-/// Bodies of the links for a start without a drawing: cylinders of 2700 kg/m^3 along each link, to the next joint, half filled.
+/// Bodies of the links for a start without a drawing: cylinders of 2700 kg/m^3 along each link, to the next
+/// joint, half filled.
 template <RobotModel M>
 [[nodiscard]] InertialParameters<M::joints> cylinder_prior(const M& model, double radius = 0.05) {
   constexpr std::size_t N = M::joints;
@@ -76,8 +78,8 @@ template <RobotModel M>
 }
 
 namespace detail::fit {
-/// How late torques come [s]: where least squares leave the least. Positions are moved, not torques: between two readings their
-/// noise would be less.
+/// How late torques come [s]: where least squares leave the least. Positions are moved, not torques: between
+/// two readings their noise would be less.
 template <RobotModel M>
 [[nodiscard]] double torque_lateness(const M& model, const std::vector<TorqueRecording>& recordings,
                                      const BaseParameters& base, bool rotors, double latest) {
@@ -99,15 +101,15 @@ template <RobotModel M>
 }
 }  // namespace detail::fit
 
-/// Identifies `tau = Y theta + F_v dq + F_c z + I_a ddq + o`, an offset `o` per joint and recording; `z` is the friction's
-/// side with presliding, `z <- s - (s - z) exp(-|step|/x0)`.
+/// Identifies `tau = Y theta + F_v dq + F_c z + I_a ddq + o`, an offset `o` per joint and recording; `z` is
+/// the friction's side with presliding, `z <- s - (s - z) exp(-|step|/x0)`.
 ///
-/// Bodies keep a positive pseudo-inertia, friction and rotors stay positive: a convex problem, by Newton's method from within. The
-/// prior is drawn in with `lambda`. Residuals of each joint are weighted by their variance and count less where they are alike in
-/// time.
+/// Bodies keep a positive pseudo-inertia, friction and rotors stay positive: a convex problem, by Newton's
+/// method from within. The prior is drawn in with `lambda`. Residuals of each joint are weighted by their
+/// variance and count less where they are alike in time.
 ///
-/// Throws `ConfigurationError` for recordings that are too short or damaged, and if a joint stands still in all of them: its
-/// friction cannot be known.
+/// Throws `ConfigurationError` for recordings that are too short or damaged, and if a joint stands still in
+/// all of them: its friction cannot be known.
 ///
 /// @param model  its placements and gravity are read.
 /// @param prior  `inertial_parameters(model)` of a drawing, or `cylinder_prior(model)`.

@@ -13,12 +13,13 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Fits lines, poses and errors of all cells, and one lateness, to all blocks of a recording, from nothing.
 ///
-/// The recording has to begin at home, with the motion or before it, and each joint has to move alone from there for a second or more; then
-/// all may move. What cannot be known is named in `unobservable`; a cell whose pose is worse known than the limits has
-/// `known == false` and a reason. Joints must be revolute and form one chain, in the order of the columns of `joints.q`.
+/// The recording has to begin at home, with the motion or before it, and each joint has to move alone from
+/// there for a second or more; then all may move. What cannot be known is named in `unobservable`; a cell
+/// whose pose is worse known than the limits has `known == false` and a reason. Joints must be revolute and
+/// form one chain, in the order of the columns of `joints.q`.
 ///
-/// Throws `ConfigurationError` for recordings that are too short or damaged, see `MeasuredMotion`, and if no joint moves any
-/// cell.
+/// Throws `ConfigurationError` for recordings that are too short or damaged, see `MeasuredMotion`, and if no
+/// joint moves any cell.
 [[nodiscard]] inline JointLines find_joint_lines(const MotionRecording& recording,
                                                  const JointLinesSettings& s = {}) {
   const MeasuredMotion motion(recording.joints);

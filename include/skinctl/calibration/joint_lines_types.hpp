@@ -13,11 +13,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What is known of a cell before the motion: its place in a reconstructed patch.
+/// Knowledge of a cell before the motion: its pose in a reconstructed patch.
 struct CellInPatch {
-  int patch = -1;                                   ///< -1: of no patch
+  int patch = -1;                                   ///< index of the patch; -1: the cell is of none
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< axes of the cell in the patch
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< [m]
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< origin of the cell in the patch [m]
 };
 
 /// A motion, and what encoders and cells reported of it; one clock, but for a lateness that all cells share.
@@ -26,38 +26,38 @@ struct MotionRecording {
   std::vector<CellReadings> cells;
   std::vector<CellInPatch> places{};  ///< one per cell, or none: cells are then on their own
   /// Torques at the joints' outputs, a row per stamp of `joints`, or none [N m]: a robot's own prediction
-  /// (`target_moment`) will do. With them the joints' compliance is fitted; a joint that gives way by 5e-5 rad/(N m) costs 6 mm
-  /// otherwise.
+  /// (`target_moment`) will do. With them the joints' compliance is fitted; a joint that gives way by 5e-5
+  /// rad/(N m) costs 6 mm otherwise.
   Eigen::MatrixXd torque{};
 };
 
 struct JointLinesSettings {
   double block = 0.04;       ///< length of the means that are fitted [s], 0.005 to 0.1
   double gravity = 9.80665;  ///< [m/s^2]
-  double bias = 0.040;       ///< of the accelerometers, standard deviation [g]
-  double scale = 0.015;      ///< of the accelerometers, standard deviation
+  double bias = 0.040;       ///< standard deviation of an accelerometer's bias [g]
+  double scale = 0.015;      ///< standard deviation of an accelerometer's scale
   double cross_axis =
       0.003;  ///< of one axis of an accelerometer by another, standard deviation; what is symmetric of it is fitted
-  double tie_position = 5e-4;     ///< of a cell in its patch, standard deviation [m]
-  double tie_turn = 0.0175;       ///< of a cell in its patch, with its sensor's misalignment [rad]
-  double known_position = 0.020;  ///< deviation beyond which a position counts as not observed [m]
-  double known_turn = 0.0873;     ///< deviation beyond which a turn counts as not observed [rad]
+  double tie_position = 5e-4;     ///< standard deviation of a cell's position in its patch [m]
+  double tie_turn = 0.0175;       ///< standard deviation of a cell's turn in its patch, sensor included [rad]
+  double known_position = 0.020;  ///< standard deviation above which a position is not observed [m]
+  double known_turn = 0.0873;     ///< standard deviation above which a turn is not observed [rad]
   int steps = 30;
   ActivationSettings activation{};
 };
 
 /// The pose of a cell at home, in the axes of the base.
 struct CalibratedCell {
-  int joint = -1;  ///< the last one that moves it; -1: none does, and the rest is not known
+  int joint = -1;  ///< last joint that moves the cell; -1: none does, and the rest is not known
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< [m]
-  Eigen::Matrix<double, 6, 6> covariance =
-      Eigen::Matrix<double, 6, 6>::Zero();         ///< of p, then of a turn in the cell's axes
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  ///< [g]
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< origin of the cell [m]
+  /// Covariance of p [m], then of a turn in the cell's axes [rad].
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  ///< bias of the cell's accelerometer [g]
   Eigen::Vector3d scale = Eigen::Vector3d::Zero();
-  double residual = 0;   ///< standard deviation of its blocks [g]
+  double residual = 0;   ///< standard deviation of the cell's block means from the fit [g]
   bool known = false;    ///< pose within the limits of the settings
-  std::string reason{};  ///< why it is not
+  std::string reason{};  ///< reason for which the pose is not known; empty: it is
 };
 
 /// A joint's axis at home, in the axes of the base.
@@ -66,16 +66,16 @@ struct CalibratedLine {
   double direction_deviation = std::numeric_limits<double>::infinity();  ///< largest [rad]
   double position_deviation = std::numeric_limits<double>::infinity();   ///< largest, across the line [m]
   bool known = false;
-  Estimate compliance;  ///< of the joint [rad/(N m)]; known if there were torques
+  Estimate compliance;  ///< compliance of the joint [rad/(N m)]; known if torques were recorded
 };
 
-/// The result. The base is upright; where it stands and faces is a choice (gauge), and no covariance speaks of it: they are
-/// those of poses relative to the cells that are known, taken together.
+/// The result. The base is upright; where it stands and faces is a choice (gauge), and no covariance speaks
+/// of it: they are those of poses relative to the cells that are known, taken together.
 struct JointLines {
   Eigen::VectorXd home;  ///< joints' positions to which lines and poses belong [rad]
   std::vector<CalibratedLine> lines;
   std::vector<CalibratedCell> cells;
-  Estimate lateness;    ///< of the cells' labels [s]
+  Estimate lateness;    ///< lateness of the cells' time stamps [s]
   double residual = 0;  ///< rms of all blocks [g]
   int steps = 0;
   bool converged = false;

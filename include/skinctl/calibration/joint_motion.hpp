@@ -33,8 +33,8 @@ struct QuinticBasis {
   }
 };
 
-/// Solves `A X = B` in place; `A` is symmetric and positive definite, given by its diagonals: `A(i, i - k)` at
-/// `band(k, i)`.
+/// Solves `A X = B` in place; `A` is symmetric and positive definite, given by its diagonals: `A(i, i - k)`
+/// at `band(k, i)`.
 inline void solve_banded(Eigen::MatrixXd& band, Eigen::MatrixXd& B) {
   const Eigen::Index n = band.cols(), width = band.rows() - 1;
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -58,8 +58,8 @@ inline void solve_banded(Eigen::MatrixXd& band, Eigen::MatrixXd& B) {
 
 }  // namespace detail::fit
 
-/// A quintic B-spline through positions of joints, by least squares. With knots every 60 ms, encoders of 125 Hz and
-/// 1e-5 rad the acceleration is good to 0.02 rad/s^2.
+/// A quintic B-spline through positions of joints, by least squares. With knots every 60 ms, encoders of 125
+/// Hz and 1e-5 rad the acceleration is good to 0.02 rad/s^2.
 class MeasuredMotion {
  public:
   /// A time without measurements that is longer than two knots; the motion in it is a guess.
@@ -67,8 +67,8 @@ class MeasuredMotion {
     double from = 0, to = 0;  ///< [s]
   };
 
-  /// Throws `ConfigurationError` for less than 30 positions, stamps that do not increase, numbers that are not
-  /// finite, `knot` out of 0.01 to 1 s, and recordings beyond a day.
+  /// Throws `ConfigurationError` for less than 30 positions, stamps that do not increase, numbers that are
+  /// not finite, `knot` out of 0.01 to 1 s, and recordings beyond a day.
   explicit MeasuredMotion(const JointRecording& recording, double knot = 0.06) : knot_(knot) {
     const auto& [time, q] = recording;
     require(time.size() >= 30, "positions of joints", double(time.size()), ">= 30");
@@ -91,7 +91,7 @@ class MeasuredMotion {
   /// The times between which the accelerations are known: three knots within the recording.
   [[nodiscard]] double start() const noexcept { return start_ + 3 * knot_; }
   [[nodiscard]] double end() const noexcept { return end_ - 3 * knot_; }
-  /// Where the joints were at the first stamp; velocities and accelerations are not known there.
+  /// The position of the joints at the first stamp; velocities and accelerations are not known there.
   [[nodiscard]] Eigen::VectorXd first() const { return at(start_).q; }
   [[nodiscard]] const std::vector<Gap>& gaps() const noexcept { return gaps_; }
   /// Whether a gap lies between two times.

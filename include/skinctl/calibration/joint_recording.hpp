@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording of joints by their encoders, and a point of a motion: what moves a robot needs no fit of them (joint_motion.hpp).
+// A recording of joints by their encoders, and a point of a motion: what moves a robot needs no fit of them
+// (joint_motion.hpp).
 #pragma once
 
 #include <Eigen/Core>

@@ -11,15 +11,16 @@
 SKINCTL_BEGIN_NAMESPACE
 
 struct FitSettings {
-  int steps = 50;          ///< at most, 1 to 10000
-  double decrease = 1e-6;  ///< of the cost, which is in units of variance: far below what noise does to it
-  double first_damping = 1e-4;  ///< relative to the diagonal of `H`, 1e-12 to 1e6
+  int steps = 50;  ///< largest number of steps, 1 to 10000
+  /// Decrease of the cost below which the fit ends, in units of variance: far below what noise does.
+  double decrease = 1e-6;
+  double first_damping = 1e-4;  ///< first damping relative to the diagonal of `H`, 1e-12 to 1e6
 };
 
 template <class State, class Normal>
 struct Fit {
   State state;
-  Normal normal;  ///< at `state`, without damping: its inverse is the covariance
+  Normal normal;  ///< normal equations at `state` without damping: their inverse is the covariance
   double cost = 0;
   double first_cost = 0;
   int steps = 0;
@@ -28,8 +29,9 @@ struct Fit {
   [[nodiscard]] bool converged() const noexcept { return end == FitEnd::converged; }
 };
 
-/// What `least_squares` minimises. `terms` calls `sum.add(loss, residual, {{column, derivative}, ...})` for each
-/// term; where `Sum::derivatives` is false these may be empty. `plus` moves a state by a tangent vector of `unknowns()`.
+/// A problem that `least_squares` solves. `terms` calls
+/// `sum.add(loss, residual, {{column, derivative}, ...})` for each term; where `Sum::derivatives` is false
+/// these may be empty. `plus` moves a state by a tangent vector of `unknowns()`.
 template <class P>
 concept LeastSquaresProblem =
     requires(const P& p, const typename P::State& x, const Eigen::VectorXd& d, DenseNormal& sum) {
@@ -38,9 +40,9 @@ concept LeastSquaresProblem =
       p.terms(x, sum);
     };
 
-/// Minimises `sum rho(|r|^2) / 2` from `start`, by Levenberg-Marquardt with Marquardt's scaling and Nielsen's damping. A step
-/// that does not lower the cost is not taken, so that the result is never worse than the start. Residuals that are
-/// not finite there end it at once.
+/// Minimises `sum rho(|r|^2) / 2` from `start`, by Levenberg-Marquardt with Marquardt's scaling and Nielsen's
+/// damping. A step that does not lower the cost is not taken, so that the result is never worse than the
+/// start. Residuals that are not finite there end it at once.
 ///
 /// @tparam Normal  `DenseNormal` or `SparseNormal`.
 template <class Normal = DenseNormal, LeastSquaresProblem P>

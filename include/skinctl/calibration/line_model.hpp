@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A robot model from the lines of its joints: links for a `CalibratedModel`, places of cells on links, a table of Denavit and
-// Hartenberg.
+// A robot model from the lines of its joints: links for a `CalibratedModel`, places of cells on links, a
+// table of Denavit and Hartenberg.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -20,22 +20,20 @@ SKINCTL_BEGIN_NAMESPACE
 /// One row of the table that is shown: `Rz(q + theta) Tz(d) Tx(a) Rx(alpha)`.
 struct ShownDhRow {
   double theta = 0, d = 0, a = 0, alpha = 0;  ///< [rad], [m], [m], [rad]
-  bool parallel = false;  ///< to the next axis, within half a degree: d is a choice, and chosen 0
+  bool parallel = false;  ///< axis parallel to the next one within half a degree: d is then a choice, and 0
 };
 
-/// A chain of revolute joints by its axes. Its base is upright, at the foot of the first axis nearest to the second, x
-/// along the common normal where the first joint's position is zero.
+/// A chain of revolute joints by its axes. Its base is upright, at the foot of the first axis nearest to the
+/// second, x along the common normal where the first joint's position is zero.
 template <std::size_t N>
 struct LineModel {
-  std::array<LinkParameters<double>, N> links;  ///< without masses
-  Eigen::Isometry3d base;                       ///< in the axes in which the lines were given
-  std::array<Eigen::Isometry3d, N> at_home;     ///< links' frames there, at home
-  std::array<ShownDhRow, N> table;              ///< the last row ends in the last link: d = a = alpha = 0
+  std::array<LinkParameters<double>, N> links;  ///< parameters of the links, without masses
+  Eigen::Isometry3d base;                       ///< pose of the model's base in the frame of the given lines
+  /// Poses of the links' frames at home, in the frame of the given lines.
+  std::array<Eigen::Isometry3d, N> at_home;
+  /// DH rows of the joints; the last row ends in the last link: d = a = alpha = 0.
+  std::array<ShownDhRow, N> table;
 
-  /// The pose of a cell in its link's frame, from its pose at home.
-  [[nodiscard]] Eigen::Isometry3d in_link(std::size_t link, const Eigen::Isometry3d& home_pose) const {
-    return at_home[link].inverse() * home_pose;
-  }
   /// A model of `Tree`, a chain; without masses until an inertial fit gives them.
   template <Topology Tree>
   [[nodiscard]] CalibratedModel<Tree> model(double gravity = 9.81) const {

@@ -19,11 +19,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How much a residual counts: `rho(|r|^2) / 2`, of residuals in units of their standard deviation.
+/// The cost of a residual: `rho(|r|^2) / 2`, of residuals in units of their standard deviation.
 struct Loss {
   enum class Kind { square, huber, cauchy };
   Kind kind = Kind::square;
-  double width = 1;  ///< of |r|, from which it counts less than by its square
+  double width = 1;  ///< |r| from which a residual counts less than by its square
 
   /// rho and its derivative by |r|^2, the weight.
   struct Value {
@@ -63,15 +63,17 @@ struct Columns {
   }
 };
 
-/// Derivative of a residual by the unknowns from `column` on. `column < 0`: these are held, and it does not count.
+/// Derivative of a residual by the unknowns from `column` on. `column < 0`: these are held, and it does not
+/// count.
 struct Partial {
   int column;
   Columns matrix;
 };
-/// Of a term: by all the unknowns on which it depends.
+/// The derivatives of one term by all unknowns on which it depends.
 using Partials = std::initializer_list<Partial>;
 
-/// The cost alone. Like the other two: `start`, then `add` for each term, of residuals in units of their deviation.
+/// The cost alone. Like the other two: `start`, then `add` for each term, of residuals in units of their
+/// deviation.
 class CostOnly {
  public:
   static constexpr bool derivatives = false;
@@ -89,7 +91,8 @@ class CostOnly {
 struct Observability {
   Eigen::MatrixXd covariance;  ///< 0 along the unseen directions
   Eigen::MatrixXd unseen;      ///< unit columns, of unknowns in units of their scale; the least known first
-  Eigen::VectorXd deviation;   ///< of these, in units of their scale; infinite: not at all
+  /// Standard deviation along each column of `unseen`, in units of the scale; infinite: not observed at all.
+  Eigen::VectorXd deviation;
 };
 
 /// `H = sum J'J` and `g = sum J'r` as dense matrices: to about a thousand unknowns.
@@ -130,8 +133,8 @@ class DenseNormal {
     return step.allFinite();
   }
 
-  /// The inverse, apart from directions worse known than `limit` times the unknowns' `scale`. These are left out
-  /// of it: what is a gauge is not known badly, it is a choice.
+  /// The inverse, apart from directions worse known than `limit` times the unknowns' `scale`. These are left
+  /// out of it: what is a gauge is not known badly, it is a choice.
   [[nodiscard]] Observability observed(const Eigen::VectorXd& scale, double limit) const {
     const Eigen::Index n = H_.rows();
     Eigen::MatrixXd A = H_;
@@ -168,7 +171,7 @@ class DenseNormal {
   double cost_ = 0;
 };
 
-/// The same as a sparse matrix, of blocks as the terms name them: to tens of thousands of unknowns.
+/// A `DenseNormal` with a sparse matrix, of blocks as the terms name them: to tens of thousands of unknowns.
 class SparseNormal {
  public:
   static constexpr bool derivatives = true;

@@ -18,13 +18,14 @@ SKINCTL_BEGIN_NAMESPACE
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// A cell on its link with the covariance of the error of its pose: place in the axes of its patch [m], then turn in its own
-/// [rad].
+/// A cell on its link with the covariance of the error of its pose: place in the axes of its patch [m], then
+/// turn in its own [rad].
 struct UncertainCell {
   FitPose X_RootCell;
   Matrix6d covariance = Matrix6d::Zero();
 };
-/// A patch on its link; the covariance is of the place of its root in the link's axes, then of its turn in its own.
+/// A patch on its link; the covariance is of the place of its root in the link's axes, then of its turn in
+/// its own.
 struct UncertainPatch {
   FitPose X_LinkRoot;
   Matrix6d covariance = Matrix6d::Zero();
@@ -68,7 +69,8 @@ namespace detail {
 }
 }  // namespace detail
 
-/// Covariance of a patch's torque `T sum s_i u_i`: its cells' own errors by their squares, the patch's common one linearly.
+/// Covariance of a patch's torque `T sum s_i u_i`: its cells' own errors by their squares, the patch's common
+/// one linearly.
 ///
 /// @param T         transposed Jacobian of the link: torques of a wrench `[f; m]` at its origin, in its axes.
 /// @param readings  s_i, forces on the cells [N].
@@ -94,8 +96,8 @@ namespace detail {
   return out;
 }
 
-/// One standard deviation of a cell's torque relative to the torque, root mean square over configurations; infinite for a
-/// cell that causes none, or of which nothing is known.
+/// One standard deviation of a cell's torque relative to the torque, root mean square over configurations;
+/// infinite for a cell that causes none, or of which nothing is known.
 [[nodiscard]] inline double relative_deviation(const std::vector<Eigen::MatrixXd>& configurations,
                                                const UncertainPatch& patch, std::size_t cell) {
   double off = 0, all = 0;
@@ -108,9 +110,10 @@ namespace detail {
   return off >= 0 && all > 0 ? std::sqrt(off / all) : std::numeric_limits<double>::infinity();
 }
 
-/// Why a cell of a patch is masked, as the skin file says it; empty: it counts. Cells are masked like dead ones where their torque
-/// is off by more than `limit`. They are not weighted: weights by their uncertainty lower the error of the sum by 0.4 % at 5 deg
-/// and 5 % at 15 deg, and make a touch feel lighter than it is.
+/// The reason for which a cell of a patch is masked, as the skin file says it; empty: it counts. Cells are
+/// masked like dead ones where their torque is off by more than `limit`. They are not weighted: weights by
+/// their uncertainty lower the error of the sum by 0.4 % at 5 deg and 5 % at 15 deg, and make a touch feel
+/// lighter than it is.
 [[nodiscard]] inline std::string mask_reason(const std::vector<Eigen::MatrixXd>& configurations,
                                              const UncertainPatch& patch, std::size_t cell,
                                              double limit = 0.3) {

@@ -16,7 +16,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where a cell's ports are, in its frame [m]; ports 0 to 3.
+/// Places of a cell's ports, in its frame [m]; ports 0 to 3.
 using CellPorts = std::array<Eigen::Vector3d, 4>;
 /// Of TUM's cell, times `scale`.
 [[nodiscard]] inline CellPorts hexagonal_ports(double scale = 1) {
@@ -28,13 +28,13 @@ using CellPorts = std::array<Eigen::Vector3d, 4>;
 /// A cell of a patch: its pose in the patch's frame, which is that of its root cell.
 struct ReconstructedCell {
   std::uint16_t id = 0;
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< R_RootCell
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< [m]
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< axes of the cell in the patch: R_RootCell
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< origin of the cell in the patch [m]
   AccelerometerErrors errors{};
-  /// Of the errors of position [m], in the patch's axes, and rotation vector [rad], in the cell's own, after the patch as a
-  /// whole has been aligned: how the patch sits on its link is another question.
+  /// Covariance of the errors of position [m], in the patch's axes, and rotation vector [rad], in the cell's
+  /// own, after the patch as a whole has been aligned: how the patch sits on its link is another question.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  std::string unknown{};  ///< why its pose is not known; empty: it is
+  std::string unknown{};  ///< reason for which the pose is not known; empty: it is
 
   /// One standard deviation in the worst direction.
   [[nodiscard]] double place_deviation() const { return worst(covariance.topLeftCorner<3, 3>()); }
@@ -51,23 +51,24 @@ struct ReconstructionSettings {
   CellPorts ports = hexagonal_ports();
   AccelerometerPrior prior{};
   double reading = 2.5e-3;  ///< deviation of a mean reading, with what the equation leaves out [g]
-  double gap = 1e-4;        ///< of two joined ports [m]; 3e-4 for connectors that stretch
-  double turn_limit = 3 * 0.0174532925;  ///< cells known worse are reported [rad]
-  double place_limit = 3e-3;             ///< [m]
+  /// Standard deviation of the gap between two joined ports [m]; 3e-4 for connectors that stretch.
+  double gap = 1e-4;
+  double turn_limit = 3 * 0.0174532925;  ///< standard deviation above which a cell's turn is reported [rad]
+  double place_limit = 3e-3;             ///< standard deviation above which a cell's place is reported [m]
 };
 
 /// A part of a patch that is in one piece by what its cells feel.
 struct Reconstruction {
-  std::vector<ReconstructedCell> cells;    ///< in the order of `PatchGraph::ids`
+  std::vector<ReconstructedCell> cells;    ///< cells in the order of `PatchGraph::ids`
   std::vector<Eigen::Vector3d> up;         ///< unit, in the patch's frame, of each pose
   std::vector<Unobservable> unobservable;  ///< cells whose pose is not known, and why
   FitEnd end = FitEnd::not_finite;
   int steps = 0;
-  double residual = 0;  ///< of readings, rms [g]
+  double residual = 0;  ///< rms residual of the readings [g]
 };
 
-/// Mean readings at rest of the cells of a patch [g]: `[cell][pose]`, in the order of `PatchGraph::ids`. A pose
-/// that a cell has no reading of is NaN.
+/// Mean readings at rest of the cells of a patch [g]: `[cell][pose]`, in the order of `PatchGraph::ids`. A
+/// pose that a cell has no reading of is NaN.
 using RestReadings = std::vector<std::vector<Eigen::Vector3d>>;
 
 SKINCTL_END_NAMESPACE

@@ -10,14 +10,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A motion that shows how a robot answers: each joint swings about its start with two frequencies of its own,
-/// begins and ends at rest, and keeps within amplitude and speed.
+/// A motion that shows how a robot answers: each joint swings about its start with two frequencies of its
+/// own, begins and ends at rest, and keeps within amplitude and speed.
 template <std::size_t N>
 class ResponseMotion {
  public:
   struct Settings {
-    double amplitude = 0.15;  ///< [rad], 0.001 to 1
-    double speed = 0.4;       ///< at most [rad/s], 0.001 to 10
+    double amplitude = 0.15;  ///< largest way of a joint from its start [rad], 0.001 to 1
+    double speed = 0.4;       ///< largest speed of a joint [rad/s], 0.001 to 10
     double duration = 15;     ///< [s], 5 to 600
   };
   /// Throws `ConfigurationError` for a number out of its range.
@@ -29,7 +29,7 @@ class ResponseMotion {
   explicit ResponseMotion(const std::array<double, N>& start) : ResponseMotion(start, Settings{}) {}
 
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
-  /// The command at `t` [s].
+  /// The commanded joint positions [rad] at `t` [s] after the start of the motion.
   [[nodiscard]] std::array<double, N> at(double t) const noexcept {
     const auto rise = [](double r) {
       return r <= 0 ? 0 : (r >= 1 ? 1 : r * r * r * (10 + r * (6 * r - 15)));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a robot answers position commands: delay, lag, stiffness, gap, resolution, jitter, from a log of a gentle motion.
+// How a robot answers position commands: delay, lag, stiffness, gap, resolution, jitter, from a log of a
+// gentle motion.
 #pragma once
 
 #include <Eigen/Core>

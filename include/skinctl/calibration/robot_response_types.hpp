@@ -15,22 +15,22 @@ template <std::size_t N>
 struct ResponseLog {
   struct Entry {
     double time = 0;
-    std::array<double, N> q{};  ///< [rad]
+    std::array<double, N> q{};  ///< joint positions [rad]
   };
-  std::vector<Entry> sent;      ///< held until the next one
-  std::vector<Entry> measured;  ///< by their stamps
+  std::vector<Entry> sent;      ///< commands; each holds until the next one
+  std::vector<Entry> measured;  ///< measurements, timed by their stamps
 };
 
-/// What a robot by position is. In `measured = H(command) + gap - compliance G(q) - hysteresis sign(dq)` H is a
-/// pure delay and a lag of first order.
+/// The identified response of a robot by position. In `measured = H(command) + gap - compliance G(q) -
+/// hysteresis sign(dq)` H is a pure delay and a lag of first order.
 template <std::size_t N>
 struct RobotResponse {
   Estimate delay;  ///< [s]
   Estimate lag;    ///< [s]
   Estimate both;   ///< delay + lag, which is known better than each [s]
   struct Joint {
-    Estimate
-        gap;  ///< measured minus true position [rad], of a joint that goes where it is told but for its load
+    /// Measured minus true position [rad], for a joint that goes where it is told but for its load.
+    Estimate gap;
     Estimate compliance;    ///< one over the servo's stiffness [rad/(N m)]; known if gravity changed
     Estimate hysteresis;    ///< half of the dead zone of a joint that reverses, by friction or play [rad]
     double noise = 0;       ///< standard deviation of a measurement, after the fit [rad]
@@ -38,9 +38,9 @@ struct RobotResponse {
     double speed = 0;       ///< fastest measured [rad/s]
   };
   std::array<Joint, N> joint;
-  double period = 0;   ///< between two measurements, the median [s]
+  double period = 0;   ///< median time between two measurements [s]
   double jitter = 0;   ///< standard deviation of the measurements' intervals, lost ones apart [s]
-  double skipped = 0;  ///< share of the measurements that did not come
+  double skipped = 0;  ///< share of the measurements that never came
 };
 
 SKINCTL_END_NAMESPACE

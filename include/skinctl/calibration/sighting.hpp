@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where patches sit on their links, from a camera that sees the cells' lights while the robot takes several poses.
+// Where patches sit on their links, from a camera that sees the cells' lights while the robot takes several
+// poses.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -67,14 +68,15 @@ struct SightingProblem {
 
 }  // namespace detail
 
-/// Fits the camera and all patches to all sightings of all views at once, with a Cauchy loss that narrows: one view alone is
-/// ambiguous, because a patch is nearly flat. Each hypothesis of the camera's pose is tried; the best few are fitted to the
-/// end, and the one with the lowest cost wins.
+/// Fits the camera and all patches to all sightings of all views at once, with a Cauchy loss that narrows:
+/// one view alone is ambiguous, because a patch is nearly flat. Each hypothesis of the camera's pose is
+/// tried; the best few are fitted to the end, and the one with the lowest cost wins.
 ///
-/// It needs poses that differ by two joints whose axes are not parallel. What they do not show is said by name; a patch with
-/// too few sightings that agree as well.
+/// It needs poses that differ by two joints whose axes are not parallel. What they do not show is said by
+/// name; a patch with too few sightings that agree as well.
 ///
-/// Throws `ConfigurationError` for no hypothesis, sightings of cells that do not exist, or numbers that are not finite.
+/// Throws `ConfigurationError` for no hypothesis, sightings of cells that do not exist, or numbers that are
+/// not finite.
 ///
 /// @param patches  places of the cells' lights in each patch [m].
 /// @param names    of the patches, for what is not observable.

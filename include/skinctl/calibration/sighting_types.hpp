@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// A pose of a fit, `X_AB`: axes of B in A, and B's origin.
 struct FitPose {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< origin of B in A [m]
 
   [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& v) const { return R * v + p; }
   [[nodiscard]] FitPose operator*(const FitPose& X) const { return {R * X.R, R * X.p + p}; }
@@ -26,35 +26,36 @@ struct PinholeCamera {
   double fx = 1000, fy = 1000, cx = 640, cy = 480;  ///< [pixels]
 };
 
-/// A light that was seen, and whose it is by the code that it blinks. Codes are misread, and lamps look like cells.
+/// A light that was seen, and whose it is by the code that it blinks. Codes are misread, and lamps look like
+/// cells.
 struct Sighting {
   std::size_t patch = 0, cell = 0;  ///< index in the patch
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
-/// What the camera saw of one pose of the robot.
+/// The lights that the camera saw at one pose of the robot.
 struct CameraView {
-  std::vector<FitPose> X_BaseLink;  ///< of the link of each patch
+  std::vector<FitPose> X_BaseLink;  ///< pose of each patch's link in the base
   std::vector<Sighting> seen;
 };
 
 struct SightingSettings {
-  double pixel = 0.5;             ///< deviation of a light's place [pixels]
-  double wrong = 3;               ///< deviations from which a sighting counts less
+  double pixel = 0.5;             ///< standard deviation of a light's place in the image [pixels]
+  double wrong = 3;               ///< residual from which a sighting counts less [standard deviations]
   std::size_t polished = 4;       ///< hypotheses of the camera that are fitted to the end, 1 to 100
-  double place_limit = 0.010;     ///< deviation beyond which a place counts as not observed [m]
-  double turn_limit = 0.05;       ///< deviation beyond which a turn counts as not observed [rad]
+  double place_limit = 0.010;     ///< standard deviation above which a position is not observed [m]
+  double turn_limit = 0.05;       ///< standard deviation above which a turn is not observed [rad]
   std::size_t min_sightings = 8;  ///< sightings of a patch that agree, below which its pose is not taken
 };
 
-/// The result. Covariances are of errors of position in the link's (the base's) axes [m], then of the turn in the patch's
-/// (the camera's) own [rad].
+/// Result of `fit_sightings`. Covariances are of errors of position in the link's (the base's) axes [m], then
+/// of the turn in the patch's (the camera's) own [rad].
 struct SightingFit {
   EstimateOf<FitPose, 6> X_BaseCam;
-  std::vector<EstimateOf<FitPose, 6>> X_LinkRoot;  ///< of each patch
+  std::vector<EstimateOf<FitPose, 6>> X_LinkRoot;  ///< pose of each patch on its link
   std::vector<std::size_t> agreeing;               ///< sightings of each patch within `wrong` deviations
   std::size_t disagreeing = 0;
-  double residual = 0;         ///< rms of those that agree [pixels]
-  std::size_t hypothesis = 0;  ///< that won
+  double residual = 0;         ///< rms distance of the agreeing sightings from their prediction [pixels]
+  std::size_t hypothesis = 0;  ///< index of the hypothesis with the lowest cost
 };
 
 SKINCTL_END_NAMESPACE

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The covariance of a large sparse fit: the elements of the inverse that belong to unknowns with a common term.
+// The covariance of a large sparse fit: the elements of the inverse that belong to unknowns with a common
+// term.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +11,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The elements of `A^-1` where the Cholesky factor of `A` has elements: all blocks of the diagonal, and those of
-/// unknowns that share a term. Takahashi's recursion, at about the cost of the factor; the whole inverse of a patch
-/// of 500 cells would take a hundred times longer.
+/// The elements of `A^-1` where the Cholesky factor of `A` has elements: all blocks of the diagonal, and
+/// those of unknowns that share a term. Takahashi's recursion, at about the cost of the factor; the whole
+/// inverse of a patch of 500 cells would take a hundred times longer.
 class SparseInverse {
  public:
-  /// @param A  positive definite, its lower triangle. If it is not, `valid()` is false and all elements are infinite.
+  /// @param A  positive definite, its lower triangle. If it is not, `valid()` is false and all elements are
+  ///           infinite.
   explicit SparseInverse(const SparseNormal::Matrix& A) {
     SparseNormal::Solver solver(A);
     valid_ = solver.info() == Eigen::Success && solver.vectorD().minCoeff() > 0;

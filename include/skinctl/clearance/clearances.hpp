@@ -2,8 +2,11 @@
 // The distances of a robot's links from each other and from known objects.
 #pragma once
 
+#include <vector>
+
 #include "skinctl/clearance/surroundings.hpp"
 #include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/kinematics/summed_motion.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -17,28 +20,29 @@ struct Clearance {
   using Kind = Clearance;
   std::vector<LinkCapsule> capsules = {};
   std::vector<CapsulePair> pairs = {};
-  double margin = 0.02;  ///< of the surfaces [m]
-  double reach = 1.5;    ///< largest distance of a capsule's point from any joint axis before it [m]
+  double margin = 0.02;  ///< smallest distance of the surfaces that is kept [m]
+  double reach = 1.5;    ///< largest distance of a capsule's point from any axis that turns it [m]
 };
 
-/// A `Clearance` whose robot also stays clear of up to `Most` obstacles that the cycle's input names anew each time:
-/// what other robots occupy, what its skin sees. A part of `Cycle::with`.
+/// A `Clearance` whose robot also stays clear of up to `Most` obstacles that the cycle's input names anew
+/// each time: what other robots occupy, what its skin sees. A part of `Cycle::with`.
 ///
-/// Without news the robot does not move blindly: with obstacles older than `max_age`, with more of them than `Most` or
-/// with one that is no number it brakes and stands.
+/// Without news the robot does not move blindly: with obstacles older than `max_age`, with more of them than
+/// `Most` or with one that is no number it brakes and stands.
 template <std::size_t Most>
 struct ClearanceAround {
   using Kind = Clearance;
   Clearance own;  ///< among the robot's links and what is fixed
   std::vector<std::size_t>
       exposed;  ///< the capsules of `own`, by their numbers, that obstacles must not meet
-  /// From a command until the robot is where it says, and from a change of the world until the input has it.
+  /// Time from a command until the robot is where it says, and from a change of the world until the input has
+  /// it.
   Nanoseconds late = 20ms;
-  Nanoseconds max_age = 100ms;  ///< of the input's obstacles, at the end of the cycle
+  Nanoseconds max_age = 100ms;  ///< largest age of the input's obstacles at the end of the cycle
 };
 
-/// The distances of the pairs of a `Clearance` at a position, and their gradients; with `Around` > 0 also those of
-/// exposed capsules from that many obstacles at most, after the pairs. Immutable.
+/// The distances of the pairs of a `Clearance` at a position, and their gradients; with `Around` > 0 also
+/// those of exposed capsules from that many obstacles at most, after the pairs. Immutable.
 template <RobotModel M, Real T = double, std::size_t Around = 0>
 class Clearances {
  public:
@@ -48,8 +52,8 @@ class Clearances {
   using Position = JointPosition<joints, T>;
   using Near = std::conditional_t<(Around > 0), Surroundings<Around, Base, T>, NoSurroundings>;
 
-  /// Throws `ConfigurationError` for numbers out of their range, more than 64 pairs, pairs of one link and pairs
-  /// of two objects that do not move.
+  /// Throws `ConfigurationError` for numbers out of their range, more than 64 pairs, pairs of one link and
+  /// pairs of two objects that do not move.
   SKINCTL_COLD Clearances(const M& model, const Clearance& given) : model_(model) {
     require(given.margin >= 0 && given.margin <= 10, "Clearance: margin", given.margin, "0 to 10 m");
     require(given.reach > 0 && given.reach <= 100, "Clearance: reach", given.reach, "> 0, <= 100 m");
@@ -64,8 +68,8 @@ class Clearances {
       pairs_.push_back({a.link, b.link, path(a.link) ^ path(b.link), converted(a.shape), converted(b.shape)});
     }
   }
-  /// With the capsules of `given` that obstacles must not meet. Throws also for more than 12 of them, for one that is
-  /// not of the list, and for one that is fixed.
+  /// With the capsules of `given` that obstacles must not meet. Throws also for more than 12 of them, for one
+  /// that is not of the list, and for one that is fixed.
   SKINCTL_COLD Clearances(const M& model, const Clearance& given, const std::vector<std::size_t>& exposed)
       : Clearances(model, given) {
     require(exposed.size() <= max_exposed, "ClearanceAround: exposed capsules", double(exposed.size()),
@@ -92,7 +96,7 @@ class Clearances {
     }
     return pairs_[k].between;
   }
-  /// How fast the other side of pair `k` may come closer by itself [m/s].
+  /// The largest speed at which the other side of pair `k` may come closer by itself [m/s].
   [[nodiscard]] SKINCTL_INLINE T approach(std::size_t k, const Near& near) const noexcept {
     if constexpr (Around > 0) {
       if (k >= pairs_.size()) return near.obstacles[(k - pairs_.size()) % count(near)].approach;
@@ -104,7 +108,8 @@ class Clearances {
   SKINCTL_INLINE void distances(const Position& q, T (&out)[max_pairs]) const noexcept {
     distances(q, {}, out, [](std::size_t) { return true; });
   }
-  /// The same with obstacles, of the pairs that are `asked(k)`.
+  /// The distances of those pairs k for which `asked(k)` is true, also from the obstacles `near`; the others
+  /// are left as they are.
   template <class Asked>
   SKINCTL_NOINLINE void distances(const Position& q, const Near& near, T (&out)[max_pairs],
                                   const Asked& asked) const noexcept {
@@ -161,8 +166,8 @@ class Clearances {
           one(e.link, e.shape, LinkCapsule::fixed, near.obstacles[i].shape, e.between, gradient[k]);
     }
   }
-  /// Capsules, one for each exposed one, within which these stay while no joint `i` is further than `half[i]` from `q`:
-  /// a point moves by `sum half_i |c_i| + reach (sum half_i)^2 / 2` at most.
+  /// Capsules, one for each exposed one, within which these stay while no joint `i` is further than `half[i]`
+  /// from `q`: a point moves by `sum half_i |c_i|` and half of `SummedMotion::bend` at most.
   SKINCTL_NOINLINE void sweep(const Position& q, const Position& half, const T& reach,
                               Surroundings<max_exposed_capsules, Base, T>& out) const noexcept {
     using std::sqrt;
@@ -171,18 +176,19 @@ class Clearances {
     columns_at(placed, columns);
     for (const Exposed& e : exposed_) {
       Obstacle<Base, T> o{placed(e.link, e.shape), T(0)};
-      T most(0), sum(0);
+      T most(0);
+      SummedMotion<M, T> sum;
       for (const Xyz<T>& end : {o.shape.from, o.shape.to}) {
         T way(0);
-        sum = T(0);
+        sum = {};
         for (std::size_t j = 0; j < joints; ++j) {
           if (((e.between >> j) & 1u) == 0) continue;
           const Xyz<T> c = moved(columns[e.link], j, end - placed.pose[e.link].origin());
-          way = way + half[j] * sqrt(dot(c, c)), sum = sum + half[j];
+          way = way + half[j] * sqrt(dot(c, c)), sum.add(j, half[j]);
         }
         most = way > most ? way : most;
       }
-      o.shape.radius = o.shape.radius + most + T(0.5) * reach * sum * sum;
+      o.shape.radius = o.shape.radius + most + T(0.5) * sum.bend(reach);
       out.add(o);
     }
   }

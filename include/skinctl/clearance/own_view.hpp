@@ -14,20 +14,20 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How far and wide a cell's proximity sensor sees, and its curve: `1 - distance/range` or less.
+/// Range and cone of a cell's proximity sensor, and its curve: `1 - distance/range` or less.
 struct CellView {
   double range = 0.2;      ///< [m]
-  double half_angle = 25;  ///< of its cone [degrees]
-  double error = 0.01;     ///< of capsules and places [m]
+  double half_angle = 25;  ///< half opening angle of the cell's cone [degrees]
+  double error = 0.01;     ///< error of capsules and places of cells [m]
   double band = 0.1;       ///< readings fade in from the prediction to this much above it
 };
 
 /// The proximity that each cell can at most owe to the robot's other links and to known objects, by capsules.
 ///
 /// Four balls along its normal cover a cell's view. If one of them, larger by `error`, meets a capsule at the
-/// distance d of the cell, the cell's reading is up to `1 - (d - error)/range` that capsule's. A reading up to
-/// there counts as nothing; from `band` above it on, something is nearer, and it counts fully. The cell's own link
-/// is not looked at, and forces are never taken away. Immutable.
+/// distance d of the cell, the cell's reading is up to `1 - (d - error)/range` that capsule's. A reading up
+/// to there counts as nothing; from `band` above it on, something is nearer, and it counts fully. The cell's
+/// own link is not looked at, and forces are never taken away. Immutable.
 template <RobotModel M, Real T = double>
 class OwnView {
  public:
@@ -59,7 +59,8 @@ class OwnView {
   [[nodiscard]] std::size_t size() const noexcept { return cells_.size(); }
   [[nodiscard]] const CellView& view() const noexcept { return view_; }
 
-  /// The readings that the cells may have at `q` of what is known, in counts: 0 for a cell that sees none of it.
+  /// The readings that the cells may have at `q` of what is known, in counts: 0 for a cell that sees none of
+  /// it.
   SKINCTL_NOINLINE void look(const JointPosition<joints, T>& q, std::span<std::uint16_t> own) const noexcept {
     SKINCTL_EXPECTS(own.size() >= size(), "room for each cell");
     const Poses<M, all_links(joints), T> poses(model_, q);
@@ -108,8 +109,8 @@ class OwnView {
     std::size_t link;
     Capsule<T> shape;
   };
-  /// Balls whose slices cover the cone: each takes the part of the view between two depths, `edges` in parts of
-  /// the range, from the widest points of both ends.
+  /// Balls whose slices cover the cone: each takes the part of the view between two depths, `edges` in parts
+  /// of the range, from the widest points of both ends.
   SKINCTL_COLD void cover() {
     constexpr double edges[] = {0, 0.25, 0.54, 0.80, 1};
     const double a = view_.half_angle * 0.017453292519943295;

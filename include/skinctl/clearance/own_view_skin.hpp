@@ -11,10 +11,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The skin `S` whose proximity readings are those of what is foreign: see `OwnView`. For a `Cycle` in place of
-/// `S`; of a skin with contacts it is made as `OwnViewSkin(ContactSkin(skin), view)`.
+/// The skin `S` whose proximity readings are those of what is foreign: see `OwnView`. For a `Cycle` in place
+/// of `S`; of a skin with contacts it is made as `OwnViewSkin(ContactSkin(skin), view)`.
 ///
-/// The prediction follows the measured joints, also for a cell that is silent because its reading is constant.
+/// The prediction follows the measured joints, also for a cell that is silent because its reading is
+/// constant.
 template <class S, RobotModel M>
 class OwnViewSkin : public WrappedTouch<OwnViewSkin<S, M>, S, NoSensors> {  // the state is what it adds
   using Base = WrappedTouch<OwnViewSkin, S, NoSensors>;
@@ -23,10 +24,11 @@ class OwnViewSkin : public WrappedTouch<OwnViewSkin<S, M>, S, NoSensors> {  // t
   using scalar = typename Base::scalar;
 
   using Joints = JointHistory<M::joints, scalar>;
-  /// That of the skin, the raw reading of each cell and its prediction: six bytes a cell. Trivially copyable.
+  /// The skin's memory, the raw reading of each cell and its prediction: six bytes a cell. Trivially
+  /// copyable.
   struct Memory : S::Memory {
     typename Joints::Memory joints;
-    Nanoseconds late{0};  ///< of the newest sample's stamp, behind the measured state
+    Nanoseconds late{0};  ///< age of the newest sample's stamp behind the measured state
     std::array<CellCounts, S::cells> raw{};
     std::array<std::uint16_t, S::cells> own{};
   };
@@ -38,8 +40,8 @@ class OwnViewSkin : public WrappedTouch<OwnViewSkin<S, M>, S, NoSensors> {  // t
   }
   [[nodiscard]] const OwnView<M, scalar>& view() const noexcept { return view_; }
 
-  /// See `S::receive`; the prediction is made for where the robot was at the stamp of the newest sample, up to 16 states
-  /// before `measured`; without a sample, for as long ago as last time.
+  /// See `S::receive`; the prediction is made for where the robot was at the stamp of the newest sample, up
+  /// to 16 states before `measured`; without a sample, for as long ago as last time.
   template <class Given, class Means>
   Status take(Memory& memory, const Given& in, Means* means) const noexcept {
     const State<M::joints, scalar>& measured = in.measured;

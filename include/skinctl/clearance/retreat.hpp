@@ -6,28 +6,30 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How fast a robot retreats, and from how far.
+/// Speeds and distances of a retreat.
 struct RetreatSettings {
-  double speed = 0.45;     ///< away from an obstacle that is as near as `near` [m/s], more than it has itself
-  double near = 0.1;       ///< [m], of the surfaces
-  double far = 0.2;        ///< from which it begins; in between the speed grows linearly [m], > near
-  double rate = 4;         ///< of all other pairs: they close at `rate (distance - margin)` at most [1/s]
-  double max_speed = 1.5;  ///< of a joint [rad/s]
-  double softness = 0.1;   ///< a lever that is that short gives half of the speed away [m]
-  double return_rate = 0.3;  ///< of a joint towards the posture, at most [rad/s]
+  double speed = 0.45;  ///< speed away from an obstacle at the distance `near` [m/s], above its own
+  double near = 0.1;    ///< distance of the surfaces at which the full `speed` is asked for [m]
+  double far = 0.2;     ///< distance at which a retreat begins [m], > near; in between, speeds are linear
+  double rate = 4;      ///< rate at which all other pairs may close: `rate (distance - margin)` at most [1/s]
+  double max_speed = 1.5;    ///< largest speed of a joint [rad/s]
+  double softness = 0.1;     ///< a lever that is that short gives half of the speed away [m]
+  double return_rate = 0.3;  ///< largest speed of a joint towards the posture [rad/s]
 };
 
-/// Velocities that lead the links of a `ClearanceAround` away from obstacles that approach, with the joints that need the
-/// least speed for it:
+/// Velocities that lead the links of a `ClearanceAround` away from obstacles that approach, with the joints
+/// that need the least speed for it:
 ///
 ///     min |dq - dq_p|^2  with  g_k dq >= b_k,
 ///
-/// g_k the gradient of the distance d_k, `b_k = speed (far - d_k) / (far - near)`, at most `speed`, for an obstacle that
-/// approaches, `b_k = -rate (d_k - margin)` for all other pairs, dq_p slowly back to a posture, so that the robot does not
-/// fold while it is driven. What cannot be had at once is a compromise, in which the robot's own pairs weigh most. A push of
-/// the cells, by contrast, gives a link the speed that its mass and the number of cells that see allow.
+/// g_k the gradient of the distance d_k, `b_k = speed (far - d_k) / (far - near)`, at most `speed`, for an
+/// obstacle that approaches, `b_k = -rate (d_k - margin)` for all other pairs, dq_p slowly back to a posture,
+/// so that the robot does not fold while it is driven. What cannot be had at once is a compromise, in which
+/// the robot's own pairs weigh most. A push of the cells, by contrast, gives a link the speed that its mass
+/// and the number of cells that see allow.
 ///
-/// It is a wish, for `VelocityControl`; what holds is the limit `ClearanceLimits`. Immutable; a fixed number of rounds.
+/// It is a wish, for `VelocityControl`; what holds is the limit `ClearanceLimits`. Immutable; a fixed number
+/// of rounds.
 template <RobotModel M, std::size_t Around, Real T = double>
 class Retreat {
  public:
@@ -35,7 +37,7 @@ class Retreat {
   using Position = JointPosition<joints, T>;
   using Velocity = JointVelocity<joints, T>;
   using Near = Surroundings<Around, Base, T>;
-  /// Of obstacles that do not approach by themselves: other robots.
+  /// Treatment of obstacles that do not approach by themselves: other robots.
   enum class Others : unsigned char { stay, press };
 
   /// Throws `ConfigurationError` as `Clearances` does, and for settings out of their range.
@@ -56,8 +58,8 @@ class Retreat {
   }
   [[nodiscard]] const RetreatSettings& settings() const noexcept { return s_; }
 
-  /// For a robot at `q` beside `near` that would rather move with `wish`, beside the way to its posture. Zero for what is no
-  /// number.
+  /// For a robot at `q` beside `near` that would rather move with `wish`, beside the way to its posture. Zero
+  /// for what is no number.
   [[nodiscard]] SKINCTL_NOINLINE Velocity operator()(const Position& q, const Near& near,
                                                      Others others = Others::stay,
                                                      const Velocity& wish = {}) const noexcept {

@@ -10,28 +10,30 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How readings of proximity are understood.
+/// The model by which readings of proximity become obstacles.
 struct SightSettings {
   double range = 0.2;         ///< a reading is `1 - distance/range`, or less [m]
-  double half_angle = 25;     ///< of a cell's cone [degrees], < 80
-  double error = 0.01;        ///< of a distance, noise included [m]: what is seen may be nearer by it
-  double radius = 0.04;       ///< of the ball that is assumed where a cell sees something [m]
-  double approach = 0.3;      ///< how fast it may come closer [m/s]
-  double min_reading = 0.05;  ///< a smaller reading is nothing, in (0, 1)
+  double half_angle = 25;     ///< half opening angle of a cell's cone [degrees], < 80
+  double error = 0.01;        ///< error of a distance, noise included [m]: an obstacle may be nearer by it
+  double radius = 0.04;       ///< radius of the ball that is assumed where a cell sees something [m]
+  double approach = 0.3;      ///< speed at which the ball may come closer [m/s]
+  double min_reading = 0.05;  ///< reading in (0, 1) below which nothing is seen
 };
 
-/// Turns readings of proximity into obstacles for `ClearanceAround`: a ball of `radius` whose surface is at the read
-/// distance along the cell's normal, less `error`. The strongest readings that the room in `Surroundings` allows.
+/// Turns readings of proximity into obstacles for `ClearanceAround`: a ball of `radius` whose surface is at
+/// the read distance along the cell's normal, less `error`. The strongest readings that the room in
+/// `Surroundings` allows.
 ///
-/// What is known already is no sighting: a reading that one of the obstacles in `out` explains, because it is in the
-/// cell's cone and no farther than read. What a cell sees of its own robot is taken out by `OwnViewSkin` before.
-/// Immutable; one pass over the cells, no allocation.
+/// What is known already is no sighting: a reading that one of the obstacles in `out` explains, because it is
+/// in the cell's cone and no farther than read. What a cell sees of its own robot is taken out by
+/// `OwnViewSkin` before. Immutable; one pass over the cells, no allocation.
 template <RobotModel M, Real T = double>
 class Sightings {
  public:
   static constexpr std::size_t joints = M::joints;
 
-  /// @param places  of the skin's cells, `skin.places()`. Throws `ConfigurationError` for numbers out of their range.
+  /// @param places  of the skin's cells, `skin.places()`. Throws `ConfigurationError` for numbers out of
+  ///                their range.
   SKINCTL_COLD Sightings(const M& model, std::span<const CellPlace> places, const SightSettings& s = {})
       : model_(model), s_(s), spread_(T(std::tan(s.half_angle * 0.017453292519943295))) {
     require(s.range > 0 && s.range <= 10, "Sightings: range", s.range, "> 0, <= 10 m");
@@ -49,8 +51,8 @@ class Sightings {
   }
   [[nodiscard]] const SightSettings& settings() const noexcept { return s_; }
 
-  /// Adds what the cells see, from their readings in [0, 1] in the order of the places, with the robot at `q`. A reading
-  /// that is NaN is nothing. Returns the number of cells that see something unknown.
+  /// Adds what the cells see, from their readings in [0, 1] in the order of the places, with the robot at
+  /// `q`. A reading that is NaN is nothing. Returns the number of cells that see something unknown.
   template <class Reading, std::size_t Most>
   std::size_t look(const JointPosition<joints, T>& q, const Reading& reading,
                    Surroundings<Most, Base, T>& out) const noexcept {
@@ -76,8 +78,8 @@ class Sightings {
     if (out.count <= Most) out.count = static_cast<std::uint32_t>(known + (seen < room ? seen : room));
     return seen;
   }
-  /// Calls `drop(i)` for each cell whose reading one of the obstacles `known` explains: its proximity is to count as
-  /// nothing, for a law that gives way to what is foreign.
+  /// Calls `drop(i)` for each cell whose reading one of the obstacles `known` explains: its proximity is to
+  /// count as nothing, for a law that gives way to what is foreign.
   template <class Reading, std::size_t Most, class Drop>
   void each_known(const JointPosition<joints, T>& q, const Reading& reading,
                   const Surroundings<Most, Base, T>& known, const Drop& drop) const noexcept {

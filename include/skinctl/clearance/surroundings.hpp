@@ -15,10 +15,11 @@ SKINCTL_BEGIN_NAMESPACE
 template <Frame F, Real T = double>
 struct Obstacle {
   Capsule<T> shape;
-  /// How fast the nearest of its points may come closer to anything [m/s], >= 0. 0: it stays within `shape`.
+  /// Largest speed at which the nearest of its points may come closer to anything [m/s], >= 0. 0: it stays
+  /// within `shape`.
   T approach = T(0);
 
-  /// The same obstacle along the axes of `A`.
+  /// This obstacle along the axes of `A`.
   template <Frame A>
   [[nodiscard]] friend Obstacle<A, T> operator*(const Transform<A, F, T>& X_AF, const Obstacle& o) noexcept {
     return {{X_AF.origin() + X_AF.axes() * o.shape.from, X_AF.origin() + X_AF.axes() * o.shape.to,
@@ -40,8 +41,8 @@ inline constexpr std::size_t max_exposed_capsules = 12;
 template <std::size_t Most, Frame F = Base, Real T = double>
 struct Surroundings {
   static constexpr std::size_t capacity = Most;
-  Nanoseconds time{};       ///< for which they hold
-  std::uint32_t count = 0;  ///< of them; more than `Most`: some are unknown, and nothing may come nearer
+  Nanoseconds time{};       ///< instant for which the obstacles hold
+  std::uint32_t count = 0;  ///< number of obstacles; above `Most` some are unknown: nothing may come nearer
   std::array<Obstacle<F, T>, Most> obstacles{};
 
   /// One more; without room it is counted only.
@@ -62,7 +63,7 @@ struct NoSurroundings {
   static constexpr std::size_t capacity = 0;
 };
 
-/// What a `ClearanceAround` adds to the input of a cycle.
+/// The addition of a `ClearanceAround` to the input of a cycle.
 template <class Near>
 struct AroundRobot {
   Near around{};  ///< obstacles near the robot

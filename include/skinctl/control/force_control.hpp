@@ -13,8 +13,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// Direction and magnitude of the force.
 template <Scalar T = double>
 struct ForceGoal {
-  Xyz<T> direction;  ///< along the axes of the base, of any length but 0; 0: hold the present pose
-  T force{0};        ///< along the direction, >= 0 [N]
+  Xyz<T> direction;  ///< direction along the axes of the base, of any length; 0: hold the present pose
+  T force{0};        ///< force on the environment along the direction [N], >= 0
 
   template <class F>
   friend void each_number(ForceGoal& g, F&& f) {
@@ -26,14 +26,14 @@ struct ForceGoal {
 /// Settings of `ForceControl`.
 template <std::size_t N, Real T = double>
 struct ForceSettings {
-  OperationalSettings<N, T> pose = {};  ///< of the tracking in all other directions
+  OperationalSettings<N, T> pose = {};  ///< settings of the tracking in all other directions
   T K_p = T(0.002);    ///< speed per error of force [m/(s N)]; K_p k < 1/(4 lag) for a surface of k [N/m]
   T K_i1 = T(0.0005);  ///< gain of the integral of the error [m/(s^2 N)]
   T K_i2 = T(0.0005);  ///< gain of the integral of tanh(mu dF) [m/s^2]
   T mu = T(0.5);       ///< steepness of tanh [1/N]
-  T max_velocity = T(0.05);  ///< of the approach without contact [m/s]
+  T max_velocity = T(0.05);  ///< speed of the approach without contact [m/s]
   T max_travel = T(0.3);     ///< largest travel of the tool along the direction, either way [m]
-  Nanoseconds lag = 10ms;    ///< of the two lags that smooth the speed
+  Nanoseconds lag = 10ms;    ///< time constant of each of the two lags that smooth the speed
   /// The part of the contact's own torque that the law compensates: 1 on a torque interface, where the
   /// contact pushes the controlled robot itself, and where the same touch is in the sum; 0 for a virtual
   /// robot that does not feel the contact otherwise.
@@ -70,13 +70,13 @@ class ForceControl : public Composable {
   static constexpr std::size_t joints = N;
   static constexpr LawRole role = LawRole::tracking;
   static constexpr const char* name = "force";
-  static constexpr bool presses = true;  ///< in a sum with the skin's laws it does not count as opposition
+  static constexpr bool presses = true;  ///< the law presses against a contact: the skin does not oppose it
   struct Memory {
     typename Tracker::Memory tracker;
     ForceGoal<T> goal{{T(0), T(0), T(0)}, T(0)};  ///< goal with a direction of length 1, or 0
-    T v = T(0), a = T(0);                         ///< speed of the target along it, and its derivative
+    T v = T(0), a = T(0);  ///< speed of the target along it [m/s], and its derivative [m/s^2]
     T I1 = T(0), I2 = T(0);
-    T travel = T(0);  ///< since the goal came [m]
+    T travel = T(0);  ///< way of the target since the goal came [m]
   };
 
   /// Throws `ConfigurationError` for settings that cannot work.
@@ -102,8 +102,12 @@ class ForceControl : public Composable {
   ForceControl(const R& robot, const Transform<Link<Ix>, P, T>& X_LP)
       : ForceControl(X_LP, force_settings(robot)) {}
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
-  /// Throws `ConfigurationError` where dt or virtual dynamics are not those of the robot.
-  void check_for(const LawTerms<N, T>& robot) const { tracker_.check_for(robot); }
+  /// Throws `ConfigurationError` where dt or virtual dynamics are not those of the robot, and where the gains
+  /// do not fit a limit of jerk.
+  template <class Terms>
+  void check_for(const Terms& terms) const {
+    tracker_.check_for(terms);
+  }
 
   template <class K>
   [[nodiscard]] Memory start(const K& known) const noexcept {

@@ -10,12 +10,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How hard the fingertips press on what is between them.
+/// Goal of a `GraspControl`: how hard the fingertips press on the object between them.
 template <Scalar T = double>
 struct GraspGoal {
   T internal{0};  ///< mean force of a fingertip [N]; negative: the fingers open
   /// Mean force that the contacts ask for [N]: the largest `GraspControl::force_for` of the fingertips'
-  /// `Slip::Result::hold`; 0: none. The grip holds with the larger of the two, unless the fingers are to open.
+  /// `Slip::Result::hold`; 0: none. The grip holds with the larger of the two, unless the fingers are to
+  /// open.
   T hold{0};
 
   template <class F>
@@ -27,27 +28,29 @@ struct GraspGoal {
 /// Settings of `GraspControl`.
 template <Real T = double>
 struct GraspSettings {
-  T damping = T(40);   ///< of the closing of the fingertips [N s/m]: free fingers close at force over damping
-  T max_rate = T(20);  ///< of the force [N/s]
+  T damping = T(40);    ///< damping of the closing [N s/m]: free fingers close at force over damping
+  T max_rate = T(20);   ///< largest rate of the force [N/s]
   T max_force = T(20);  ///< largest internal force [N]
-  T lowering =
-      T(2);  ///< how fast the force falls to a `hold` [N/s]: a grip that loosens slowly slips by little
+  /// Rate at which the force falls to a `hold` [N/s]: a grip that loosens slowly slips by little.
+  T lowering = T(2);
 };
 
-/// Joint torques with which fingertips on the links `Ix...` press on an object between them, and nothing else:
+/// Joint torques with which fingertips on the links `Ix...` press on an object between them, and nothing
+/// else:
 ///
 ///     f_i = -F (p_i - c) / s,   c = mean of p_i,   s = mean of |p_i - c|,   tau = sum J_i' f_i
 ///
-/// The forces point at the centroid of the fingertips, in proportion to their distance from it. They add up to no
-/// force and no moment on the object whatever its shape and whatever the number of fingers; so an arm, gravity
-/// compensation or a touch that move the hand are not disturbed. F follows the goal at `max_rate`, and
-/// `damping ds/dt` is added, which damps the closing of the fingers and nothing else. With a `hold`
-/// that follows the fingertips' shear (`Slip`) the grip tightens at `max_rate`, and loosens at `lowering`.
+/// The forces point at the centroid of the fingertips, in proportion to their distance from it. They add up
+/// to no force and no moment on the object whatever its shape and whatever the number of fingers; so an arm,
+/// gravity compensation or a touch that move the hand are not disturbed. F follows the goal at `max_rate`,
+/// and `damping ds/dt` is added, which damps the closing of the fingers and nothing else. With a `hold` that
+/// follows the fingertips' shear (`Slip`) the grip tightens at `max_rate`, and loosens at `lowering`.
 ///
-/// The object stays between the fingers if the centroid sees each fingertip within its friction cone. F goes to zero
-/// below 1 mm of s.
+/// The object stays between the fingers if the centroid sees each fingertip within its friction cone. F goes
+/// to zero below 1 mm of s.
 ///
-/// With weights w_i, f_i = -F w_i (p_i - c) / s, and c and s are weighted means: a finger of weight 0 takes no part.
+/// With weights w_i, f_i = -F w_i (p_i - c) / s, and c and s are weighted means: a finger of weight 0 takes
+/// no part.
 ///
 /// @tparam N  joints of the robot.  @tparam Ix  two or more links, one a finger.
 template <std::size_t N, Real T, std::size_t... Ix>
@@ -64,9 +67,9 @@ class GraspControl : public Composable {
   static constexpr LawRole role = LawRole::reactive;
   static constexpr const char* name = "grasp";
   struct Memory {
-    T force = T(0);  ///< now [N]
-    T goal = T(0);   ///< [N]
-    T hold = T(0);   ///< [N]; 0: none
+    T force = T(0);  ///< internal force now [N]
+    T goal = T(0);   ///< internal force of the goal [N]
+    T hold = T(0);   ///< force of the goal that the contacts ask for [N]; 0: none
   };
 
   /// @param p_LP  the point of each fingertip that touches, in its link [m], in the order of `Ix`.
@@ -121,12 +124,12 @@ class GraspControl : public Composable {
             {}};
   }
 
-  /// Where the fingertips are, their mean distance from their centroid, and how fast it grows.
+  /// Places of the fingertips, their mean distance from their centroid, and its rate.
   struct Shape {
-    Xyz<T> p[fingers];  ///< in the base [m]
+    Xyz<T> p[fingers];  ///< fingertips in the base [m]
     Xyz<T> centroid{T(0), T(0), T(0)};
-    T size = T(0);  ///< [m]
-    T rate = T(0);  ///< [m/s]
+    T size = T(0);  ///< mean distance of the fingertips from the centroid [m]
+    T rate = T(0);  ///< rate of change of `size` [m/s]
   };
   template <class K>
   [[nodiscard]] Shape shape(const K& known) const noexcept {

@@ -16,10 +16,10 @@ SKINCTL_BEGIN_NAMESPACE
 template <class Space>
 struct ImpedanceSettings {
   using T = typename Space::scalar;
-  typename Space::Settings space = {};  ///< of goals and of the tool; its gains are not read
+  typename Space::Settings space = {};  ///< settings of goals and of the tool; their gains are not read
   std::array<T, Space::coordinates> stiffness = filled(T(100));  ///< >= 0 [N m/rad], [N/m]
   std::array<T, Space::coordinates> damping = filled(T(20));     ///< >= 0 [N m s/rad], [N s/m]
-  JointTorque<Space::joints, T> joint_damping;  ///< of every joint besides, for the null space [N m s/rad]
+  JointTorque<Space::joints, T> joint_damping;  ///< joint damping for the null space [N m s/rad]
 
   static constexpr std::array<T, Space::coordinates> filled(const T& value) {
     std::array<T, Space::coordinates> a{};

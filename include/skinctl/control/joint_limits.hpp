@@ -10,11 +10,11 @@ SKINCTL_BEGIN_NAMESPACE
 /// Settings of `JointLimitLaw`.
 template <std::size_t N, Real T = double>
 struct JointLimitSettings {
-  JointPosition<N, T> lower = JointPosition<N, T>::constant(T(-6.2831853));  ///< [rad]
+  JointPosition<N, T> lower = JointPosition<N, T>::constant(T(-6.2831853));  ///< lower position limit [rad]
   JointPosition<N, T> upper = JointPosition<N, T>::constant(T(6.2831853));
-  T margin = T(0.2);  ///< width of the zone before the limit in which it acts [rad]
-  JointTorque<N, T> strength = JointTorque<N, T>::constant(T(20));  ///< at the limit [N m]
-  JointTorque<N, T> damping = JointTorque<N, T>::constant(T(5));    ///< at the limit [N m s/rad]
+  T margin = T(0.2);  ///< width of the zone before a limit in which the law acts [rad]
+  JointTorque<N, T> strength = JointTorque<N, T>::constant(T(20));  ///< repelling torque at the limit [N m]
+  JointTorque<N, T> damping = JointTorque<N, T>::constant(T(5));    ///< damping at the limit [N m s/rad]
 };
 
 /// Repels from the limits: with x the depth in the margin, in margins (1 at the limit, and growing beyond),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A tracking law that drives some joints of a robot and leaves the others alone: an arm's law on an arm with a hand.
+// A tracking law that drives some joints of a robot and leaves the others alone: an arm's law on an arm with
+// a hand.
 #pragma once
 
 #include "skinctl/core/joint_subset.hpp"
@@ -7,13 +8,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The tracking law `L` of a tool on the joints of `Set`: `OnJoints<joints_between(0, 6)>(SplineOperational<22, 5>(...))`. The other
-/// joints get their gravity, as from any tracking law, and no other torque of it: neither feedback, nor the damping of
-/// a null space. What moves them is another law's.
+/// The tracking law `L` of a tool on the joints of `Set`: `OnJoints<joints_between(0,
+/// 6)>(SplineOperational<22, 5>(...))`. The other joints get their gravity, as from any tracking law, and no
+/// other torque of it: neither feedback, nor the damping of a null space. What moves them is another law's.
 ///
-/// The law still knows the whole robot: gravity and inertia of the hand that an arm carries are in its model. A finger
-/// that moves against the arm disturbs it: its momentum couples into the arm's feedback. Fingers that another law holds
-/// do so little; one that swings freely does not.
+/// The law still knows the whole robot: gravity and inertia of the hand that an arm carries are in its model.
+/// A finger that moves against the arm disturbs it: its momentum couples into the arm's feedback. Fingers
+/// that another law holds do so little; one that swings freely does not.
 ///
 /// `settled` asks for the joints of `Set` only.
 template <LinkMask Set, class L>

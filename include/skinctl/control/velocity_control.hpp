@@ -4,6 +4,7 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/dynamics/quantities.hpp"
+#include "skinctl/robot/robot_description.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -18,11 +19,12 @@ struct VelocityGoal {
   }
 };
 
-/// `tau = rate M (dq_d - dq)`: the joints reach the velocities dq_d of the last `VelocityGoal`, each in the same time 1/rate
-/// however heavy the links are. It holds neither gravity nor a position: what moves the robot else, moves it.
+/// `tau = rate M (dq_d - dq)`: the joints reach the velocities dq_d of the last `VelocityGoal`, each in the
+/// same time 1/rate however heavy the links are. It holds neither gravity nor a position: what moves the
+/// robot else, moves it.
 ///
-/// Without a goal for `lasts` it wants the joints to stand, so who plans must go on to do so. Behind a virtual robot with
-/// the damping c the joints come to `rate / (rate + c)` of what is wanted.
+/// Without a goal for `lasts` it wants the joints to stand, so who plans must go on to do so. Behind a
+/// virtual robot with the damping c the joints come to `rate / (rate + c)` of what is wanted.
 template <std::size_t N, Real T = double>
 class VelocityControl : public Composable {
  public:
@@ -34,7 +36,7 @@ class VelocityControl : public Composable {
   static constexpr const char* name = "velocity";
   struct Memory {
     JointVelocity<N, T> wanted;
-    T left = T(0);  ///< for which the goal holds [s]
+    T left = T(0);  ///< remaining time for which the goal holds [s]
   };
 
   /// @param rate   [1/s], > 0, at most 0.25 / D: see `check_for`.
@@ -46,9 +48,9 @@ class VelocityControl : public Composable {
     require(lasts > 0ns && lasts <= 10s, "velocity control: how long a goal lasts", milliseconds(lasts),
             "> 0, <= 10 000 ms");
   }
-  /// Throws `ConfigurationError` for a rate above 0.25 / D, D the loop's delay: see `RobotDescription::loop_delay`.
-  template <class Terms>
-  void check_for(const Terms& robot) const {
+  /// Throws `ConfigurationError` for a rate above 0.25 / D, D the loop's delay: see
+  /// `RobotDescription::loop_delay`.
+  void check_for(const LawTerms<N, T>& robot) const {
     const double most = 0.25 / seconds<double>(robot.loop_delay);
     require(static_cast<double>(rate_) <= most, "rate of a velocity control", static_cast<double>(rate_),
             "at most 0.25 / D [1/s], D = delay + lag + 1.5 period by torque, else a sub-step");

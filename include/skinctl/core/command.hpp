@@ -18,7 +18,7 @@ enum class Interface : unsigned char {
 inline constexpr Interface all_interfaces[] = {Interface::position, Interface::velocity, Interface::torque,
                                                Interface::impedance};
 
-/// Which numbers a command of an interface holds.
+/// Whether a command of the interface holds positions; below, velocities and torques.
 [[nodiscard]] constexpr bool takes_position(Interface i) noexcept {
   return i == Interface::position || i == Interface::impedance;
 }
@@ -29,8 +29,8 @@ inline constexpr Interface all_interfaces[] = {Interface::position, Interface::v
   return i == Interface::torque || i == Interface::impedance;
 }
 
-/// What a cycle has planned for `time`, between its stages and for those who watch: the commanded motion,
-/// whatever the interface, and the fused torque, beside a motion the last finite one, or by impedance that which the
+/// The plan of a cycle for `time`, between its stages and for those who watch: the commanded motion, whatever
+/// the interface, and the fused torque, beside a motion the last finite one, or by impedance that which the
 /// motion takes. A robot gets a `RobotCommand`.
 template <std::size_t N, Real T = double>
 struct JointCommand {
@@ -101,7 +101,8 @@ struct IfTaken<false, Numbers> {
 /// for its devices.
 ///
 /// While `valid` is false the command must not be sent: no good measurement of the robot has arrived yet, or
-/// it shows the robot elsewhere than where it was started.
+/// it shows the robot elsewhere than where it was started. A cycle's position is then the measured one, or
+/// NaN where the robot cannot be there, and its velocity zero.
 template <std::size_t N, Real T, Interface... Ix>
 struct RobotCommand : detail::IfTaken<(takes_position(Ix) || ...), detail::CommandedPosition<N, T>>,
                       detail::IfTaken<(takes_velocity(Ix) || ...), detail::CommandedVelocity<N, T>>,

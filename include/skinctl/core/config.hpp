@@ -26,10 +26,10 @@
 #error "skinctl: 80-bit registers break range reduction. Compile with -mfpmath=sse (32 bits: -msse2 as well)."
 #endif
 
-/// Files compiled for different instruction sets, versions, or without exceptions hold different code under the same
-/// name, and a linker, or a loader of plug-ins, would keep either of them. The inline namespace is named after all of
-/// these, `v0_1_avx2_fma`, so that such files do not merge; and after `exact` (see SKINCTL_NO_CONTRACT), whose results
-/// differ in their last bits.
+/// Files compiled for different instruction sets, versions, or without exceptions hold different code under
+/// the same name, and a linker, or a loader of plug-ins, would keep either of them. The inline namespace is
+/// named after all of these, `v0_1_avx2_fma`, so that such files do not merge; and after `exact` (see
+/// SKINCTL_NO_CONTRACT), whose results differ in their last bits.
 #if defined(SKINCTL_NO_CONTRACT) && defined(__cpp_exceptions)
 #define SKINCTL_ABI_JOINED(major, minor, set) v##major##_##minor##_##set##_exact
 #elif defined(SKINCTL_NO_CONTRACT)
@@ -59,11 +59,14 @@
 #define SKINCTL_ABI SKINCTL_ABI_OF(generic)
 #endif
 
-/// Clang shows -fassociative-math in no macro: the library's own sums and products keep the order in which they
-/// are written, whatever the flags.
-#if defined(__clang__)
+/// Clang shows -fassociative-math in no macro: the library's own sums and products keep the order in which
+/// they are written, whatever the flags.
+#if defined(__clang__) && !defined(__wasm__)
 #define SKINCTL_IN_ORDER _Pragma("float_control(push)") _Pragma("clang fp reassociate(off)")
 #define SKINCTL_ANY_ORDER _Pragma("float_control(pop)")
+#elif defined(__clang__)  // which cannot push there: what follows keeps its order as well
+#define SKINCTL_IN_ORDER _Pragma("clang fp reassociate(off)")
+#define SKINCTL_ANY_ORDER
 #else
 #define SKINCTL_IN_ORDER
 #define SKINCTL_ANY_ORDER
@@ -78,10 +81,10 @@
   }                           \
   SKINCTL_ANY_ORDER
 
-/// For operators, lambdas and recursion in the loop. With SKINCTL_NO_FORCED_INLINE the compiler chooses: a scene takes
-/// two thirds to nine tenths of the time to compile and gives readable stack traces, and a whole cycle takes 1.04 to 1.15
-/// times as long at -O3, 1.8 to 2.2 times at -O1. The CMake target `skinctl::quick` defines it.
-/// Without optimisation nothing is forced: it would take three times as long to compile.
+/// For operators, lambdas and recursion in the loop. With SKINCTL_NO_FORCED_INLINE the compiler chooses: a
+/// scene takes two thirds to nine tenths of the time to compile and gives readable stack traces, and a whole
+/// cycle takes 1.04 to 1.15 times as long at -O3, 1.8 to 2.2 times at -O1. The CMake target `skinctl::quick`
+/// defines it. Without optimisation nothing is forced: it would take three times as long to compile.
 #if defined(SKINCTL_NO_FORCED_INLINE) || !defined(__OPTIMIZE__)
 #define SKINCTL_INLINE inline
 #define SKINCTL_INLINE_LAMBDA
@@ -101,9 +104,9 @@
 
 /// In the body of an operator: lets the compiler fuse a multiplication with an addition of another operator,
 /// as GCC does by default; Clang would otherwise fuse only within one expression. SKINCTL_NO_CONTRACT forbids
-/// this fusion; with the compilers' own -ffp-contract=off and GCC's -fno-tree-vectorize beside it every level of
-/// optimisation, every instruction set and both compilers give the same bits: the CMake target `skinctl::exact`
-/// sets all of them.
+/// this fusion; with the compilers' own -ffp-contract=off and GCC's -fno-tree-vectorize beside it every level
+/// of optimisation, every instruction set and both compilers give the same bits: the CMake target
+/// `skinctl::exact` sets all of them.
 #if defined(__clang__) && !defined(SKINCTL_NO_CONTRACT)
 #define SKINCTL_CONTRACT _Pragma("clang fp contract(fast)")
 #else

@@ -47,18 +47,19 @@ concept EigenExpression = requires { typename V::PlainObject; };
 /// An array, a vector, a span: numbers without a kind.
 template <class V>
 concept BareNumbers = !EigenExpression<V> && requires(const V& v) { v.data() + v.size(); };
-/// Whether one of them is: as a constant, about which Clang writes one line where it writes four of a concept.
+/// Whether one of them is: as a constant, about which Clang writes one line where it writes four of a
+/// concept.
 template <class... V>
 inline constexpr bool any_eigen = (EigenExpression<V> || ...);
 
 /// A transform of Eigen's; Eigen/Geometry is not included here.
 template <class X>
 concept EigenPose = requires { typename X::LinearMatrixType; };
-/// As a constant, too.
+/// `EigenPose` as a constant.
 template <class X>
 inline constexpr bool is_eigen_pose = EigenPose<X>;
 
-/// One that has elements to read.
+/// An Eigen expression that has elements to read.
 template <class V>
 concept VectorExpression = EigenExpression<V> && requires(const V& v) {
   v.eval();

@@ -8,27 +8,28 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The largest opening of a gripper, and its ranges of force and speed. One that only opens and closes has one force
-/// and one speed.
+/// The largest opening of a gripper, and its ranges of force and speed. One that only opens and closes has
+/// one force and one speed.
 struct GripperRange {
   double opening = 0;    ///< largest distance of the fingers [m]
-  double min_force = 0;  ///< [N]
-  double max_force = 0;  ///< [N]
-  double min_speed = 0;  ///< of the opening [m/s]
-  double max_speed = 0;  ///< [m/s]
+  double min_force = 0;  ///< smallest force on an object [N]
+  double max_force = 0;  ///< largest force on an object [N]
+  double min_speed = 0;  ///< smallest speed of the opening [m/s]
+  double max_speed = 0;  ///< largest speed of the opening [m/s]
 };
 
-/// The opening that the fingers shall reach, the force with which they shall hold an object that is in the way, and
-/// their speed. A number beyond the gripper's range counts as the end of the range.
+/// The opening that the fingers shall reach, the force with which they shall hold an object that is in the
+/// way, and their speed. A number beyond the gripper's range counts as the end of the range.
 struct GripperGoal {
-  double opening = 0;  ///< [m]
-  double force = 0;    ///< on an object [N]
-  double speed = 0;    ///< [m/s]
+  double opening = 0;  ///< distance of the fingers [m]
+  double force = 0;    ///< force on an object that is in the way [N]
+  double speed = 0;    ///< speed of the opening [m/s]
 
   friend bool operator==(const GripperGoal&, const GripperGoal&) noexcept = default;
 };
 
-/// What a cycle asks of a gripper: the goal is a new one when `count` has changed; 0: there has been none.
+/// The request of a cycle to a gripper: the goal is a new one when `count` has changed; 0: there has been
+/// none.
 struct GripperCommand {
   GripperGoal goal{};
   std::uint32_t count = 0;
@@ -50,7 +51,7 @@ struct NoGripper {
   return (goal.opening - goal.opening) + (goal.force - goal.force) + (goal.speed - goal.speed) == 0;
 }
 
-/// Why a gripper does not do as it was told.
+/// The reason for which a gripper does not do as it was told.
 enum class GripperError : unsigned char {
   none,
   silent,   ///< no answer in time: the state is the last that was heard
@@ -75,15 +76,15 @@ enum class GripperError : unsigned char {
   return "";
 }
 
-/// What a gripper reported last.
+/// The last report of a gripper.
 struct GripperState {
-  Nanoseconds time{};  ///< when it was heard, on the clock that `poll` was given
-  double opening = 0;  ///< [m]
-  /// Force on the object that it holds [N]; 0 while it holds none. A gripper that does not measure it reports the force
-  /// of its goal.
+  Nanoseconds time{};  ///< time of the newest answer, on the clock that `poll` was given
+  double opening = 0;  ///< distance of the fingers [m]
+  /// Force on the object that it holds [N]; 0 while it holds none. A gripper that does not measure it reports
+  /// the force of its goal.
   double force = 0;
   bool heard = false;    ///< an answer came since the connection; until then the other members mean nothing
-  bool moving = false;   ///< on its way to the newest goal
+  bool moving = false;   ///< the fingers are on their way to the newest goal
   bool holding = false;  ///< the fingers stand still because an object is between them
   /// The opening comes from a sensor. Otherwise it is an estimate from the time since the last goal.
   bool measured = false;

@@ -35,6 +35,8 @@ struct JointVector {
   T data[N > 0 ? N : 1];
 
   constexpr JointVector() noexcept : data{} {}
+  JointVector(const JointVector&) = default;
+  JointVector& operator=(const JointVector&) = default;
 
   /// From a bare array, in the order of the joints.
   SKINCTL_INLINE constexpr explicit JointVector(const std::array<T, N>& values) noexcept : data{} {
@@ -73,8 +75,8 @@ struct JointVector {
   template <class L, std::size_t M, class U>
   JointVector(const JointVector<L, M, U>&) = delete;  // other kind, size or scalar: cast<U>() changes the scalar
   template <class... U>
-    requires(sizeof...(U) != N && sizeof...(U) > 1 && (std::is_convertible_v<U, T> && ...))
-  JointVector(const U&...) = delete;  // one number per joint
+    requires(sizeof...(U) != N && sizeof...(U) > 1)
+  JointVector(const U&...) = delete;  // one number per joint, or an array: JointPosition<N>(numbers)
   template <EigenExpression V>
   JointVector(const V&) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
   template <class V>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <bit>
+#include <concepts>
 #include <cstdint>
 
 #include "skinctl/core/config.hpp"
@@ -71,6 +72,8 @@ enum class Reason : std::uint8_t {
   start_refused,
   push_without_life,
   interval_too_short,
+  memory_refused,
+  touch_unanswered,
   count
 };
 
@@ -92,6 +95,13 @@ class Status {
   /// The reasons of this set that `s` does not hold.
   [[nodiscard]] constexpr Status without(Status s) const noexcept { return from_bits(bits_ & ~s.bits_); }
   friend constexpr bool operator==(Status, Status) noexcept = default;
+  /// Not by `==`: a status holds several reasons.
+  template <std::same_as<Reason> R>
+  constexpr bool operator==(R) const noexcept {
+    static_assert(sizeof(R) == 0,
+                  "a reason among others: status.has(reason); no other one: status == Status(reason)");
+    return false;
+  }
   [[nodiscard]] constexpr std::uint64_t bits() const noexcept { return bits_; }
   [[nodiscard]] static constexpr Status from_bits(std::uint64_t bits) noexcept {
     Status s;

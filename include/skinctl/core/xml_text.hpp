@@ -10,8 +10,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `text` as it stands between tags or in an attribute's quotes, of XML and HTML: marks are escaped. Control characters
-/// become spaces, but for tabs and new lines; bytes that are no UTF-8 become U+FFFD.
+/// `text` as it stands between tags or in an attribute's quotes, of XML and HTML: marks are escaped. Control
+/// characters become spaces, but for tabs and new lines; bytes that are no UTF-8 become U+FFFD.
 [[nodiscard]] inline std::string xml_text(std::string_view text) {
   std::string out;
   out.reserve(text.size());

@@ -17,9 +17,9 @@ concept StartsTold =
     StartsWith<C, State<C::joints, typename C::scalar>, JointPosition<C::joints, typename C::scalar>>;
 }  // namespace detail
 
-/// A scene (`Cycle`, `Configurations`) whose code stands in one file, so that a change in the program around it does not
-/// compile it again. It commands the same to the bit, and goes wherever the scene goes: `run_loop`, `Recording`,
-/// `replay`, `CycleThread`, `McapRecorder`.
+/// A scene (`Cycle`, `Configurations`) whose code stands in one file, so that a change in the program around
+/// it does not compile it again. It commands the same to the bit, and goes wherever the scene goes:
+/// `run_loop`, `Recording`, `replay`, `CycleThread`, `McapRecorder`.
 ///
 ///     // scene.hpp: the scene's type
 ///     using Scene = decltype(Cycle(describe_arm(), make_skin(), SkinJointControl{} + GravityControl{}));
@@ -34,9 +34,9 @@ concept StartsTold =
 ///     const auto cycle = make_scene();
 ///     run_loop(cycle, *memory, robot, skin, options, before, after);
 ///
-/// A linker that misses `Apart<...>::step` misses the line `template class`. All files of a program need the same flags
-/// of the compiler. There is one code, with a `Stopwatch`: also a step that asks for no times reads the clock (four
-/// times, some 80 ns), and no other type of stopwatch can be given.
+/// A linker that misses `Apart<...>::step` misses the line `template class`. All files of a program need the
+/// same flags of the compiler. There is one code, with a `Stopwatch`: also a step that asks for no times
+/// reads the clock (four times, some 80 ns), and no other type of stopwatch can be given.
 template <class Scene>
 class Apart {
  public:

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/dynamics/mass_ratio.hpp"
@@ -125,7 +126,7 @@ class Configurations {
   template <std::same_as<C>... Others>
   explicit Configurations(const C& first, const Others&... others)
       : Configurations(Ramp<scalar>(), first, others...) {}
-  /// The same with another T_h than 100 ms.
+  /// With another T_h than 100 ms for the change of torque, `transfer`; otherwise as above.
   template <std::same_as<C>... Others>
   Configurations(const Ramp<scalar>& transfer, const C& first, const Others&... others)
       : scenes_{carrying(transfer, first), carrying(transfer, others)...} {
@@ -180,7 +181,10 @@ class Configurations {
     const Scene& before = scenes_[m.configuration];
     const bool changes = input.configuration < Count && before.may_change(m, input);
     const typename Law::Memory law_before = m.law;
-    if (changes) m.configuration = input.configuration;
+    if (changes) {
+      m.configuration = input.configuration;
+      m.mark = scenes_[m.configuration].mark();
+    }
     auto out = scenes_[m.configuration].run(m, input, begun, Change{changes ? &before : nullptr, law_before});
     if (!changes) out.status |= Reason::configuration_refused;
     return out;
@@ -190,32 +194,13 @@ class Configurations {
     return Scene(c.resolver(), c.skin(), Law(c.law(), transfer), c.parts());
   }
   SKINCTL_COLD static void check(const C& first, const C& other) {
-    const auto same = [](const char* what, auto here, auto there, const char* unit) {
-      detail::require_same(what, static_cast<double>(here), static_cast<double>(there), unit,
-                           "in a configuration", "in the first one");
-    };
-    using Robot = std::remove_cvref_t<decltype(first.resolver())>;
-    const Robot &here = other.resolver(), &there = first.resolver();
-    same("period", milliseconds(here.period()), milliseconds(there.period()), "ms");
-    same("longest interval", milliseconds(here.longest_interval()), milliseconds(there.longest_interval()),
-         "ms");
-    Robot::each([&](auto k) {
-      const auto &a = here.template parameters<k.value>(), &b = there.template parameters<k.value>();
-      same("delay", milliseconds(a.delay), milliseconds(b.delay), "ms");
-      same("lag", a.lag, b.lag, "s");
+    std::vector<double> facts;
+    detail::each_fact_of_memory(first.resolver(),
+                                [&](const char*, double value, const char*) { facts.push_back(value); });
+    auto there = facts.begin();
+    detail::each_fact_of_memory(other.resolver(), [&](const char* name, double here, const char* unit) {
+      detail::require_same(name, here, *there++, unit, "in a configuration", "in the first one");
     });
-    same("delay", milliseconds(here.driven_delay()), milliseconds(there.driven_delay()), "ms");
-    same("lag", milliseconds(here.driven_lag()), milliseconds(there.driven_lag()), "ms");
-    for (std::size_t i = 0; i < joints; ++i)
-      same("Coulomb friction", here.shape().coulomb[i], there.shape().coulomb[i], "N m");
-    const auto &a = other.resolver().limits(), &b = first.resolver().limits();
-    for (std::size_t i = 0; i < joints; ++i) {
-      same("lower position limit", a.lower()[i], b.lower()[i], "rad");
-      same("upper position limit", a.upper()[i], b.upper()[i], "rad");
-      same("velocity limit", a.velocity()[i], b.velocity()[i], "rad/s");
-      same("acceleration limit", a.acceleration()[i], b.acceleration()[i], "rad/s^2");
-      same("torque limit", a.torque()[i], b.torque()[i], "N m");
-    }
     if (!TouchTable<std::remove_cvref_t<decltype(first.skin())>>::understands(first.skin(), other.skin()))
       refuse("skinctl: the skins of two configurations have other cells, or the same elsewhere");
   }

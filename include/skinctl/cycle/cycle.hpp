@@ -8,9 +8,15 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// A scene: a robot, its skin, its law. `Cycle(arm, skin, law)` derives resolver and guard from the
-/// description `arm`; `.with(...)` adds parts: limits of jerk, tool speed and contact, settings of the guard. All of it
-/// is immutable configuration; the state is a `Memory`. A cycle is a function of memory and input alone, so it can be
-/// recorded, replayed bit for bit, started at any state and run as fast as the machine can.
+/// description `arm`; `.with(...)` adds parts: limits of jerk, tool speed and contact, settings of the guard.
+/// All of it is immutable configuration; the state is a `Memory`. A cycle is a function of memory and input
+/// alone, so it can be recorded, replayed bit for bit, started at any state and run as fast as the machine
+/// can.
+///
+/// A memory carries the mark of its scene (limits and times of the robot, gravity in its base, ids and places
+/// of its cells; not gains, payload or tool). A scene with another mark commands nothing with it:
+/// `memory_refused`, and from then on `start_refused`, as after a refused start. Scenes with the same mark
+/// cannot tell their memories apart.
 ///
 /// The resolver builds `Quantities` from the union of the needs of law and integrator, at compile time;
 /// nothing else of the model is computed.
@@ -66,10 +72,11 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
     detail::check_holders<Robot, L>();
   }
 
-  /// The same scene with more limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`, `LinkContact<link>`,
-  /// `Clearance`, `ClearanceAround`, `SkinWatch`) or with settings of its guard (`GuardSettings`). The order and the
-  /// number of calls make no difference: `.with(a).with(b)` is `.with(a, b)`. A scene has one part of each kind, of
-  /// `LinkContact` one for each link. Throws `ConfigurationError` for a number out of its range.
+  /// The same scene with more limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`,
+  /// `LinkContact<link>`, `Clearance`, `ClearanceAround`, `SkinWatch`) or with settings of its guard
+  /// (`GuardSettings`). The order and the number of calls make no difference: `.with(a).with(b)` is `.with(a,
+  /// b)`. A scene has one part of each kind, of `LinkContact` one for each link. Throws `ConfigurationError`
+  /// for a number out of its range.
   template <class... Given>
   [[nodiscard]] auto with(const Given&... given) const {
     constexpr auto fault = detail::fault_of_parts<Resolver, Skin, Parts, Given...>();
@@ -95,7 +102,8 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
       return *this;
     }
   }
-  /// The same scene without its part of a kind, named by its settings (`without<SkinWatch>()`) or by the kind.
+  /// The same scene without its part of a kind, named by its settings (`without<SkinWatch>()`) or by the
+  /// kind.
   template <class Kind>
   [[nodiscard]] auto without() const {
     const auto left = detail::without_kind<Kind>(parts_);
@@ -104,21 +112,23 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
     return Cycle<Resolver, L, Skin, std::remove_const_t<decltype(left)>>(resolver_, skin_, law_, left);
   }
 
-  /// The memory with which the scene takes over a robot that reports `measured`: the robot stays there. It is not
-  /// believed: the first good state in the input of a cycle decides. A robot that stands elsewhere than `measured` says
-  /// (see `Guard`), a state that is not finite, and one that this robot cannot have give a memory whose cycles command
-  /// nothing: `command.valid` is false, and the status says `start_refused`. The way on is another start, or
-  /// `CycleRequest::resume`, which starts at the measured state of its cycle. Goals from before are gone; one in the
-  /// same input counts.
+  /// The memory with which the scene takes over a robot that reports `measured`: the robot stays there. It is
+  /// not believed: the first good state in the input of a cycle decides. A robot that stands elsewhere than
+  /// `measured` says (see `Guard`), a state that is not finite, and one that this robot cannot have give a
+  /// memory whose cycles command nothing: `command.valid` is false, and the status says `start_refused`. The
+  /// way on is another start, or `CycleRequest::resume`, which starts at the measured state of its cycle.
+  /// Goals from before are gone; one in the same input counts.
   [[nodiscard]] Memory start(const State<joints, scalar>& measured) const noexcept {
     Memory m{};
     start(m, measured);
     return m;
   }
-  /// The same in place, for memories too large for the stack: `start(m, measured)`, `start(m, measured, told)`.
+  /// `start` in place, for memories too large for the stack: `start(m, measured)`,
+  /// `start(m, measured, told)`.
   using Loop::start;
-  /// Takes over a robot by position that was told to be at `told`, as its controller reports it (the target of a
-  /// UR), and that stands beside it by no more than `RobotConfiguration::largest_gap`: it does not step, and the gap needs no consent.
+  /// Takes over a robot by position that was told to be at `told`, as its controller reports it (the target
+  /// of a UR), and that stands beside it by no more than `RobotConfiguration::largest_gap`: it does not step,
+  /// and the gap needs no consent.
   [[nodiscard]] Memory start(const State<joints, scalar>& measured,
                              const JointPosition<joints, scalar>& told) const noexcept
     requires detail::takes_positions<Resolver>
@@ -136,7 +146,8 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
     return result;
   }
 
-  /// The same in place, for the loop. No allocation, lock, exception or system call.
+  /// One cycle in place, for the loop: `m` becomes the next memory. No allocation, lock, exception or system
+  /// call.
   template <class Watch = NoStopwatch>
   SKINCTL_NOINLINE Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
     return this->run(m, input, watch, detail::NoChange{});
@@ -144,10 +155,10 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
   // clang-format off
   Output step(const Memory&, const Input&) const = delete;  // a step changes its memory: no const one, no temporary
   // clang-format on
-  /// Brings the code and the data of the next step into the processor's caches, from which other programs push them
-  /// while a loop waits for a state: makes a step on a copy of `memory` in `scratch`, as if the next state came `after`
-  /// later than `input`, and throws its output away. Only `scratch` changes. A step with another type of stopwatch is
-  /// other code, and stays cold.
+  /// Brings the code and the data of the next step into the processor's caches, from which other programs
+  /// push them while a loop waits for a state: makes a step on a copy of `memory` in `scratch`, as if the
+  /// next state came `after` later than `input`, and throws its output away. Only `scratch` changes. A step
+  /// with another type of stopwatch is other code, and stays cold.
   ///
   /// Call it shortly before a state is due; `run_loop` does (`LoopOptions::warm`).
   template <class Watch = NoStopwatch>

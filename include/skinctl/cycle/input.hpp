@@ -36,10 +36,10 @@ struct OptionalGoal : std::optional<Goal> {
     return *this;
   }
 };
-/// What laws that take goals add to the input.
+/// The addition of laws that take goals to the input.
 template <class Goal>
 struct GoalInput {
-  OptionalGoal<Goal> goal;  ///< for this cycle: a goal, or the next sample of a moving target
+  OptionalGoal<Goal> goal;  ///< goal, or next sample of a moving target, for this cycle
 };
 template <>
 struct GoalInput<NoGoal> {};
@@ -59,7 +59,8 @@ struct CycleInput : GoalInput<Goal> {
   [[no_unique_address]] Sensed sensed{};
 };
 
-/// What the input of a scene holds beside that, by the parts of the scene.
+/// Inputs of scenes with optional members: `goal` of laws that take goals, `gripper` of skills with a
+/// gripper, `around` of a `ClearanceAround`, `configuration` of `Configurations`.
 template <class Input>
 concept InputWithGoal = requires(const Input& input) { input.goal; };
 template <class Input>

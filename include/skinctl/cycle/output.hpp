@@ -14,12 +14,13 @@ SKINCTL_BEGIN_NAMESPACE
 template <class Command, std::size_t N, Scalar T, std::size_t Terms>
 struct CycleOutput {
   Command command;                              ///< command for the robot, to be sent if it is valid
-  JointCommand<N, T> planned;                   ///< the motion and torque behind it, to look at
+  JointCommand<N, T> planned;                   ///< motion and torque behind the command, to look at
   Status status;                                ///< reasons for limits, holds and refusals
   std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
 
   CycleOutput() = default;
-  /// Each member once: GCC would zero all of them before they are written, by an instruction that starts slowly.
+  /// Each member once: GCC would zero all of them before they are written, by an instruction that starts
+  /// slowly.
   SKINCTL_INLINE CycleOutput(const JointCommand<N, T>& given, Status found,
                              const std::array<JointTorque<N, T>, Terms>& parts) noexcept
       : command(given), planned(given.copy()), status(found), shares(parts) {}

@@ -122,7 +122,8 @@ template <class Parts>
 inline constexpr bool each_kind_once = false;
 template <class... Parts>
 inline constexpr bool each_kind_once<std::tuple<Parts...>> = ((count_of_kind<Parts, Parts...> <= 1) && ...);
-/// The place of a part in the list of a scene: that of its limit, and of contacts of several links that of the link.
+/// The place of a part in the list of a scene: that of its limit, and of contacts of several links that of
+/// the link.
 template <class Robot, class Part>
 [[nodiscard]] consteval std::size_t place_in_list() {
   if constexpr (GivenGuardSettings<Part>) {

@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Energy and momentum of a moving robot.
+// Energy of a moving robot.
 #pragma once
 
 #include "skinctl/dynamics/gravity.hpp"
-#include "skinctl/dynamics/inverse_dynamics.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-namespace kind {
-struct Momentum {};  ///< generalised momentum [N m s], [N s]
-}  // namespace kind
-
-template <std::size_t N, Scalar T = double>
-using JointMomentum = JointVector<kind::Momentum, N, T>;
-
 namespace detail {
 
 /// Kinetic energy of the subtree of link `Ix`, whose parent moves at `v`, `w` (parent's axes and origin).
@@ -74,22 +65,6 @@ template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE T energy(const M& model, const JointPosition<M::joints, T>& q,
                                       const JointVelocity<M::joints, T>& dq) noexcept {
   return kinetic_energy(model, q, dq) + potential_energy(model, q);
-}
-
-/// Generalised momentum `p = M(q) dq` [N m s], without forming M. Collision observers compare its rate with
-/// the torques: `dp = tau + C' dq - G`.
-template <RobotModel M, Scalar T, LinkMask Mask>
-[[nodiscard]] SKINCTL_INLINE JointMomentum<M::joints, T> generalised_momentum(
-    const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq) noexcept {
-  JointMomentum<M::joints, T> p;
-  detail::run_recursion<T>(model, angles, detail::NoValues{}, detail::NoValues{}, detail::Values<T>{dq.data},
-                           ZeroTriple{}, p.data);
-  return p;
-}
-template <RobotModel M, Scalar T>
-[[nodiscard]] SKINCTL_INLINE JointMomentum<M::joints, T> generalised_momentum(
-    const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq) noexcept {
-  return generalised_momentum(model, JointAngles<M, T>(model, q), dq);
 }
 
 SKINCTL_END_NAMESPACE

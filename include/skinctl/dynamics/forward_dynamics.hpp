@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Result of `forward_dynamics`.
+/// Result of `forward_dynamics`: the joints' acceleration, and whether the mass matrix was positive definite.
 template <std::size_t N, Scalar T = double>
 struct ForwardDynamics {
   JointAcceleration<N, T> acceleration;  ///< [rad/s^2]
@@ -158,8 +158,9 @@ class MassFactors {
 /// The result is the exact acceleration under a torque that differs from `tau` by some 20 units in the last
 /// place of the links' torques. The error of the acceleration is that times the condition number of M: some
 /// 500 units for a UR5, 1200 for two arms with hands; where light links carry masses 1e12 times their own the
-/// accelerations keep 8 digits in double and none in float. For a UR5 with rates within 3 rad/s and 3 rad/s^2 that torque
-/// is within 6.6e-13 N m (float: 3.6e-4) of `tau` (proven, `bench/studies/bounds`; found: 9.7e-14, 4.9e-5).
+/// accelerations keep 8 digits in double and none in float. For a UR5 with rates within 3 rad/s and 3 rad/s^2
+/// that torque is within 6.6e-13 N m (float: 3.6e-4) of `tau` (proven, `bench/studies/bounds`; found:
+/// 9.7e-14, 4.9e-5).
 template <RobotModel M, Scalar T>
 [[nodiscard]] SKINCTL_INLINE ForwardDynamics<M::joints, T> forward_dynamics(
     const M& model, const JointPosition<M::joints, T>& q, const JointVelocity<M::joints, T>& dq,

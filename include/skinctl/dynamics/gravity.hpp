@@ -105,7 +105,8 @@ SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque_from(const M& model, con
 
 }  // namespace detail
 
-/// `G(q)` [N m], the torques that hold the robot against gravity: `G = dV/dq` of the potential energy. Of a UR5 within
+/// `G(q)` [N m], the torques that hold the robot against gravity: `G = dV/dq` of the potential energy. Of a
+/// UR5 within
 /// 4.7e-14 N m (float: 3.0e-5) of the exact ones at every state (proven, `bench/studies/bounds`).
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> gravity_torque(

@@ -11,8 +11,8 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 /// For any tree. Relative to the largest torque that occurs, the error is a few units in the last place times
 /// the number of joints; no branch, so the cost does not depend on the state. A NaN in any input gives NaN
-/// torques. Of a UR5 within 5.7e-13 N m (float: 3.2e-4) of the exact ones at every position and with rates within 3 rad/s
-/// and 3 rad/s^2 (proven, `bench/studies/bounds`; found: 1.2e-13, 5.4e-5).
+/// torques. Of a UR5 within 5.7e-13 N m (float: 3.2e-4) of the exact ones at every position and with rates
+/// within 3 rad/s and 3 rad/s^2 (proven, `bench/studies/bounds`; found: 1.2e-13, 5.4e-5).
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> inverse_dynamics(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq,

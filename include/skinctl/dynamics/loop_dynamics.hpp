@@ -71,8 +71,8 @@ template <class Tree, Real T>
 /// zero.
 template <std::size_t N, Scalar T = double>
 struct LoopJacobian {
-  std::array<Xyz<T>, N> linear{};   ///< [m/s] per joint unit
-  std::array<Xyz<T>, N> angular{};  ///< [rad/s] per joint unit
+  std::array<Xyz<T>, N> linear{};   ///< velocity of the point per velocity of a joint [m/rad] or [1]
+  std::array<Xyz<T>, N> angular{};  ///< angular velocity per velocity of a joint [1], or 0
 };
 
 /// The Jacobian, in the base, of the point `p` [m] (in the base) of link `link` (< joints).

@@ -90,8 +90,8 @@ SKINCTL_INLINE constexpr void carry_wrench(const M& model, const Angles& angles,
   }
 }
 
-/// Writes the rows and columns of `M` that the wrench of a unit acceleration of joint `Ix` alone fills; `body` is the
-/// subtree of link `Ix` as one body in the frame of the link.
+/// Writes the rows and columns of `M` that the wrench of a unit acceleration of joint `Ix` alone fills;
+/// `body` is the subtree of link `Ix` as one body in the frame of the link.
 template <std::size_t Ix, Scalar T, RobotModel M, class Angles, class Body>
 SKINCTL_INLINE constexpr void write_mass(const M& model, const Angles& angles, const Body& body,
                                          MassMatrix<M::joints, T>& m) noexcept {
@@ -154,8 +154,8 @@ SKINCTL_INLINE MassMatrix<M::joints, T> empty_mass() noexcept {
 /// `M(q)` [kg m^2], symmetric positive definite for links with mass: the composite-rigid-body recursion in
 /// link frames, where an entry is simply the z component of a moment. Joints in different branches are not
 /// coupled: those entries are exact zeros. Relative to the largest entry, the error is a few units in the
-/// last place times the depth of the tree; of a UR5 within 6.2e-15 kg m^2 (float: 3.5e-6) at every state (proven,
-/// `bench/studies/bounds`).
+/// last place times the depth of the tree; of a UR5 within 6.2e-15 kg m^2 (float: 3.5e-6) at every state
+/// (proven, `bench/studies/bounds`).
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE MassMatrix<M::joints, T> mass_matrix(
     const M& model, const JointAngles<M, T, Mask>& angles) noexcept {

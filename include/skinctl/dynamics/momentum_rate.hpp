@@ -2,9 +2,16 @@
 // Generalised momentum and its rate without torques, in one pass: what collision observers compare.
 #pragma once
 
-#include "skinctl/dynamics/energy.hpp"
+#include "skinctl/dynamics/gravity.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+
+namespace kind {
+struct Momentum {};  ///< generalised momentum [N m s], [N s]
+}  // namespace kind
+
+template <std::size_t N, Scalar T = double>
+using JointMomentum = JointVector<kind::Momentum, N, T>;
 
 /// `p = M dq` [N m s] and `drift = C' dq - G` [N m], so that `dp/dt = tau + drift` with the torques `tau` of
 /// motors and contacts together.
@@ -48,8 +55,8 @@ SKINCTL_INLINE void subtree_momentum(const M& model, const Angles& angles, const
     subtree_momentum<child.value, T>(model, angles, dq, v, w, linear, angular, p, c);
   });
 
-  // d(1/2 dq' M dq)/dq_I = C' dq: the momentum of the subtree paired with the link's velocity crossed with the
-  // joint's axis.
+  // d(1/2 dq' M dq)/dq_I = C' dq: the momentum of the subtree paired with the link's velocity crossed with
+  // the joint's axis.
   if constexpr (M::kinds[Ix] == JointKind::revolute) {
     p[Ix] = angular.z;
     c[Ix] = w.y * angular.x - w.x * angular.y + v.y * linear.x - v.x * linear.y;

@@ -4,10 +4,10 @@
 #pragma once
 
 #include "skinctl/dynamics/detail/bias_beside.hpp"
-#include "skinctl/dynamics/energy.hpp"
-#include "skinctl/dynamics/operational_inertia.hpp"
-#include "skinctl/kinematics/centre_of_mass.hpp"
-#include "skinctl/kinematics/jacobian_rate.hpp"
+#include "skinctl/dynamics/forward_dynamics.hpp"
+#include "skinctl/dynamics/gravity.hpp"
+#include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/law/law.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -15,13 +15,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// No skin in this scene.
 struct NoTouch {};
 
-/// `needs` with its dependencies: the rate of a Jacobian needs the Jacobian, a Jacobian the poses of the
-/// links on the path, everything the angles.
+/// `needs` with its dependencies: a Jacobian needs the poses of the links on the path, everything the angles.
 template <Topology M>
 constexpr Needs complete(Needs needs) noexcept {
-  needs.jacobians |= needs.jacobian_rates;
   needs.poses |= closure<M>(needs.jacobians);
-  if (needs.centre_of_mass) needs.poses = all_links(M::joints);
   needs.mass = needs.mass || needs.mass_factors;
   needs.angles = needs.angles || needs.poses != 0 || needs.any_mass() || needs.touch;
   return needs;
@@ -30,8 +27,7 @@ constexpr Needs complete(Needs needs) noexcept {
 /// The links whose poses, masses or wrenches are in `needs`; joints behind the last of them are not read.
 template <Topology M>
 constexpr LinkMask links_for(const Needs& needs) noexcept {
-  return needs.any_mass() || needs.angles ? all_links(M::joints)
-                                          : closure<M>(needs.poses | needs.jacobians | needs.jacobian_rates);
+  return needs.any_mass() || needs.angles ? all_links(M::joints) : closure<M>(needs.poses | needs.jacobians);
 }
 
 namespace detail {
@@ -44,6 +40,7 @@ struct Computed {
 };
 template <class V>
 struct Computed<false, V> {
+  static const V value;  ///< never defined: it is named only after the error that says so
   template <class F>
   SKINCTL_INLINE explicit Computed(F&&) noexcept {}
 };
@@ -58,10 +55,10 @@ struct NothingAdded {
 /// The state of a robot and quantities at that state: angles, poses, G, M, C dq, as far as `Asked` includes
 /// them. Quantities outside `Asked` are neither computed nor stored, and reading them does not compile.
 ///
-/// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`. `Added` is
-/// what a resolver adds to the model (see robot/virtual_mass.hpp): the limits of its joints, and the inertia
-/// that a virtual robot has besides that of its model: `mass()` and what follows from it include it, the other
-/// quantities are the model's.
+/// `Touch` holds the skin's wrenches on the links over the interval (see tactile/), or is `NoTouch`. `Added`
+/// is what a resolver adds to the model (see robot/virtual_mass.hpp): the limits of its joints, and the
+/// inertia that a virtual robot has besides that of its model: `mass()` and what follows from it include it,
+/// the other quantities are the model's.
 template <RobotModel M, Needs Asked, Scalar T = double, class Touch = NoTouch,
           class Added = detail::NothingAdded>
 class Quantities {
@@ -109,12 +106,7 @@ class Quantities {
           return m;
         }),
         factors_([&](auto) SKINCTL_INLINE_LAMBDA { return MassFactors<M, T>(mass()); }),
-        coriolis_([&](auto) SKINCTL_INLINE_LAMBDA { return coriolis_torque(model_, angles(), state_.dq); }),
-        momentum_([&](auto)
-                      SKINCTL_INLINE_LAMBDA { return generalised_momentum(model_, angles(), state_.dq); }),
-        energy_([&](auto)
-                    SKINCTL_INLINE_LAMBDA { return skinctl::kinetic_energy(model_, angles(), state_.dq); }),
-        centre_([&](auto) SKINCTL_INLINE_LAMBDA { return skinctl::centre_of_mass(model_, poses()); }) {}
+        coriolis_([&](auto) SKINCTL_INLINE_LAMBDA { return coriolis_torque(model_, angles(), state_.dq); }) {}
 
   [[nodiscard]] SKINCTL_INLINE const M& model() const noexcept { return model_; }
   [[nodiscard]] SKINCTL_INLINE const State<joints, T>& state() const noexcept { return state_; }
@@ -173,13 +165,6 @@ class Quantities {
     static_assert((needs.jacobians >> Ix) & 1u, "not asked for: set the link's bit in needs.jacobians");
     return skinctl::jacobian<Ix>(poses_.value, X_LP...);
   }
-  /// `dJ/dt` of `jacobian<Ix>(X_LP)` at this state's dq.
-  template <std::size_t Ix, class... X>
-  [[nodiscard]] SKINCTL_INLINE auto jacobian_rate(const X&... X_LP) const noexcept {
-    static_assert((needs.jacobian_rates >> Ix) & 1u,
-                  "not asked for: set the link's bit in needs.jacobian_rates");
-    return skinctl::jacobian_rate(jacobian<Ix>(X_LP...), state_.dq);
-  }
   /// G(q) [N m].
   [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& gravity() const noexcept {
     static_assert(needs.gravity, "not asked for: set needs.gravity");
@@ -190,35 +175,15 @@ class Quantities {
     static_assert(needs.mass, "not asked for: set needs.mass");
     return mass_.value;
   }
-  /// The same, factorised.
+  /// The mass matrix of `mass()`, factorised.
   [[nodiscard]] SKINCTL_INLINE const MassFactors<M, T>& mass_factors() const noexcept {
     static_assert(needs.mass_factors, "not asked for: set needs.mass_factors");
     return factors_.value;
-  }
-  /// Mobility of the frame at `X_LP` on link `Ix`, `J M^-1 J'`; see `OperationalMobility`.
-  template <std::size_t Ix, class... X>
-  [[nodiscard]] SKINCTL_INLINE auto mobility(const X&... X_LP) const noexcept {
-    return operational_mobility(jacobian<Ix>(X_LP...), mass_factors());
   }
   /// C(q, dq) dq [N m].
   [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& coriolis() const noexcept {
     static_assert(needs.coriolis, "not asked for: set needs.coriolis");
     return coriolis_.value;
-  }
-  /// M(q) dq [N m s].
-  [[nodiscard]] SKINCTL_INLINE const JointMomentum<joints, T>& momentum() const noexcept {
-    static_assert(needs.momentum, "not asked for: set needs.momentum");
-    return momentum_.value;
-  }
-  /// 1/2 dq' M(q) dq [J].
-  [[nodiscard]] SKINCTL_INLINE const T& kinetic_energy() const noexcept {
-    static_assert(needs.kinetic_energy, "not asked for: set needs.kinetic_energy");
-    return energy_.value;
-  }
-  /// The centre of mass and its Jacobian.
-  [[nodiscard]] SKINCTL_INLINE const CentreOfMass<joints, T>& centre_of_mass() const noexcept {
-    static_assert(needs.centre_of_mass, "not asked for: set needs.centre_of_mass");
-    return centre_.value;
   }
 
  private:
@@ -246,9 +211,6 @@ class Quantities {
   [[no_unique_address]] detail::Computed<needs.mass, MassMatrix<joints, T>> mass_;
   [[no_unique_address]] detail::Computed<needs.mass_factors, MassFactors<M, T>> factors_;
   [[no_unique_address]] detail::Computed<needs.coriolis, JointTorque<joints, T>> coriolis_;
-  [[no_unique_address]] detail::Computed<needs.momentum, JointMomentum<joints, T>> momentum_;
-  [[no_unique_address]] detail::Computed<needs.kinetic_energy, T> energy_;
-  [[no_unique_address]] detail::Computed<needs.centre_of_mass, CentreOfMass<joints, T>> centre_;
 };
 
 SKINCTL_END_NAMESPACE

@@ -11,8 +11,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// point measures it, gravity apart; it is not the "spatial" acceleration of screw theory. Zero by default.
 template <Frame Body, Frame Relative, Frame At = Body, Frame Axes = Relative, Scalar T = double>
 struct Acceleration {
-  Xyz<T> linear{T(0), T(0), T(0)};   ///< [m/s^2]
-  Xyz<T> angular{T(0), T(0), T(0)};  ///< [rad/s^2]
+  Xyz<T> linear{T(0), T(0), T(0)};   ///< acceleration of the body's point at the origin of `At` [m/s^2]
+  Xyz<T> angular{T(0), T(0), T(0)};  ///< angular acceleration [rad/s^2]
 
   /// From an Eigen vector of six numbers, linear part first.
   template <VectorExpression V>

@@ -24,8 +24,8 @@ struct Tool : FrameTag {};    ///< the working point of the tool on the flange
 struct Root : FrameTag {};    ///< the root cell of a skin patch, the reference of its cells' poses
 struct Cell : FrameTag {};    ///< a skin cell: z is its outward normal
 
-/// Link `Ix` of the robot: the body that joint `Ix` moves, counted from 0 (the paper's Link_{Ix+1}); its z axis
-/// is the joint's axis. The body before joint 0 is `Base`. A link of a URDF has other axes: it is a
+/// Link `Ix` of the robot: the body that joint `Ix` moves, counted from 0 (the paper's Link_{Ix+1}); its z
+/// axis is the joint's axis. The body before joint 0 is `Base`. A link of a URDF has other axes: it is a
 /// `NamedFrame` (frames/named_frame.hpp), fixed to a `Link<Ix>`.
 template <std::size_t Ix>
 struct Link : FrameTag {

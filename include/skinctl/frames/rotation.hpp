@@ -97,8 +97,8 @@ template <Scalar T>
   return R;
 }
 
-/// The rotation by `|vector|` [rad] about `vector`: Rodrigues' formula. Accurate to a few units in the last place
-/// for every length that `T` can represent, 0 included; a NaN or an infinity gives NaNs.
+/// The rotation by `|vector|` [rad] about `vector`: Rodrigues' formula. Accurate to a few units in the last
+/// place for every length that `T` can represent, 0 included; a NaN or an infinity gives NaNs.
 template <Real T>
 [[nodiscard]] Rotation<T> exp_so3(const Xyz<T>& vector) noexcept {
   Xyz<T> phi = vector;

@@ -7,7 +7,7 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/eigen.hpp"
-#include "skinctl/frames/point.hpp"
+#include "skinctl/frames/frame.hpp"
 #include "skinctl/frames/rotation.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -36,8 +36,8 @@ class Transform {
   /// The two frames coincide.
   constexpr Transform() noexcept = default;
 
-  /// @param R_AB  axes of B in A; a rotation to within `tolerance<T>`: see `normalised()`. Not checked: a cycle refuses a
-  ///              goal whose axes are none (`Reason::goal_refused`); `nearest` throws.
+  /// @param R_AB  axes of B in A; a rotation to within `tolerance<T>`: see `normalised()`. Not checked: a
+  ///              cycle refuses a goal whose axes are none (`Reason::goal_refused`); `nearest` throws.
   /// @param p_AB  origin of B in A [m].
   SKINCTL_INLINE constexpr Transform(const Rotation<T>& R_AB, const Xyz<T>& p_AB) noexcept
       : R_(R_AB), p_(p_AB) {
@@ -45,7 +45,7 @@ class Transform {
                   "a frame has no pose in itself: name two, or go on from X_AB by X_AB.translated(...), "
                   ".rotated_z(...)");
   }
-  /// The same from Eigen, 3x3 and 3x1 of scalar `T`.
+  /// From Eigen: `R_AB` 3x3 and `p_AB` 3x1 of scalar `T`, with the requirements above.
   template <VectorExpression M, VectorExpression V>
     requires(std::same_as<typename M::Scalar, T> && std::same_as<typename V::Scalar, T>)
   Transform(const M& R_AB, const V& p_AB) noexcept : Transform(Rotation<T>::from_eigen(R_AB), as_xyz(p_AB)) {}
@@ -141,8 +141,6 @@ class Transform {
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& origin() const noexcept { return p_; }
   /// The three axes together.
   [[nodiscard]] SKINCTL_INLINE constexpr const Rotation<T>& axes() const noexcept { return R_; }
-  /// `p_AB_A`, the origin with its frames in the type.
-  [[nodiscard]] SKINCTL_INLINE constexpr Offset<A, B, A, T> offset() const noexcept { return {p_}; }
 
   /// `R_AB` as an Eigen matrix.
   [[nodiscard]] Mat3<T> rotation() const noexcept { return as_eigen(R_); }
@@ -188,15 +186,15 @@ class Transform {
     return X;
   }
 
-  /// `transformed(*this, q)`: `X_AB * X_BC` is `X_AC`, eq. (2); `X_AB` times a point, vector, twist, wrench
-  /// or inertia of B is the same quantity in A.
+  /// `transformed(*this, q)`: `X_AB * X_BC` is `X_AC`, eq. (2); `X_AB` times a twist or wrench of B is the
+  /// same quantity in A.
   template <class Q>
     requires requires(const Transform& X_AB, const Q& q) { transformed(X_AB, q); }
   [[nodiscard]] SKINCTL_INLINE constexpr auto operator*(const Q& q) const noexcept {
     return transformed(*this, q);
   }
   // clang-format off
-  template <class Q> void operator*(const Q&) const = delete;  // inner frames differ: invert, swap, shift or express
+  template <class Q> void operator*(const Q&) const = delete;  // inner frames differ: invert, swap or express
   // clang-format on
 
   friend SKINCTL_INLINE constexpr bool operator==(const Transform& X, const Transform& Y) noexcept {
@@ -228,24 +226,6 @@ template <class A, class B, class C, class T>
     const Transform<A, B, T>& X_AB, const Transform<B, C, T>& X_BC) noexcept {
   return Transform<A, C, T>::trusted(X_AB.axes() * X_BC.axes(),
                                      detail::moved(X_AB.origin(), X_AB.axes(), X_BC.origin()));
-}
-/// `p_A = X_AB * p_B`: the same point, in coordinates of A.
-template <class A, class B, class T>
-[[nodiscard]] SKINCTL_INLINE constexpr Point<A, T> transformed(const Transform<A, B, T>& X_AB,
-                                                               const Point<B, T>& p_B) noexcept {
-  return {detail::moved(X_AB.origin(), X_AB.axes(), p_B.xyz)};
-}
-/// The same vector along the axes of A: rotates only.
-template <class A, class B, class T>
-[[nodiscard]] SKINCTL_INLINE constexpr FreeVector<A, T> transformed(const Transform<A, B, T>& X_AB,
-                                                                    const FreeVector<B, T>& v_B) noexcept {
-  return {X_AB.axes() * v_B.xyz};
-}
-/// `p_PQ_B` along the axes of A: rotates only.
-template <class A, class B, class P, class Q, class T>
-[[nodiscard]] SKINCTL_INLINE constexpr Offset<P, Q, A, T> transformed(
-    const Transform<A, B, T>& X_AB, const Offset<P, Q, B, T>& p_PQ_B) noexcept {
-  return {X_AB.axes() * p_PQ_B.xyz};
 }
 
 SKINCTL_END_NAMESPACE

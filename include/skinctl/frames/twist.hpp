@@ -11,8 +11,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// Zero by default. `Twist<B, A, B, E>` has the monogram `V_AB_E`: B relative to A, at B's own origin.
 template <Frame Body, Frame Relative, Frame At = Body, Frame Axes = Relative, Scalar T = double>
 struct Twist {
-  Xyz<T> linear{T(0), T(0), T(0)};   ///< [m/s]
-  Xyz<T> angular{T(0), T(0), T(0)};  ///< [rad/s]
+  Xyz<T> linear{T(0), T(0), T(0)};   ///< velocity of the body's point at the origin of `At` [m/s]
+  Xyz<T> angular{T(0), T(0), T(0)};  ///< angular velocity [rad/s]
 
   /// From an Eigen vector of six numbers, linear part first.
   template <VectorExpression V>
@@ -47,12 +47,6 @@ struct Twist {
   friend SKINCTL_INLINE constexpr Twist operator*(const T& s, const Twist& V) noexcept {
     return {s * V.linear, s * V.angular};
   }
-  /// The velocity of another point of the same body: `v_Q = v_P + omega x p_PQ`.
-  template <Frame Q>
-  friend SKINCTL_INLINE constexpr Twist<Body, Relative, Q, Axes, T> shift(
-      const Twist& V, const Offset<At, Q, Axes, T>& p_PQ_E) noexcept {
-    return {V.linear + cross(V.angular, p_PQ_E.xyz), V.angular};
-  }
   /// The same velocity of the same point, along the axes of `F`.
   template <Frame F>
   friend SKINCTL_INLINE constexpr Twist<Body, Relative, At, F, T> express(const Transform<F, Axes, T>& X_FE,
@@ -64,8 +58,7 @@ struct Twist {
   template <EigenExpression V> void operator=(const V&) = delete;  // from Eigen: Twist<...>::from_eigen(v)
   template <EigenExpression V> operator V() const = delete;  // to Eigen: as_eigen(x)
   template <class Q> void operator+(const Q&) const = delete;  // no chain V_AB + V_BC of one point along the same axes
-  template <class Q> void operator-(const Q&) const = delete;  // other body, point or axes: shift, express, reversed
-  friend void shift(const Twist&, const AnyOffset auto&) = delete;  // a twist at P along E needs p_PQ_E
+  template <class Q> void operator-(const Q&) const = delete;  // other body, point or axes: express, reversed, X_QP * V
   friend void express(const AnyTransform auto&, const Twist&) = delete;  // X_FE takes a twist along E's axes
   // clang-format on
 };

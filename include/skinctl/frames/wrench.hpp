@@ -9,11 +9,11 @@ SKINCTL_BEGIN_NAMESPACE
 /// Load on the body to which frame `Body` is fixed: a force, and a moment about the origin of `At`, both
 /// along the axes of `Axes`; written `F_Body_At_Axes`. Zero by default.
 ///
-/// A force through the origin of `At` has no moment there; `shift` gives its moment about other points.
+/// A force through the origin of `At` has no moment there; `X_QP * F` gives its moment about another point.
 template <Frame Body, Frame At = Body, Frame Axes = At, Scalar T = double>
 struct Wrench {
-  Xyz<T> force{T(0), T(0), T(0)};   ///< [N]
-  Xyz<T> moment{T(0), T(0), T(0)};  ///< [N m]
+  Xyz<T> force{T(0), T(0), T(0)};   ///< force on the body [N]
+  Xyz<T> moment{T(0), T(0), T(0)};  ///< moment about the origin of `At` [N m]
 
   /// From an Eigen vector of six numbers, force first.
   template <VectorExpression V>
@@ -43,12 +43,6 @@ struct Wrench {
   friend SKINCTL_INLINE constexpr Wrench operator*(const T& s, const Wrench& F) noexcept {
     return {s * F.force, s * F.moment};
   }
-  /// The same load about another point: `m_Q = m_P - p_PQ x f`.
-  template <Frame Q>
-  friend SKINCTL_INLINE constexpr Wrench<Body, Q, Axes, T> shift(
-      const Wrench& F, const Offset<At, Q, Axes, T>& p_PQ_E) noexcept {
-    return {F.force, F.moment + cross(F.force, p_PQ_E.xyz)};
-  }
   /// The same load about the same point, along the axes of `G`.
   template <Frame G>
   friend SKINCTL_INLINE constexpr Wrench<Body, At, G, T> express(const Transform<G, Axes, T>& X_GE,
@@ -66,9 +60,8 @@ struct Wrench {
   // clang-format off
   template <EigenExpression V> void operator=(const V&) = delete;  // from Eigen: Wrench<...>::from_eigen(v)
   template <EigenExpression V> operator V() const = delete;  // to Eigen: as_eigen(x)
-  template <class Q> void operator+(const Q&) const = delete;  // other body, point or axes: shift, express, X_LC * F
-  template <class Q> void operator-(const Q&) const = delete;  // other body, point or axes: shift, express, X_LC * F
-  friend void shift(const Wrench&, const AnyOffset auto&) = delete;  // a wrench at P along E needs p_PQ_E
+  template <class Q> void operator+(const Q&) const = delete;  // other body, point or axes: express, X_LC * F
+  template <class Q> void operator-(const Q&) const = delete;  // other body, point or axes: express, X_LC * F
   friend void express(const AnyTransform auto&, const Wrench&) = delete;  // X_GE takes a wrench along E's axes
   friend void power(const Wrench&, const AnyTwist auto&) = delete;  // wrench and twist differ in body, point or axes
   // clang-format on

@@ -121,7 +121,8 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
     const auto answer = receive(out.memory, known, *goal.goal);
     return {answer.memory, out.status | answer.status};
   }
-  /// The same for the `Ix`-th law.
+  /// A goal for the `Ix`-th law, or the next sample of a target that it follows; refused while that law has
+  /// no share or fades in.
   template <std::size_t Ix, class K, class G>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const G& goal) const noexcept {

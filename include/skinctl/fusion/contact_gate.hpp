@@ -8,21 +8,23 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// When the robot counts as touched, by the norm of the skin's joint torque with its configured weight.
+/// Thresholds from which the robot counts as touched, on the norm of the skin's joint torque with its
+/// configured weight.
 struct ContactSettings {
-  double on = 1.0;                    ///< touched from above this [N m]
-  double off = 0.5;                   ///< until it has been below this [N m] ...
-  Nanoseconds release_after = 100ms;  ///< ... for this duration
+  double on = 1.0;                    ///< torque above which the robot counts as touched [N m]
+  double off = 0.5;                   ///< torque below which the robot counts as released [N m]
+  Nanoseconds release_after = 100ms;  ///< time below `off` after which the robot counts as released
 };
 
 /// Touched from `|tau_skin| > on` until `|tau_skin| < off` has held without a break for `release_after`.
 class ContactDetector {
  public:
   struct Memory {
-    Nanoseconds quiet{};  ///< how long it has been below `off`
+    Nanoseconds quiet{};  ///< time for which the torque has been below `off`
     bool touched = false;
   };
-  /// Throws `ConfigurationError` unless `on >= off >= 1e-9` (its square is compared) and `0 <= release_after <= 1 h`.
+  /// Throws `ConfigurationError` unless `on >= off >= 1e-9` (its square is compared) and `0 <= release_after
+  /// <= 1 h`.
   explicit ContactDetector(const ContactSettings& settings = {}) : settings_(settings) {
     require(settings.off >= 1e-9 && settings.off <= 1e9, "contact: off", settings.off, ">= 1e-9 N m");
     require(settings.on >= settings.off && settings.on <= 1e9, "contact: on", settings.on, ">= off, in N m");

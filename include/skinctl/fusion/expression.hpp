@@ -59,28 +59,44 @@ constexpr bool weighs() noexcept {
   }
 }
 template <class A, class B>
-constexpr bool adds(std::size_t least, std::size_t most) noexcept {
+constexpr bool adds() noexcept {
   if constexpr (MeantAsLaw<A> && MeantAsLaw<B>) {
-    const auto count = LawTable<A>::gravity_laws + LawTable<B>::gravity_laws;
-    if (repeats_touch<A, B>()) return false;
-    return count >= least && count <= most && !LawTable<A>::is_complete_sum && !LawTable<B>::is_complete_sum;
+    return !LawTable<A>::is_complete_sum && !LawTable<B>::is_complete_sum;
   } else {
     return false;
   }
 }
 template <class A, class B>
 constexpr bool holds_twice() noexcept {
-  return adds<A, B>(2, 99) || repeats_touch<A, B>();
+  if constexpr (adds<A, B>()) {
+    return LawTable<A>::gravity_laws + LawTable<B>::gravity_laws > 1 || repeats_touch<A, B>();
+  } else {
+    return false;
+  }
+}
+/// In place of a result, after the error about it: what is a law of both.
+template <class A, class B>
+auto either_law(const A& a, const B& b) {
+  if constexpr (MeantAsLaw<A>) {
+    return a;
+  } else {
+    return b;
+  }
 }
 }  // namespace detail
 
 namespace expression {
 
+// One operator each, whose assertions name the fault: beside a deleted one, compilers list all candidates.
+
 /// A law with a weight, > 0, on either side. Throws `ConfigurationError` for other weights.
 template <class A, class B>
-  requires(detail::weighs<A, B>() || detail::weighs<B, A>())
 [[nodiscard]] auto operator*(const A& a, const B& b) {
-  if constexpr (std::is_arithmetic_v<A>) {
+  constexpr bool weighs = detail::weighs<A, B>() || detail::weighs<B, A>();
+  static_assert(weighs, "gravity keeps weight 1, and only numbers are weights");
+  if constexpr (!weighs) {
+    return detail::either_law(a, b);
+  } else if constexpr (std::is_arithmetic_v<A>) {
     static_assert(sizeof(detail::Say<detail::fault_in_members<B>(), B>) > 0);
     auto sum = detail::as_sum(b);
     auto weights = sum.weights();
@@ -94,25 +110,22 @@ template <class A, class B>
 /// The sum of two laws or sums, with the default policy and thresholds; `plain`, `weighted` and `opposed_by`
 /// apply to the whole sum.
 template <class A, class B>
-  requires(detail::adds<A, B>(0, 1))
 [[nodiscard]] auto operator+(const A& a, const B& b) {
-  static_assert(sizeof(detail::Say<detail::fault_in_members<A>(), A>) > 0);
-  static_assert(sizeof(detail::Say<detail::fault_in_members<B>(), B>) > 0);
-  static_assert(!detail::are_for_two_robots<A, B>,
-                "the laws of a sum are for robots with different numbers of joints");
-  return detail::join(detail::as_sum(a), detail::as_sum(b));
+  constexpr bool adds = detail::adds<A, B>(), twice = detail::holds_twice<A, B>();
+  static_assert(adds,
+                "a law adds to laws only: a torque comes from law.torque(memory, known), "
+                "a blend of the whole sum");
+  static_assert(!twice, "gravity twice: keep one gravity law; a law of the skin twice: keep one");
+  if constexpr (adds && !twice) {
+    static_assert(sizeof(detail::Say<detail::fault_in_members<A>(), A>) > 0);
+    static_assert(sizeof(detail::Say<detail::fault_in_members<B>(), B>) > 0);
+    static_assert(!detail::are_for_two_robots<A, B>,
+                  "the laws of a sum are for robots with different numbers of joints");
+    return detail::join(detail::as_sum(a), detail::as_sum(b));
+  } else {
+    return detail::either_law(a, b);
+  }
 }
-
-// Operations without meaning.
-// clang-format off
-template <class A, class B>
-void operator*(const A&, const B&) = delete;  // gravity keeps weight 1, and only numbers are weights
-template <class A, class B>
-  requires(detail::holds_twice<A, B>())
-void operator+(const A&, const B&) = delete;  // gravity twice: keep one gravity law; a law of the skin twice: keep one
-template <class A, class B>
-void operator+(const A&, const B&) = delete;  // a law adds to laws only: a torque comes from law.torque(memory, known), a blend of the whole sum
-// clang-format on
 
 }  // namespace expression
 

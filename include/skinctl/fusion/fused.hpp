@@ -139,7 +139,7 @@ class Fused : public Composable,
     static_assert(i < terms, "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
     return receive<i>(memory, known, goal);
   }
-  /// The same for the `Ix`-th law.
+  /// A goal for the `Ix`-th law, or the next sample of a target that it follows.
   template <std::size_t Ix, class K, class Goal>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {

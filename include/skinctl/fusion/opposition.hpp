@@ -11,13 +11,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// When skin and tracking count as opposed, by the norm of the skin's joint torques as they enter the sum, each
-/// as a share of its joint's largest torque: a shoulder, a wrist and a finger feel alike. A push below the
-/// threshold may wind the integrals up.
+/// Thresholds from which skin and tracking count as opposed, on the norm of the skin's joint torques as they
+/// enter the sum, each as a share of its joint's largest torque: a shoulder, a wrist and a finger feel alike.
+/// A push below the threshold may wind the integrals up.
 struct OppositionSettings {
-  double on = 0.01;                  ///< opposed above this share, if the torques oppose each other
-  double off = 0.005;                ///< ends when it has been below this share ...
-  Nanoseconds release_after = 50ms;  ///< ... for this duration
+  double on = 0.01;  ///< share above which skin and tracking are opposed, if their torques oppose each other
+  double off = 0.005;                ///< share below which the opposition ends
+  Nanoseconds release_after = 50ms;  ///< time below `off` after which the opposition ends
 };
 
 /// The largest torques of the joints as far as they are known; 100 N m otherwise.
@@ -31,13 +31,13 @@ template <class K>
 }
 
 /// Opposed from the moment that `|tau_skin| > on` and `tau_skin . tau_track < 0`, until `|tau_skin| < off`
-/// has held without a break for `release_after`, whatever the rate of the cycle. Norm and product are those of
-/// torques over the largest torque of their joint.
+/// has held without a break for `release_after`, whatever the rate of the cycle. Norm and product are those
+/// of torques over the largest torque of their joint.
 class OppositionDetector {
  public:
   struct Memory {
-    Nanoseconds quiet{};  ///< how long the skin has been below `off`
-    bool below = false;   ///< whether it was at the last evaluation
+    Nanoseconds quiet{};  ///< time for which the skin's torque has been below `off`
+    bool below = false;   ///< the skin's torque was below `off` at the last evaluation
     bool opposed = false;
   };
   struct Result {

@@ -24,7 +24,7 @@ inline constexpr std::size_t reaction_count = static_cast<std::size_t>(Reaction:
 
 /// The end of a reaction.
 enum class WayBack : unsigned char {
-  at_once,    ///< with the faulty cycle or sample
+  at_once,    ///< the reaction ends with the faulty cycle or sample
   by_itself,  ///< once the fault is over; the motion goes on from its present state, within its limits
   on_request  ///< once the fault is over and the user sends `CycleRequest::resume`
 };
@@ -35,12 +35,12 @@ enum class FaultFinder : unsigned char { loop, skin, law, skills, resolver, gove
 /// A row of the table.
 struct Fault {
   Reason reason;
-  const char* name;  ///< as the enumerator
+  const char* name;  ///< name of the enumerator
   FaultFinder finder;
   Reaction motion;  ///< position and velocity interfaces
   Reaction torque;  ///< torque interface
   WayBack way_back;
-  const char* text;  ///< for logs
+  const char* text;  ///< description for logs
 };
 
 /// A row for each reason, in the order of `Reason`. `describe`, the guard, the documentation and the tests
@@ -157,6 +157,10 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
     {Reason::interval_too_short, "interval_too_short", FaultFinder::resolver, Reaction::report,
      Reaction::report, WayBack::by_itself,
      "cycles last less than 1 % of the period: are stamps nanoseconds?"},
+    {Reason::memory_refused, "memory_refused", FaultFinder::guard, Reaction::stop, Reaction::stop,
+     WayBack::on_request, "the memory is of another scene, or of none: nothing is commanded"},
+    {Reason::touch_unanswered, "touch_unanswered", FaultFinder::law, Reaction::report, Reaction::report,
+     WayBack::by_itself, "the skin is touched, and no law or limit of the scene answers touch"},
 }};
 static_assert(
     [] {

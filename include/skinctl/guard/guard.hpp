@@ -10,10 +10,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The guard of a robot: a `JointGuard` for each group of joints by position or velocity of its `Resolver`, and one for
-/// the joints by torque. Each reacts to faults of its own joints and to those that other stages found; a fault of one
-/// that waits for consent stops all, by the resolver, until `acknowledge`. Limits and periods are the resolver's; the
-/// settings are those of the whole robot.
+/// The guard of a robot: a `JointGuard` for each group of joints by position or velocity of its `Resolver`,
+/// and one for the joints by torque. Each reacts to faults of its own joints and to those that other stages
+/// found; a fault of one that waits for consent stops all, by the resolver, until `acknowledge`. Limits and
+/// periods are the resolver's; the settings are those of the whole robot.
 ///
 /// @tparam Mover  `Abrupt`, or a limit that decides how joints move: then they brake as it says.
 template <class Robot, class Mover = Abrupt>

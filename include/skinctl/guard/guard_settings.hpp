@@ -11,7 +11,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `GuardSettings` set: for `Cycle::without`.
+/// The kind of `GuardSettings`, for `Cycle::without`.
 struct GuardPart {};
 
 /// Settings of a guard beyond the robot's description; each has a usable default.

@@ -13,7 +13,7 @@ SKINCTL_BEGIN_NAMESPACE
 struct PacketMemory {
   bool started = false;
   std::uint32_t last = 0;     ///< the newest number
-  std::uint64_t missing = 0;  ///< of the last 64 packets, a bit for each that did not arrive
+  std::uint64_t missing = 0;  ///< a bit for each of the last 64 packets; 1: it did not arrive
   std::uint64_t lost = 0;     ///< number of all lost packets
 };
 

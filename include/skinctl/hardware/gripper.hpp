@@ -11,10 +11,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// A gripper on the other end of a driver. Nothing here blocks: a loop calls `poll` once a cycle.
 ///
 /// - `range()` gives its largest opening, forces and speeds.
-/// - `move(goal)` replaces the goal, also during a motion. It returns false for a goal that is not finite and for a
-///   gripper that is lost.
-/// - `poll(now)` sends and receives what is due, and returns the newest state. A gripper that does not answer within
-///   the driver's time limit is reported as `silent`, later as `lost`.
+/// - `move(goal)` replaces the goal, also during a motion. It returns false for a goal that is not finite and
+///   for a gripper that is lost.
+/// - `poll(now)` sends and receives what is due, and returns the newest state. A gripper that does not answer
+///   within the driver's time limit is reported as `silent`, later as `lost`.
 /// - `stop()` halts the fingers where they are, if the gripper can.
 template <class G>
 concept GripperDriver = requires(G& gripper, const G& same, const GripperGoal& goal, Nanoseconds now) {

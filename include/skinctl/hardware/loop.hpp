@@ -21,7 +21,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Why a loop ended.
+/// The reason for which a loop ended.
 enum class LoopEnd : unsigned char {
   finished,     ///< the number of cycles was reached, or the user's function ended it
   interrupted,  ///< the stop flag was set
@@ -39,14 +39,14 @@ struct LoopReport {
   std::uint64_t silent = 0;  ///< cycles without a new state
   std::uint64_t stood = 0;   ///< cycles whose state came, but brought no later time for more than 1.5 periods
   std::uint64_t missed = 0;  ///< cycles whose state came later than 1.5 periods after the one before
-  std::uint64_t samples = 0;  ///< from the skin
+  std::uint64_t samples = 0;  ///< number of samples from the skin
   std::uint64_t warmed = 0;   ///< cycles before which the caches were warmed
   std::array<Histogram, stage_count> stages;
   Histogram whole;
-  Histogram period;                ///< between states, by this computer's clock
-  Histogram load;                  ///< from a state's arrival until its command was sent and `after` returned
+  Histogram period;  ///< times between states, by this computer's clock
+  Histogram load;    ///< times from a state's arrival until its command was sent and `after` returned
   std::uint64_t overruns = 0;      ///< cycles whose load was above the budget
-  std::uint64_t lost_packets = 0;  ///< of a robot that numbers them
+  std::uint64_t lost_packets = 0;  ///< number of lost packets, of a robot that numbers them
 
   /// The slowest cycle: its number, memory and input; `cycle(memory, input)` runs it again.
   struct Worst {
@@ -62,26 +62,26 @@ struct LoopReport {
 
 /// Options of a loop.
 struct LoopOptions {
-  std::uint64_t cycles = 0;               ///< 0: until it is stopped
-  Nanoseconds period = 8ms;               ///< planned; a state later than 1.5 periods is a miss
-  std::size_t max_samples = 8192;         ///< of one cycle, kept in the copy of the worst cycle
-  std::optional<TimeBudget> budget = {};  ///< of the load; see `TimeBudget` for the reaction to overruns
-  PacketWatch packets{};                  ///< for a robot that numbers its packets
-  /// How long before a state is due the loop calls `Cycle::warm`; it sleeps until then. 0: it never does. Nor does it
-  /// for a robot whose states come within three times this time after a cycle.
+  std::uint64_t cycles = 0;        ///< 0: until it is stopped
+  Nanoseconds period = 8ms;        ///< planned period; a state later than 1.5 periods is a miss
+  std::size_t max_samples = 8192;  ///< samples of a cycle that the copy of the worst cycle keeps, at most
+  std::optional<TimeBudget> budget = {};  ///< budget of the load; see `TimeBudget` for the reactions
+  PacketWatch packets{};                  ///< watch for gaps in the packets of a robot that numbers them
+  /// Time before a state is due at which the loop calls `Cycle::warm`; it sleeps until then. 0: it never
+  /// does. Nor does it for a robot whose states come within three times this time after a cycle.
   Nanoseconds warm = 300us;
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
 };
 
 /// Runs `cycle` with `robot` and `skin` until it ends. In every cycle: wait for a state, take the samples,
-/// call `before(input, memory)`, which may set goals, requests and what other sensors read (`input.sensed`) and
-/// ends the run by returning false, step,
-/// send, then `after(input, output, watch)`. However it ends, the robot is stopped. Both functions read in
-/// `input.observed` whether to leave optional work out (`work_skipped`).
+/// call `before(input, memory)`, which may set goals, requests and what other sensors read (`input.sensed`)
+/// and ends the run by returning false, step, send, then `after(input, output, watch)`. However it ends, the
+/// robot is stopped. Both functions read in `input.observed` whether to leave optional work out
+/// (`work_skipped`).
 ///
-/// `recorders` are what replays: a `Recording`, a `CycleThread`, or your own with `start(state)`, `start(state, told)` for
-/// a robot that tells it, and `recorder(input, output, watch)`. The loop starts them where it starts the scene, and
-/// hands them each cycle after `send`, before `after`.
+/// `recorders` are what replays: a `Recording`, a `CycleThread`, or your own with `start(state)`,
+/// `start(state, told)` for a robot that tells it, and `recorder(input, output, watch)`. The loop starts them
+/// where it starts the scene, and hands them each cycle after `send`, before `after`.
 ///
 /// All allocations (the report, the copy of the worst cycle) happen before the first cycle.
 template <class C, class Robot, class Source, class Before, class After, class... Recorders>

@@ -24,8 +24,9 @@ struct Scheduling {
 };
 
 /// Requests SCHED_FIFO at `priority` (1 to 99; others are cut to that range) for the calling thread and locks
-/// the process's memory. Threads that it starts later are ordinary ones: a writer of files must not displace the loop. A refusal is not an error: the loop runs, with occasional delays, and `report` says
-/// so. Call before the loop: it makes system calls and allocates.
+/// the process's memory. Threads that it starts later are ordinary ones: a writer of files must not displace
+/// the loop. A refusal is not an error: the loop runs, with occasional delays, and `report` says so. Call
+/// before the loop: it makes system calls and allocates.
 inline Scheduling request_real_time(int priority = 80) {
   Scheduling got;
 #if defined(__linux__)

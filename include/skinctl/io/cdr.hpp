@@ -16,7 +16,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What CDR knows as a number of 1, 2, 4 or 8 bytes.
+/// A type that CDR knows as a number of 1, 2, 4 or 8 bytes.
 template <class V>
 concept CdrNumber = std::is_arithmetic_v<V> && !std::same_as<V, long double> && sizeof(V) <= 8;
 
@@ -25,10 +25,12 @@ static_assert(std::endian::native == std::endian::little, "messages are written 
 /// Bytes before the first member: representation (0, 1: plain CDR, little-endian) and options.
 inline constexpr std::size_t cdr_header_size = 4;
 
-/// Writes a message in XCDR1, little-endian (OMG DDSI-RTPS 2.3, 10), into bytes that are given: nothing is allocated.
+/// Writes a message in XCDR1, little-endian (OMG DDSI-RTPS 2.3, 10), into bytes that are given: nothing is
+/// allocated.
 ///
-/// A member is aligned to its own size, counted from behind the header; padding is zero. Behind the end nothing is
-/// written, but counted: `fits()` says whether the message is whole, `size()` how many bytes it takes.
+/// A member is aligned to its own size, counted from behind the header; padding is zero. Behind the end
+/// nothing is written, but counted: `fits()` says whether the message is whole, `size()` how many bytes it
+/// takes.
 class CdrWriter {
  public:
   explicit CdrWriter(std::span<unsigned char> bytes) noexcept : bytes_(bytes) {
@@ -101,9 +103,9 @@ class CdrWriter {
 
 /// Reads a message from bytes that nobody vouches for.
 ///
-/// Past the end, and after a text or sequence that cannot be, everything read is zero or empty and `fits()` is false.
-/// Only plain little-endian CDR is read: another header does not fit. Bytes behind the last member are no error: a
-/// sender may pad a message to a multiple of 4.
+/// Past the end, and after a text or sequence that cannot be, everything read is zero or empty and `fits()`
+/// is false. Only plain little-endian CDR is read: another header does not fit. Bytes behind the last member
+/// are no error: a sender may pad a message to a multiple of 4.
 class CdrReader {
  public:
   explicit CdrReader(std::span<const unsigned char> bytes) noexcept : bytes_(bytes) {
@@ -136,8 +138,8 @@ class CdrReader {
     }
     return {reinterpret_cast<const char*>(bytes.data()), n - 1};
   }
-  /// The number of elements of a sequence, each of at least `least` bytes: a count for which the message has too few
-  /// bytes does not fit, so that nobody makes room for it.
+  /// The number of elements of a sequence, each of at least `least` bytes: a count for which the message has
+  /// too few bytes does not fit, so that nobody makes room for it.
   [[nodiscard]] std::size_t count(std::size_t least) noexcept {
     const std::size_t n = get<std::uint32_t>();
     if (n <= left() / (least > 0 ? least : 1)) return n;

@@ -11,8 +11,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// One contact, as it lies in the cloud `/skin/contacts`.
 struct ContactPoint {
   std::array<float, 3> position{};  ///< centre of pressure in the base [m]
-  std::array<float, 3> force{};     ///< on the robot, in the base's axes [N]
-  float area = 0;                   ///< [m^2]
+  std::array<float, 3> force{};     ///< force on the robot, along the base's axes [N]
+  float area = 0;                   ///< area of the contact [m^2]
   std::uint32_t link = 0;           ///< index of the link
 
   static constexpr std::array<ros::PointField, 8> fields = {{{"x", 0},

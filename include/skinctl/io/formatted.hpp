@@ -110,11 +110,12 @@ struct Conversion {
 
 }  // namespace detail
 
-/// What `std::printf` writes in the "C" locale, by `std::to_chars`: a point in every number and no marks between
-/// thousands, whatever the locales of C and C++ are. For URScript, XML, JSON, SVG, CSV, C++: what machines read.
+/// The text that `std::printf` writes in the "C" locale, by `std::to_chars`: a point in every number and no
+/// marks between thousands, whatever the locales of C and C++ are. For URScript, XML, JSON, SVG, CSV, C++:
+/// what machines read.
 ///
-/// Conversions d, u, x, f, g, e, c, s and %%, with the flags -, 0 and +, width, precision (either as *) and the lengths l,
-/// ll and z; compilers check the arguments. At most 100 decimals. Allocates.
+/// Conversions d, u, x, f, g, e, c, s and %%, with the flags -, 0 and +, width, precision (either as *) and
+/// the lengths l, ll and z; compilers check the arguments. At most 100 decimals. Allocates.
 [[nodiscard, gnu::format(printf, 1, 2)]] SKINCTL_COLD inline std::string formatted(const char* format, ...) {
   detail::FormatArguments x;
   va_start(x.list, format);

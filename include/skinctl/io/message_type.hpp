@@ -24,8 +24,8 @@ struct MessageType {
   }
 };
 
-/// The type `name` with the definition `schema`; its hash is computed from the definition. Throws `ConfigurationError`
-/// with the line for a definition that is no ROS message, or lacks a type that it uses.
+/// The type `name` with the definition `schema`; its hash is computed from the definition. Throws
+/// `ConfigurationError` with the line for a definition that is no ROS message, or lacks a type that it uses.
 [[nodiscard]] inline MessageType message_type(std::string name, std::string schema) {
   std::string hash = "RIHS01_" + detail::sha256(detail::TypeDescription(name, schema).json());
   return {std::move(name), std::move(schema), std::move(hash)};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reads a URDF: what a program calls, without the parser, which is in `io/urdf.hpp` or compiled once by CMake's `skinctl::io`.
+// Reads a URDF: what a program calls, without the parser, which is in `io/urdf.hpp` or compiled once by
+// CMake's `skinctl::io`.
 #pragma once
 
 #include <string>
@@ -36,10 +37,11 @@ namespace detail {
 /// A joint with `<mimic>` is fixed if the joint that it follows is. If that one moves, the file is refused:
 /// the joints of a model move independently.
 ///
-/// Links without `<inertial>` may be fixed to others or be the base, whose own inertia does not matter. Where a
-/// joint carries none, as in the files of stiff industrial arms, the mass is 0 or estimated (`total_mass`): enough
-/// by position and velocity, where `virtual_inertia` gives the joints their inertia; by torque the model is
-/// refused. Moments off by more than `makers_density` are replaced by the nearest ones that a body has.
+/// Links without `<inertial>` may be fixed to others or be the base, whose own inertia does not matter. Where
+/// a joint carries none, as in the files of stiff industrial arms, the mass is 0 or estimated (`total_mass`):
+/// enough by position and velocity, where `virtual_inertia` gives the joints their inertia; by torque the
+/// model is refused. Moments off by more than `makers_density` are replaced by the nearest ones that a body
+/// has.
 ///
 /// Joints beside the chain from base to tip that the fixed base carries are not looked at: neither limits nor
 /// mimics of a second arm matter. A joint without `<limit>` has none.
@@ -50,7 +52,7 @@ namespace detail {
 [[nodiscard]] Urdf read_urdf(const std::string& path, const UrdfOptions& options = {});
 
 /// The links of a model, in the order of `urdf.joints`. Their frames are those of `urdf.frames`' carriers: z
-/// on the joint's axis, turned about it by `turn` against `UrdfJoint::placed`, as in `CanonicalLinks`. Throws
+/// on the joint's axis, turned about it by `turn` against `UrdfJoint::placed`, as in `TurnedLinks`. Throws
 /// `ConfigurationError` for a link that cannot exist.
 struct UrdfLinks {
   std::vector<LinkParameters<double>> links;

@@ -15,8 +15,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Messages as views: each has `type()`, and `encode(writer, message)` writes it. Whoever encodes must not be in the
-/// loop the first time that `type()` is called: the hash is computed then.
+/// Messages as views: each has `type()`, and `encode(writer, message)` writes it. Whoever encodes must not be
+/// in the loop the first time that `type()` is called: the hash is computed then.
 namespace ros {
 
 /// std_msgs/String.
@@ -69,7 +69,7 @@ enum class PointNumber : std::uint8_t { i8 = 1, u8, i16, u16, i32, u32, f32, f64
 /// One field of a point.
 struct PointField {
   std::string_view name;
-  std::uint32_t offset = 0;  ///< from the beginning of the point
+  std::uint32_t offset = 0;  ///< bytes from the beginning of the point
   PointNumber number = PointNumber::f32;
 };
 
@@ -78,7 +78,7 @@ struct PointCloud {
   Nanoseconds time{};
   std::string_view frame;
   std::span<const PointField> fields;
-  std::uint32_t point_size = 0;  ///< above 0
+  std::uint32_t point_size = 0;  ///< bytes of a point, above 0
   std::span<const unsigned char> points;
 
   [[nodiscard]] static const MessageType& type() {
@@ -101,7 +101,8 @@ struct Matrix {
   }
 };
 
-/// builtin_interfaces/Time: seconds, rounded down, and nanoseconds. Seconds beyond 2^31 wrap, as everywhere in ROS.
+/// builtin_interfaces/Time: seconds, rounded down, and nanoseconds. Seconds beyond 2^31 wrap, as everywhere
+/// in ROS.
 inline void encode(CdrWriter& w, Nanoseconds time) noexcept {
   constexpr std::int64_t second = 1'000'000'000;
   std::int64_t s = time.count() / second, ns = time.count() % second;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <charconv>
 #include <concepts>
 #include <map>
 #include <string>
@@ -12,12 +11,14 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/time.hpp"
+#include "skinctl/io/detail/from_chars.hpp"
 #include "skinctl/io/detail/read_text.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Lines `name = number number ...`; what follows a `#` is a comment. A program asks by `set` for each number that it lets a
-/// file change, and in the end by `finish` whether the file holds others: a name that nobody asked for is a mistake in writing.
+/// Lines `name = number number ...`; what follows a `#` is a comment. A program asks by `set` for each number
+/// that it lets a file change, and in the end by `finish` whether the file holds others: a name that nobody
+/// asked for is a mistake in writing.
 ///
 ///     auto numbers = SceneNumbers::of_file("scene.txt");
 ///     CellGains gains{.force = 20};
@@ -25,8 +26,8 @@ SKINCTL_BEGIN_NAMESPACE
 ///     numbers.finish();
 class SceneNumbers {
  public:
-  /// Reads text; `source` is its name in error texts. Throws `ConfigurationError`, with source, line and name, for a line
-  /// without `=`, a name that is empty or stands twice, and what is no finite number.
+  /// Reads text; `source` is its name in error texts. Throws `ConfigurationError`, with source, line and
+  /// name, for a line without `=`, a name that is empty or stands twice, and what is no finite number.
   explicit SceneNumbers(std::string_view text, std::string source = "numbers") : source_(std::move(source)) {
     int line = 0;
     while (!text.empty()) {
@@ -93,7 +94,7 @@ class SceneNumbers {
     for (text = trimmed(text.substr(equals + 1)); !text.empty(); text = trimmed(text)) {
       const std::string word(text.substr(0, text.find_first_of(" \t\r")));
       double value = 0;
-      const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+      const auto result = detail::from_chars(word.data(), word.data() + word.size(), value);
       if (result.ec != std::errc() || result.ptr != word.data() + word.size() || value - value != 0)
         fail(line, name + ": \"" + word + "\" is no finite number");
       entry.values.push_back(value);

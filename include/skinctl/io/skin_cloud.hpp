@@ -15,22 +15,22 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// One cell of `/skin/cells`, as it lies there: a place, and a whole `CellSample`, so that another computer can control
-/// with it.
+/// One cell of `/skin/cells`, as it lies there: a place, and a whole `CellSample`, so that another computer
+/// can control with it.
 struct SkinPoint {
   enum Status : std::uint32_t {
     stale = 1,  ///< older than `SkinCloud::max_age`, or never heard
     masked = 2  ///< the readings do not count
   };
-  std::array<float, 3> position{};  ///< in the base [m]
+  std::array<float, 3> position{};  ///< position in the base [m]
   float force = 0;         ///< sum of the readings, times the scale [N]; without a scale the readings
-  float proximity = 0;     ///< in [0, 1]
+  float proximity = 0;     ///< proximity reading, in [0, 1]
   float temperature = 0;   ///< [C]
   std::uint32_t cell = 0;  ///< id
   std::uint32_t status = stale;
-  std::array<float, 3> forces{};        ///< the readings, each in [0, 1]
-  std::int32_t age = 0;                 ///< of the sample at the message's stamp [ns]; held at both ends
-  std::array<float, 3> acceleration{};  ///< [m/s^2]
+  std::array<float, 3> forces{};  ///< the readings, each in [0, 1]
+  std::int32_t age = 0;  ///< age of the sample at the message's stamp [ns], limited to the range of its type
+  std::array<float, 3> acceleration{};               ///< proper acceleration along the cell's axes [m/s^2]
   std::uint16_t measured = unsaid, unrest = unsaid;  ///< see `CellSample`
 
   static constexpr std::array<ros::PointField, 17> fields = {{{"x", 0},
@@ -53,8 +53,8 @@ struct SkinPoint {
 };
 static_assert(std::is_standard_layout_v<SkinPoint> && sizeof(SkinPoint) == 64);
 
-/// A skin as a message that stays prepared: `set` writes a sample, `place` moves the cells of a link, `encode` stamps.
-/// Nothing is allocated after the construction; not for several threads at once.
+/// A skin as a message that stays prepared: `set` writes a sample, `place` moves the cells of a link,
+/// `encode` stamps. Nothing is allocated after the construction; not for several threads at once.
 class SkinCloud {
  public:
   /// A cell: where it is in its link [m], and the number of that link for `place`.
@@ -65,12 +65,13 @@ class SkinCloud {
   };
   struct Options {
     std::string frame = "base_link";
-    float newtons = 1;            ///< of a sum of readings of 1; 1: `force` is the sum itself
+    float newtons = 1;  ///< force for which a cell's readings add up to 1 [N]; 1: `force` is the sum itself
     Nanoseconds max_age = 100ms;  ///< older samples are marked as stale
   };
 
-  /// The cells of a link must be neighbours in the list. Throws `ConfigurationError` for more than 2^20 cells, an id
-  /// that occurs twice, links that come twice, a place that is not finite, a scale or age that is not above 0.
+  /// The cells of a link must be neighbours in the list. Throws `ConfigurationError` for more than 2^20
+  /// cells, an id that occurs twice, links that come twice, a place that is not finite, a scale or age that
+  /// is not above 0.
   explicit SkinCloud(const std::vector<Cell>& cells) : SkinCloud(cells, Options()) {}
   SKINCTL_COLD SkinCloud(const std::vector<Cell>& cells, const Options& options) : options_(options) {
     require(cells.size() <= max_cells, "SkinCloud: cells", double(cells.size()), "0 to 2^20");
@@ -115,7 +116,8 @@ class SkinCloud {
     CdrWriter measure{std::span<unsigned char>()};
     ros::encode(measure, cloud);
     size_ = measure.size();
-    // Behind the points stands one byte, `is_dense`. They begin on a cache line, whatever the frame is called.
+    // Behind the points stands one byte, `is_dense`. They begin on a cache line, whatever the frame is
+    // called.
     const std::size_t head = size_ - as_bytes.size() - 1;
     first_point_ = (head + sizeof(Line) - 1) / sizeof(Line);
     before_ = first_point_ * sizeof(Line) - head;
@@ -173,7 +175,8 @@ class SkinCloud {
       for (std::size_t k = 0; k < 3; ++k)
         points[i].position[k] = x[k] * homes_[i][0] + y[k] * homes_[i][1] + z[k] * homes_[i][2] + o[k];
   }
-  /// The message with the stamp `now`: ages and staleness of all cells are as of then. Valid until the next call.
+  /// The message with the stamp `now`: ages and staleness of all cells are as of then. Valid until the next
+  /// call.
   [[nodiscard]] std::span<const unsigned char> encode(Nanoseconds now) noexcept {
     CdrWriter stamp(std::span<unsigned char>(bytes()).first(cdr_header_size + 8));
     ros::encode(stamp, now);
@@ -195,8 +198,8 @@ class SkinCloud {
     unsigned char bytes[64];
   };
 
-  /// Within 73 years on either side. The difference of such a time and any other one does not come around to an age
-  /// of 32 bits.
+  /// Within 73 years on either side. The difference of such a time and any other one does not come around to
+  /// an age of 32 bits.
   static std::int64_t held(Nanoseconds t) noexcept {
     constexpr std::int64_t most = std::int64_t(1) << 61;
     return std::clamp(t.count(), -most, most);

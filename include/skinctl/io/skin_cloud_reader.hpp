@@ -21,9 +21,9 @@ class SkinCloudReader {
     samples_.reserve(most);
   }
 
-  /// The samples that `message` brings: those whose time is later than the last one of their cell, on the sender's
-  /// clock, which the stamps of all topics share. Valid until the next call. A sample whose age is beyond what the
-  /// message can say, 2.1 s, is left out.
+  /// The samples that `message` brings: those whose time is later than the last one of their cell, on the
+  /// sender's clock, which the stamps of all topics share. Valid until the next call. A sample whose age is
+  /// beyond what the message can say, 2.1 s, is left out.
   [[nodiscard]] std::span<const CellSample> read(std::span<const unsigned char> message) noexcept {
     samples_.clear();
     CdrReader r(message);

@@ -29,8 +29,8 @@ struct SkinFile {
   /// A link that carries skin, by the name that it has in the robot's URDF or description.
   struct Link {
     std::string name;
-    double radius = 0;  ///< of the tube that stands for it in pictures [m]
-    double length = 0;  ///< of that tube [m]
+    double radius = 0;  ///< radius of the tube that stands for the link in pictures [m]
+    double length = 0;  ///< length of the tube [m]
     /// Unit vector along the axis of the joint that moves the link, in the link's frame; all 0: not given.
     /// Descriptions of one robot differ in the axes of equally named links; this tells them apart.
     Xyz<double> joint_axis{0, 0, 0};
@@ -39,15 +39,15 @@ struct SkinFile {
   };
   struct Cell {
     std::uint32_t id = 0;
-    SkinPose X_RootCell;  ///< in the frame of its patch; z is the outward normal
+    SkinPose X_RootCell;  ///< pose of the cell in its patch; z is the outward normal
     /// Ids of the cells at ports 1 to 4, or `nobody`. Empty: those within 1.3 pitches.
     std::vector<std::uint32_t> neighbours{};
-    std::uint32_t group = 0;            ///< of cells that share electronics
-    std::optional<double> threshold{};  ///< on the sum of its force readings; none: that of `SkinSettings`
+    std::uint32_t group = 0;            ///< number of a group of cells that share electronics
+    std::optional<double> threshold{};  ///< threshold on the sum of its forces; none: that of `SkinSettings`
     double gain = 1;                    ///< factor on the patch's gains
-    std::vector<double> covariance;     ///< of its pose, see `Patch::covariance`
-    std::string masked;                 ///< why its readings do not count; empty: they do
-    int line = 0;                       ///< of the file, 0: none
+    std::vector<double> covariance;  ///< covariance of `X_RootCell`, as that of a patch, position in its axes
+    std::string masked;              ///< reason for which the cell's readings do not count; empty: they count
+    int line = 0;                    ///< line of the file; 0: none
     friend bool operator==(const Cell&, const Cell&) = default;
   };
   struct Patch {
@@ -55,7 +55,8 @@ struct SkinFile {
     std::string link;
     SkinPose X_LinkRoot;
     CellGains gains{};
-    /// Of position [m] and rotation vector [rad], 6x6: the upper triangle by rows, 21 numbers; empty: unknown.
+    /// Covariance of `X_LinkRoot`: errors of position [m] in the link's axes, then of rotation vector [rad]
+    /// in the patch's own. The upper triangle of 6x6 by rows, 21 numbers; empty: unknown.
     std::vector<double> covariance;
     std::vector<Cell> cells;
     int line = 0;
@@ -69,7 +70,7 @@ struct SkinFile {
   struct Region {
     std::string name;
     std::vector<std::uint32_t> cells;
-    double weight = 1;                                             ///< factor on what its cells do
+    double weight = 1;  ///< factor on the forces of the region's cells
     double force_limit = std::numeric_limits<double>::infinity();  ///< largest contact force [N]; inf: none
     int line = 0;
     friend bool operator==(const Region&, const Region&) = default;

@@ -66,9 +66,9 @@ inline SkinPose rounded(SkinPose X) {
 
 }  // namespace detail
 
-/// Adds a patch to `file` as a skin file writes it: in the frame of the link `link` of `D`'s file, its root at
-/// its first cell, its cells joined by the ports of `size`. Throws `ConfigurationError` for a link that `D`
-/// does not have or that is another link than the patch's.
+/// Adds a patch to `file` as a skin file writes it: in the frame of the link `link` of `D`'s file, its root
+/// at its first cell, its cells joined by the ports of `size`. Throws `ConfigurationError` for a link that
+/// `D` does not have or that is another link than the patch's.
 ///
 /// @param radius, length  of the tube that stands for the link in pictures [m].
 template <NamesLinks D, std::size_t Ix, std::size_t N>

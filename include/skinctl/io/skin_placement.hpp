@@ -69,7 +69,8 @@ template <class Find>
     return UrdfFrame{};
   });
 }
-/// The same on a description with links by name: from `urdf_to_model`, or `ur5::Ros2Links`.
+/// The patches of a file on a description with links by name: from `urdf_to_model`, or `ur5::Ros2Links`.
+/// Throws `ConfigurationError` as for a URDF.
 template <NamesLinks D>
 [[nodiscard]] std::vector<PlacedSkinPatch> place_skin(const SkinFile& file) {
   return detail::place_skin(file, [&](const std::string& link, const auto& fail) {
@@ -81,9 +82,9 @@ template <NamesLinks D>
   });
 }
 
-/// The placed patches for a `SkinOf`: each cell with its patch's gains times its own `gain` and the weights of
-/// the regions that have it, and with its threshold, below which its force readings are 0. Masked cells neither push
-/// nor count as usable; a `TrustedSkin` fills them in.
+/// The placed patches for a `SkinOf`: each cell with its patch's gains times its own `gain` and the weights
+/// of the regions that have it, and with its threshold, below which its force readings are 0. Masked cells
+/// neither push nor count as usable; a `TrustedSkin` fills them in.
 [[nodiscard]] SKINCTL_COLD inline std::vector<SkinPatch> skin_patches(
     const SkinFile& file, const std::vector<PlacedSkinPatch>& placed) {
   std::unordered_map<std::uint32_t, double> weights;
@@ -107,8 +108,8 @@ template <NamesLinks D>
   return out;
 }
 
-/// Which cells are neighbours, by index in the order of `skin_patches`: those that the file names at its ports, on the
-/// same link; in patches for which it names none, those of `CellGraph(places)`.
+/// The neighbours of each cell, by index in the order of `skin_patches`: those that the file names at its
+/// ports, on the same link; in patches for which it names none, those of `CellGraph(places)`.
 [[nodiscard]] SKINCTL_COLD inline CellGraph cell_graph(const SkinFile& file,
                                                        const std::vector<PlacedSkinPatch>& placed) {
   std::vector<CellPlace> places;
@@ -135,10 +136,10 @@ template <NamesLinks D>
   return CellGraph(std::move(lists));
 }
 
-/// The file's regions for a `ContactSkin`, which stops a robot when one is pressed harder than its `force_limit`. The
-/// weight is in the gains of `skin_patches`; it is taken off again, for the limit to be of newtons. Where regions
-/// overlap, a cell keeps the other's weight. Throws `ConfigurationError` for a limit of a region of weight 0, and for more
-/// than 32 regions.
+/// The file's regions for a `ContactSkin`, which stops a robot when one is pressed harder than its
+/// `force_limit`. The weight is in the gains of `skin_patches`; it is taken off again, for the limit to be of
+/// newtons. Where regions overlap, a cell keeps the other's weight. Throws `ConfigurationError` for a limit
+/// of a region of weight 0, and for more than 32 regions.
 [[nodiscard]] SKINCTL_COLD inline Regions regions_of(const SkinFile& file) {
   std::vector<Region> out;
   for (const SkinFile::Region& r : file.regions)
@@ -153,11 +154,11 @@ template <NamesLinks D>
   return Regions(std::move(out));
 }
 
-/// How far off a cell may be, one standard deviation in the worst direction: an upper bound from the file's
+/// The error of a cell's pose, one standard deviation in the worst direction: an upper bound from the file's
 /// covariances of its patch and its own pose. What is not given counts as exact.
 struct PlaceDeviation {
-  double place = 0;      ///< [m]
-  double direction = 0;  ///< [rad]
+  double place = 0;      ///< deviation of the cell's origin [m]
+  double direction = 0;  ///< deviation of the cell's normal [rad]
 };
 [[nodiscard]] SKINCTL_COLD inline PlaceDeviation place_deviation(const SkinFile::Patch& patch,
                                                                  const SkinFile::Cell& cell) {

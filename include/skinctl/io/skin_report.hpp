@@ -17,17 +17,17 @@ SKINCTL_BEGIN_NAMESPACE
 struct CellReport {
   std::uint32_t id = 0;
   std::size_t link = 0;
-  std::array<float, 3> place{}, normal{};  ///< in its link [m]; outwards
+  std::array<float, 3> place{}, normal{};  ///< position in the link's frame [m], and its outward normal
   CellFaults faults;                       ///< found, silence included
-  double mask = 0;                         ///< 1: it does not count
+  double mask = 0;                         ///< 1: the cell does not count
   double rest = 0;                         ///< rest level: sum of the three forces while untouched
-  /// It has read something for a minute, and nobody can tell whether that is a contact or a drift.
+  /// The cell has read something for a minute, and nobody can tell whether that is a contact or a drift.
   bool unexplained = false;
 };
 
 /// The health of all cells of a skin, at one time. Not for the loop: it allocates.
 struct SkinReport {
-  std::vector<CellReport> cells;  ///< in the order of the patches
+  std::vector<CellReport> cells;  ///< cells in the order of the patches
   std::size_t usable = 0;         ///< cells that count
   [[nodiscard]] std::size_t count(CellFault fault) const noexcept {
     return static_cast<std::size_t>(

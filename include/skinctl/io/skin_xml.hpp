@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Patch files in XML, as TUM's skin has them. Optional: needs tinyxml2 (Debian: libtinyxml2-dev; link tinyxml2).
+// Patch files in XML, as TUM's skin has them. Optional: needs tinyxml2 (Debian: libtinyxml2-dev; link
+// tinyxml2).
 #pragma once
 
 #include <tinyxml2.h>
 
-#include <charconv>
 #include <cstring>
 #include <optional>
 
+#include "skinctl/io/detail/from_chars.hpp"
 #include "skinctl/io/detail/read_text.hpp"
 #include "skinctl/io/skin_contents.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a patch file in XML does not say.
+/// The facts that a patch file in XML does not hold.
 struct SkinXmlOptions {
   std::string name = "patch";
-  std::string link{};  ///< the link that carries it; empty: `baseFrame` of the file
+  std::string link{};  ///< link that carries the skin; empty: `baseFrame` of the file
   CellGains gains{};
   std::optional<SkinPose> X_LinkRoot{};  ///< none: `tf_rootCell_base` of the file
 };
@@ -61,7 +62,7 @@ class SkinXmlReader {
     while (!s.empty() && std::strchr(" \t\r\n", s.front()) != nullptr) s.remove_prefix(1);
     while (!s.empty() && std::strchr(" \t\r\n", s.back()) != nullptr) s.remove_suffix(1);
     T x{};
-    const auto [end, error] = std::from_chars(s.data(), s.data() + s.size(), x);
+    const auto [end, error] = detail::from_chars(s.data(), s.data() + s.size(), x);
     if (s.empty() || error != std::errc() || end != s.data() + s.size() || !(x - x == T(0)))
       fail(at, what + " = " + skin_quoted(s) +
                    ", allowed: " + (std::is_integral_v<T> ? "a whole number" : "a finite number"));
@@ -184,12 +185,13 @@ class SkinXmlReader {
 
 }  // namespace detail
 
-/// Reads a patch file from memory: `<SkinConfig>` with `<patchExtrinsics baseFrame><tf_rootCell_base>` and, per
-/// `<cell id rootCellId>`, `<pos>` [m], `<rot>` (cell to root) and `<neighbors>`, whose ids are those at ports
-/// 1 to 4, 0 for nobody. Rotations with few digits become the nearest rotation. Other elements are skipped.
+/// Reads a patch file from memory: `<SkinConfig>` with `<patchExtrinsics baseFrame><tf_rootCell_base>` and,
+/// per `<cell id rootCellId>`, `<pos>` [m], `<rot>` (cell to root) and `<neighbors>`, whose ids are those at
+/// ports 1 to 4, 0 for nobody. Rotations with few digits become the nearest rotation. Other elements are
+/// skipped.
 ///
-/// Throws `ConfigurationError`, with source, line, patch, cell, field, value and allowed range, for text that is
-/// no such XML or exceeds 256 MiB, a matrix with another size or a missing element, a `<rot>` that is no
+/// Throws `ConfigurationError`, with source, line, patch, cell, field, value and allowed range, for text that
+/// is no such XML or exceeds 256 MiB, a matrix with another size or a missing element, a `<rot>` that is no
 /// rotation to within 0.01, and what `SkinFile::check` refuses.
 [[nodiscard]] inline SkinFile parse_skin_xml(std::string_view text, std::string source = "skin XML",
                                              const SkinXmlOptions& options = {}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Robots from URDF files. Optional: needs tinyxml2 (Debian: libtinyxml2-dev; link tinyxml2), in each file that includes this, or in one
-// source of the program by CMake's `skinctl::io`.
+// Robots from URDF files. Optional: needs tinyxml2 (Debian: libtinyxml2-dev; link tinyxml2), in each file
+// that includes this, or in one source of the program by CMake's `skinctl::io`.
 #pragma once
 
 #include <algorithm>
@@ -51,9 +51,9 @@ template <Topology Tree, Scalar T = double>
   return model;
 }
 
-/// Pose of the link `Name` of the file in `Link<Ix>` of the model: `link_poses(model, q).get<Ix>()` times this
-/// is the pose that the file gives the link at `q`. Throws `ConfigurationError` for a name that is not in the
-/// file, and for a link that another joint carries, or none.
+/// Pose of the link `Name` of the file in `Link<Ix>` of the model: `link_poses(model, q).get<Ix>()` times
+/// this is the pose that the file gives the link at `q`. Throws `ConfigurationError` for a name that is not
+/// in the file, and for a link that another joint carries, or none.
 template <std::size_t Ix, FrameName Name, Scalar T = double>
 [[nodiscard]] Transform<Link<Ix>, NamedFrame<Name>, T> named_link_pose(const Urdf& urdf) {
   const UrdfFrame& frame = urdf.frame(Name.view());
@@ -66,7 +66,8 @@ template <std::size_t Ix, FrameName Name, Scalar T = double>
            ", the program expects it on joint " + std::to_string(Ix));
   return Transform<Link<Ix>, NamedFrame<Name>>(frame.R, frame.p).template cast<T>();
 }
-/// The same for a link that no joint moves, in `Base`.
+/// Pose in `Base` of a link that no joint moves. Throws `ConfigurationError` for another link, and for a name
+/// that is not in the file.
 template <FrameName Name, Scalar T = double>
 [[nodiscard]] Transform<Base, NamedFrame<Name>, T> named_link_pose(const Urdf& urdf) {
   const UrdfFrame& frame = urdf.frame(Name.view());

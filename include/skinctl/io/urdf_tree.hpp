@@ -24,28 +24,29 @@ struct UrdfOptions {
   std::map<std::string, double, std::less<>> locked{};
   /// Accepts limits beyond two turns and speeds beyond 60 rad/s, which otherwise count as degrees.
   bool large_limits = false;
-  /// Mass of all links that move [kg], from the maker's data sheet; 0: unknown. Its part that the file does not
-  /// give is spread over the links without mass: by the volume of their collision shapes if all of these are
-  /// boxes, cylinders and spheres, otherwise as cylinders from joint to joint with a share of
-  /// `length * reach^(2/3)`, reach being the length that the joint carries. The model stays refused by torque.
+  /// Mass of all links that move [kg], from the maker's data sheet; 0: unknown. Its part that the file does
+  /// not give is spread over the links without mass: by the volume of their collision shapes if all of these
+  /// are boxes, cylinders and spheres, otherwise as cylinders from joint to joint with a share of `length *
+  /// reach^(2/3)`, reach being the length that the joint carries. The model stays refused by torque.
   double total_mass = 0;
 };
 
 /// A joint of a URDF that moves, and the link that it carries with all links fixed to it.
 struct UrdfJoint {
   std::string name;
-  std::string link;  ///< the link that it carries
-  int parent = -1;   ///< index of the joint that carries its parent link; -1: the base
+  std::string link;  ///< name of the link that the joint carries
+  int parent = -1;   ///< index of the joint that carries the parent link; -1: the base
   JointKind kind = JointKind::revolute;
   bool continuous = false;                                  ///< turns without end: no `lower`, `upper`
-  double lower = -std::numeric_limits<double>::infinity();  ///< [rad] or [m]
+  double lower = -std::numeric_limits<double>::infinity();  ///< lower position limit [rad] or [m]
   double upper = std::numeric_limits<double>::infinity();
-  double velocity = std::numeric_limits<double>::infinity();     ///< [rad/s] or [m/s]
-  double effort = std::numeric_limits<double>::infinity();       ///< [N m] or [N]
-  double soft_lower = -std::numeric_limits<double>::infinity();  ///< of `<safety_controller>` [rad] or [m]
+  double velocity = std::numeric_limits<double>::infinity();  ///< largest velocity [rad/s] or [m/s]
+  double effort = std::numeric_limits<double>::infinity();    ///< largest torque [N m] or force [N]
+  /// Lower position limit of `<safety_controller>` [rad] or [m].
+  double soft_lower = -std::numeric_limits<double>::infinity();
   double soft_upper = std::numeric_limits<double>::infinity();
   std::string question{};  ///< the limit that looks like degrees, in words; empty: none
-  PlacedLink placed;       ///< in the parent joint's frame, with z turned onto the joint's axis
+  PlacedLink placed;       ///< place in the parent joint's frame, with z turned onto the joint's axis
   int line = 0;            ///< line of the file
 };
 
@@ -53,7 +54,7 @@ struct UrdfJoint {
 /// `Link<joint>` of `calibrated_from`'s model, or in `Base`.
 struct UrdfFrame {
   std::string name;
-  int joint = -1;  ///< the joint of `Urdf::joints` that carries it; -1: nothing moves it
+  int joint = -1;  ///< index into `Urdf::joints` of the joint that carries the link; -1: nothing moves it
   Rotation<double> R;
   Xyz<double> p{0, 0, 0};
 };
@@ -64,7 +65,8 @@ struct UrdfLock {
   double position = 0;  ///< [rad] or [m]
 };
 
-/// A link to which the file gives no mass, or none about its joint's axis, and the mass that it has in the model.
+/// A link to which the file gives no mass, or none about its joint's axis, and the mass that it has in the
+/// model.
 struct UrdfAssumedMass {
   std::string link;
   double mass = 0;  ///< estimated from `UrdfOptions::total_mass`, or the file's [kg]
@@ -80,9 +82,9 @@ struct Urdf {
   std::vector<UrdfFrame> frames;         ///< every link of the model's part of the file
   std::vector<UrdfLock> locked;          ///< joints that are locked though the file lets them move
   std::vector<UrdfAssumedMass> assumed;  ///< not empty: a robot by torque is refused with this model
-  /// Oddities with a way on: bodies that no density makes, bad inertias of links that do not move or have very
-  /// little weight, one line each; limits that look like degrees, soft limits, links without mass, one line a
-  /// file.
+  /// Oddities with a way on: bodies that no density makes, bad inertias of links that do not move or have
+  /// very little weight, one line each; limits that look like degrees, soft limits, links without mass, one
+  /// line a file.
   std::vector<std::string> warnings;
 
   /// The place of the link `name`. Throws `ConfigurationError` for an unknown one, with the known names.

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -13,24 +12,25 @@
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/xml_text.hpp"
 #include "skinctl/frames/rotation.hpp"
+#include "skinctl/io/detail/from_chars.hpp"
 #include "skinctl/io/formatted.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/model/named_links.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a URDF has beside the model. Everything may be left out.
+/// The contents of a URDF beside the model. Everything may be left out.
 struct UrdfDress {
   std::string name = "robot";
   std::string base = "base_link";
   std::vector<std::string> joints{};  ///< names; missing ones are "joint_1", ...
   std::vector<std::string> links{};   ///< names of the moving links; missing ones are "link_1", ...
   struct Limit {
-    double lower = 0, upper = 0;  ///< [rad] or [m]
+    double lower = 0, upper = 0;  ///< position limits [rad] or [m]
     double velocity = 0, effort = 0;
   };
-  std::vector<Limit> limits{};           ///< of each joint; without them revolute ones are continuous
-  std::vector<LinkCapsule> capsules{};   ///< to look at, in the links' frames; fixed ones in the base
+  std::vector<Limit> limits{};          ///< limits of each joint; without them revolute joints are continuous
+  std::vector<LinkCapsule> capsules{};  ///< shapes for viewers, in the links' frames; fixed ones in the base
   std::vector<NamedLink> named_links{};  ///< frames fixed to links, as links without mass
 };
 
@@ -112,15 +112,15 @@ class UrdfBuilder {
       for (int n = 6; n <= 17; ++n) {
         digits = formatted("%.*g", n, v == 0 ? 0.0 : v);
         double again = 0;
-        std::from_chars(digits.data(), digits.data() + digits.size(), again);
+        detail::from_chars(digits.data(), digits.data() + digits.size(), again);
         if (again == v) break;
       }
       out += (out.empty() ? "" : " ") + digits;
     }
     return out;
   }
-  /// `R = Rz(yaw) Ry(pitch) Rx(roll)`; the roll is what is left when the yaw is undone, so that a pitch of a right angle
-  /// costs no digits.
+  /// `R = Rz(yaw) Ry(pitch) Rx(roll)`; the roll is what is left when the yaw is undone, so that a pitch of a
+  /// right angle costs no digits.
   static std::string origin(const Rotation<double>& R, const Xyz<double>& p) {
     const double yaw = std::atan2(R.x.y, R.x.x), pitch = std::atan2(-R.x.z, std::hypot(R.x.x, R.x.y));
     const double c = std::cos(yaw), s = std::sin(yaw);
@@ -153,9 +153,9 @@ class UrdfBuilder {
 
 }  // namespace detail
 
-/// The model as a URDF: the frames of its links are those of `Link<Ix>`. `parse_urdf` reads it back to within rounding;
-/// gravity is not part of a URDF. Throws `ConfigurationError` for limits or capsules of joints or links that the model
-/// does not have.
+/// The model as a URDF: the frames of its links are those of `Link<Ix>`. `parse_urdf` reads it back to within
+/// rounding; gravity is not part of a URDF. Throws `ConfigurationError` for limits or capsules of joints or
+/// links that the model does not have.
 template <RobotModel M>
 [[nodiscard]] std::string urdf_text(const M& model, const UrdfDress& dress = {}) {
   require(dress.limits.empty() || dress.limits.size() == M::joints, "UrdfDress: limits",

@@ -3,23 +3,23 @@
 #pragma once
 
 #include "skinctl/core/eigen.hpp"
-#include "skinctl/frames/point.hpp"
 #include "skinctl/kinematics/poses.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Centre of mass and its Jacobian, with a column for every joint that carries mass. A robot without mass
-/// gives zeros.
+/// Centre of mass in the base, and its Jacobian. The column of a joint that carries no mass is 0; a robot
+/// without mass has the origin and zeros.
 template <std::size_t N, Scalar T = double>
 struct CentreOfMass {
-  T mass{0};            ///< of all links [kg]
-  Point<Base, T> p;     ///< [m]
-  Xyz<T> columns[N]{};  ///< velocity of the centre of mass per joint unit [m/s], along the axes of the base
+  T mass{0};                   ///< mass of all links [kg]
+  Xyz<T> p{T(0), T(0), T(0)};  ///< centre of mass in the base [m]
+  /// Velocity of the centre of mass in the base, per velocity of each joint [m/rad] or [1].
+  Xyz<T> columns[N]{};
 
-  /// Velocity of the centre of mass [m/s].
-  [[nodiscard]] SKINCTL_INLINE FreeVector<Base, T> velocity(const JointVelocity<N, T>& dq) const noexcept {
-    FreeVector<Base, T> v;
-    for (std::size_t i = 0; i < N; ++i) v.xyz = v.xyz + dq[i] * columns[i];
+  /// Velocity of the centre of mass [m/s], along the axes of the base.
+  [[nodiscard]] SKINCTL_INLINE Xyz<T> velocity(const JointVelocity<N, T>& dq) const noexcept {
+    Xyz<T> v{T(0), T(0), T(0)};
+    for (std::size_t i = 0; i < N; ++i) v = v + dq[i] * columns[i];
     return v;
   }
   /// The Jacobian as a 3 x N matrix.
@@ -62,7 +62,7 @@ template <RobotModel M, LinkMask Mask, Scalar T>
   }
   const auto any = out.mass > T(0);
   const T per_mass = select(any, T(T(1) / select(any, out.mass, T(1))), T(0));
-  out.p.xyz = per_mass * all;
+  out.p = per_mass * all;
   detail::unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA {
     const auto X = poses.template get<i>();
     if constexpr (M::kinds[i] == JointKind::revolute) {

@@ -124,7 +124,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
                                                         const BodyAcceleration& ddx_r) const noexcept {
     return solve_rate(dJ, dx_r, ddx_r, solve(dx_r));
   }
-  /// The same where `dq_r = solve(dx_r)` is known.
+  /// As `solve_rate(dJ, dx_r, ddx_r)`, where `dq_r = solve(dx_r)` is known already.
   [[nodiscard]] JointAcceleration<joints, T> solve_rate(const JacobianRate<Of>& dJ, const Velocity& dx_r,
                                                         const BodyAcceleration& ddx_r,
                                                         const JointVelocity<joints, T>& dq_r) const noexcept {
@@ -135,8 +135,8 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     }
     return solve_rate_damped(dJ, dx_r, missing, dq_r);
   }
-  /// The same, of joints that move at `dq`, the frame at `V = J dq`: without a Jacobian's rate where nothing is
-  /// damped.
+  /// As `solve_rate(dJ, dx_r, ddx_r, dq_r)` for joints that move at `dq` and a frame that moves at
+  /// `V = J dq`. Cheaper where nothing is damped: `dJ dq_r` is computed without dJ.
   [[nodiscard]] SKINCTL_INLINE JointAcceleration<joints, T> solve_rate(
       const JointVelocity<joints, T>& dq, const Velocity& V, const Velocity& dx_r,
       const BodyAcceleration& ddx_r, const JointVelocity<joints, T>& dq_r) const noexcept {

@@ -29,8 +29,8 @@ class Jacobian {
   using Load = Wrench<Body, At, Axes, T>;  ///< the argument of `transpose(J)`
 
   struct Column {
-    Xyz<T> linear;   ///< [m/s] per joint unit
-    Xyz<T> angular;  ///< [rad/s] per joint unit
+    Xyz<T> linear;   ///< velocity of the origin of `At` per velocity of the joint [m/rad] or [1]
+    Xyz<T> angular;  ///< angular velocity per velocity of the joint [1], or 0
   };
 
   /// Column of joint `Ix`; one that is zero by topology does not compile.

@@ -82,8 +82,8 @@ template <Topology M, LinkMask C, Frame Body, Scalar T>
   return JacobianRate<Jacobian<M, C, Body, Body, Base, T>>(J, dq);
 }
 
-/// `dJ v` of joints that move at `dq`, without forming dJ: `sum of w_i x v_i linear_i + v_i angular_i x outside_i`
-/// and of `w_p x v_i angular_i`, where p is the joint before i.
+/// `dJ v` of joints that move at `dq`, without forming dJ: `sum of w_i x v_i linear_i + v_i angular_i x
+/// outside_i` and of `w_p x v_i angular_i`, where p is the joint before i.
 /// @param V  `J dq`.
 template <Topology M, LinkMask C, Frame Body, Scalar T>
 [[nodiscard]] SKINCTL_INLINE Acceleration<Body, Base, Body, Base, T> jacobian_rate_times(

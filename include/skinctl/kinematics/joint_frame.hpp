@@ -14,8 +14,8 @@ SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
 
-/// Calls `f` with the index of each link of `L` (an array), in order. What is called through it is a whole subtree,
-/// which the compiler copies at every call that it inlines: so one call for a chain.
+/// Calls `f` with the index of each link of `L` (an array), in order. What is called through it is a whole
+/// subtree, which the compiler copies at every call that it inlines: so one call for a chain.
 template <auto L, class F>
 SKINCTL_INLINE constexpr void for_each_link(F&& f) {
   if constexpr (L.size() == 1) {
@@ -115,7 +115,8 @@ struct JointAngles {
 };
 
 namespace detail {
-/// The angles of two positions at once: six joints fill one and a half of a processor's registers, twelve three.
+/// The angles of two positions at once: six joints fill one and a half of a processor's registers, twelve
+/// three.
 template <RobotModel M, Scalar T>
 struct TwoJointAngles {
   JointAngles<M, T> first, second;

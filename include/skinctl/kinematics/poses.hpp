@@ -21,6 +21,8 @@ Place(X, Y, Z, P) -> Place<X, Y, Z, P>;
 
 using BasePlace = Place<Triple<TypedConstant<1>, TypedConstant<0>, TypedConstant<0>>,
                         Triple<TypedConstant<0>, TypedConstant<1>, TypedConstant<0>>, UnitZ, ZeroTriple>;
+/// A constant, because Clang 16 crashes where it initialises an aggregate none of whose members has a byte.
+inline constexpr BasePlace base_place{};
 
 /// The pose of a link from that of its parent.
 template <class Frame, class Parent>
@@ -81,7 +83,7 @@ class Poses {
   template <LinkMask A>
   SKINCTL_INLINE Poses(const M& model, const JointAngles<M, T, A>& angles) noexcept {
     detail::for_each_link<children<M, -1>>(
-        [&](auto link) SKINCTL_INLINE_LAMBDA { compute<link.value>(model, angles, detail::BasePlace{}); });
+        [&](auto link) SKINCTL_INLINE_LAMBDA { compute<link.value>(model, angles, detail::base_place); });
   }
   SKINCTL_INLINE Poses(const M& model, const JointPosition<M::joints, T>& q) noexcept
       : Poses(model, JointAngles<M, T, Mask>(model, q)) {}

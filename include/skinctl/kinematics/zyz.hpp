@@ -35,8 +35,8 @@ template <Scalar T>
           {cf * st, sf * st, ct}};
 }
 
-/// The angle of the same direction in [-pi, pi] (pi as `T` rounds it), accurate to a unit in the last place of pi
-/// for any finite angle; one that lies there already is returned as it is. NaN for an infinity.
+/// The angle of the same direction in [-pi, pi] (pi as `T` rounds it), accurate to a unit in the last place
+/// of pi for any finite angle; one that lies there already is returned as it is. NaN for an infinity.
 template <Real T>
 [[nodiscard]] T wrapped(const T& angle) noexcept {
   using std::atan2, std::cos, std::sin;
@@ -71,9 +71,9 @@ template <Real T>
   const T s = sqrt(T(R.z.x * R.z.x + R.z.y * R.z.y));
   return detail::zyz_with(R, s == T(0) ? T(0) : T(atan2(R.z.y, R.z.x)), T(atan2(s, R.z.z)));
 }
-/// The same for a controller that must not jump: of the two triples that give R (theta positive or negative)
-/// the one whose phi is nearer to `near.phi`, and `near.phi` itself where R does not determine phi. A path
-/// straight through theta = 0 or pi stays continuous.
+/// ZYZ angles for a controller that must not jump: of the two triples that give R (theta positive or
+/// negative) the one whose phi is nearer to `near.phi`, and `near.phi` itself where R does not determine phi.
+/// A path straight through theta = 0 or pi stays continuous.
 template <Real T>
 [[nodiscard]] Zyz<T> zyz_angles(const Rotation<T>& R, const Zyz<T>& near) noexcept {
   using std::atan2, std::sqrt;
@@ -166,8 +166,8 @@ class ZyzMap {
 /// second derivatives, their accelerations).
 template <Scalar T = double>
 struct ZyzVelocity {
-  Xyz<T> linear{T(0), T(0), T(0)};  ///< [m/s] or [m/s^2]
-  Zyz<T> angles;                    ///< [rad/s] or [rad/s^2]
+  Xyz<T> linear{T(0), T(0), T(0)};  ///< velocity [m/s] or acceleration [m/s^2] of the origin in the base
+  Zyz<T> angles;                    ///< rates [rad/s] or accelerations [rad/s^2] of the angles
 };
 
 /// The analytic Jacobian `[1 0; 0 B^-1] J` of eqs. (16)-(17): from joint velocities to the velocity of the

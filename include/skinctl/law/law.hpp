@@ -71,7 +71,7 @@ concept LawMembers = detail::HasMemory<L> && detail::HasNeeds<L> && detail::HasR
 /// | `presses` | a tracking law that presses against a contact: the skin does not oppose it | false | each its own |
 /// | `joints`, `scalar` | the robots for which it is made: compared where a scene is built | any | those of all |
 /// | `compensates_friction` | its torque includes friction, so the robot must not add it | false | one does |
-/// | `check_for(terms)` | throws if its settings differ from the robot's (`LawTerms`) | any | all |
+/// | `check_for(terms)` | throws if its settings differ from the robot's (`LawTerms`), or do not fit a limit of jerk (`JerkTerms`) | any | all |
 /// | `starts_blank` | `Memory{}` is what `start` gives, in every state | only an empty `Memory` | all do |
 /// | `name` | for `describe` | "law" | in words |
 /// | `terms`, `roles` | number of shares in its own `evaluate`, and the role of each | 1, its `role` | one a law |
@@ -87,10 +87,10 @@ concept LawMembers = detail::HasMemory<L> && detail::HasNeeds<L> && detail::HasR
 /// | `see(memory, input, seen)` | takes in what the scene's input and its touch say: a `Status` | sees nothing | all see |
 /// | `Input` | what it adds to the input of the scene: a base of it | nothing | each once |
 /// | `Output`, `output(memory)` | what it adds to the output | nothing | each once |
-/// | `waits_for_contacts()` | a touch that finds no contacts is refused | false | one does |
+/// | `needs_contacts()` | a touch that finds no contacts is refused | false | one does |
 ///
 /// `seen` has `now`, the end of the interval; `contacts()`, if `finds_contacts`: each a `Found` of the touch;
-/// `pressed()`, `nearest<Ix>()` and `coverage()`, as limits see them.
+/// `pressed()`, `max_proximity<Ix>()` and `coverage()`, as limits see them.
 ///
 /// Optional, for speed alone; the results are the same:
 /// - `evaluate(memory, known, dt)`: torque, next memory, shares and status at once (`Evaluation`). Used in

@@ -52,7 +52,8 @@ struct LawTable {
   static constexpr bool takes_goals = detail::HasGoal<L>;
   /// `NoGoal` if it takes none.
   using Goal = typename detail::GoalTypeOf<L>::type;
-  /// What it adds to the input of a scene, and to its output; `NothingAdded` or another empty type if nothing.
+  /// The law's addition to the input of a scene, and to its output; `NothingAdded` or another empty type if
+  /// nothing.
   using Input = typename detail::InputTypeOf<L>::type;
   using Output = typename detail::OutputTypeOf<L>::type;
   /// 0: any number.
@@ -143,20 +144,21 @@ struct LawTable {
       return {};
     }
   }
-  [[nodiscard]] static bool waits_for_contacts(const L& law) noexcept {
+  [[nodiscard]] static bool needs_contacts(const L& law) noexcept {
     if constexpr (detail::TellsWaits<L>) {
-      return law.waits_for_contacts();
+      return law.needs_contacts();
     } else {
       return false;
     }
   }
-  /// Throws `ConfigurationError` where the law's settings are not those of the robot.
+  /// Throws `ConfigurationError` where the law's settings are not those of the robot (`LawTerms`), or do not
+  /// fit a limit of jerk (`JerkTerms`).
   template <class Terms>
   static void check_for(const L& law, const Terms& robot) {
     if constexpr (detail::ChecksTerms<L, Terms>) {
       law.check_for(robot);
     } else {
-      static_assert(!detail::NamesCheckFor<L>,
+      static_assert(detail::IsJerkTerms<Terms> || !detail::NamesCheckFor<L>,
                     "check_for(terms) of this law does not take the robot's LawTerms");
     }
   }

@@ -17,7 +17,7 @@ struct Composable {};
 }  // namespace expression
 using expression::Composable;
 
-/// How a law enters a sum, eq. (23).
+/// The role of a law in a sum, eq. (23).
 enum class LawRole : unsigned char {
   tracking,  ///< follows a target: feedback is weighted, feed-forwards enter as one convex mean
   reactive,  ///< answers the skin: its weight is not normalised

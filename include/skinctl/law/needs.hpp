@@ -11,41 +11,31 @@ SKINCTL_BEGIN_NAMESPACE
 /// `a | b` is the union. A law declares its own as `static constexpr Needs needs`; `complete()` adds the
 /// dependencies.
 struct Needs {
-  LinkMask poses = 0;           ///< `X_BaseLink` of these links
-  LinkMask jacobians = 0;       ///< Jacobians of these links, and of frames fixed to them
-  LinkMask jacobian_rates = 0;  ///< time derivatives of these Jacobians
-  bool angles = false;          ///< sines and cosines of the joint angles
-  bool gravity = false;         ///< G(q)
-  bool mass = false;            ///< M(q)
-  bool mass_factors = false;    ///< M(q) factorised: accelerations of torques, mobility of frames
-  bool coriolis = false;        ///< C(q, dq) dq
-  bool momentum = false;        ///< M(q) dq
-  bool kinetic_energy = false;  ///< 1/2 dq' M(q) dq
-  bool centre_of_mass = false;  ///< of the whole robot, with its Jacobian
-  bool touch = false;           ///< wrenches of the skin on the links
-  bool middle = false;          ///< sines and cosines half an interval ahead, at `q + dq dt/2`
+  LinkMask poses = 0;         ///< `X_BaseLink` of these links
+  LinkMask jacobians = 0;     ///< Jacobians of these links, and of frames fixed to them
+  bool angles = false;        ///< sines and cosines of the joint angles
+  bool gravity = false;       ///< G(q)
+  bool mass = false;          ///< M(q)
+  bool mass_factors = false;  ///< M(q) factorised: accelerations of torques
+  bool coriolis = false;      ///< C(q, dq) dq
+  bool touch = false;         ///< wrenches of the skin on the links
+  bool middle = false;        ///< sines and cosines half an interval ahead, at `q + dq dt/2`
 
   friend constexpr Needs operator|(const Needs& a, const Needs& b) noexcept {
     return {.poses = a.poses | b.poses,
             .jacobians = a.jacobians | b.jacobians,
-            .jacobian_rates = a.jacobian_rates | b.jacobian_rates,
             .angles = a.angles || b.angles,
             .gravity = a.gravity || b.gravity,
             .mass = a.mass || b.mass,
             .mass_factors = a.mass_factors || b.mass_factors,
             .coriolis = a.coriolis || b.coriolis,
-            .momentum = a.momentum || b.momentum,
-            .kinetic_energy = a.kinetic_energy || b.kinetic_energy,
-            .centre_of_mass = a.centre_of_mass || b.centre_of_mass,
             .touch = a.touch || b.touch,
             .middle = a.middle || b.middle};
   }
   friend constexpr bool operator==(const Needs&, const Needs&) noexcept = default;
 
   /// Whether any of the quantities needs the masses of all links.
-  constexpr bool any_mass() const noexcept {
-    return gravity || mass || mass_factors || coriolis || momentum || kinetic_energy || centre_of_mass;
-  }
+  constexpr bool any_mass() const noexcept { return gravity || mass || mass_factors || coriolis; }
   /// Whether this set includes all quantities of `b`.
   constexpr bool cover(const Needs& b) const noexcept { return (*this | b) == *this; }
 };

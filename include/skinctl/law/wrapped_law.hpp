@@ -19,8 +19,9 @@ SKINCTL_NAMES(ChangesMemory, NamesOfAWrapper, moved_on);
 
 /// Base of a law that is made of another one, `L`: everything that `L` has passes, and `Own` changes two
 /// things, if it has the function:
-/// - `changed<G>(tau, memory, known, share, now)`: the torque in place of L's, `tau` [N m]. G is included in it if the
-///   `GravityTerm` says so; `share` holds the factors of its two parts; `now` is what L's `now` gives;
+/// - `changed<G>(tau, memory, known, share, now)`: the torque in place of L's, `tau` [N m]. G is included in
+///   it if the `GravityTerm` says so; `share` holds the factors of its two parts; `now` is what L's `now`
+///   gives;
 /// - `moved_on(memory, known, dt, opposition, now)`: its own part of the memory after `dt`, in place.
 ///
 /// `Own` has a `Memory` that derives from that of `L`; what it adds starts as in `Memory{}`. Constants

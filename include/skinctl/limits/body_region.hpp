@@ -23,8 +23,8 @@ struct BodyRegion {
   double force = unset;            ///< F_q: largest quasi-static force [N]
   double blow = unset;             ///< F_t: largest transient force [N], >= `force`
   Nanoseconds first = unset_time;  ///< duration of the transient phase
-  double stiffness = unset;        ///< k: of the region, in series with the robot's cover [N/m]
-  double mass = unset;             ///< m_H: of the region [kg]; infinity if it cannot give way
+  double stiffness = unset;        ///< k: stiffness of the region, in series with the robot's cover [N/m]
+  double mass = unset;             ///< m_H: mass of the region [kg]; infinity if it cannot give way
   double power = std::numeric_limits<double>::infinity();  ///< largest power of a contact [W]
 
   /// Throws `ConfigurationError` for a number that is out of its range, or was not given.

@@ -20,8 +20,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// A velocity is kept only if the robot can stop from it with all clearances above the margin, either along the
 /// way on which all joints brake alike, at the rate of the weakest, if they stop before their ends, or along the
 /// one on which each joint brakes as it likes. The distances are computed at `looks` places of that way, x
-/// apart, and must exceed the margin there by `reach (sum |x_i|)^2` over the joints between the two: what they
-/// can fall short in between. What is nearer than the margin may only get farther.
+/// apart, and must exceed the margin there by what they can fall short in between, `reach (sum |x_i|)^2` over the joints
+/// between the two where none slides (`SummedMotion`). What is nearer than the margin may only get farther.
 ///
 /// A velocity that would come too close loses the part that closes, and at the margin gains a little that opens; what is
 /// left, mixed with braking as far as needed, is kept. So an arm slides along, and whatever leads away passes.
@@ -42,25 +42,26 @@ class ClearanceLimits {
   static constexpr std::size_t joints = M::joints, around = Around;
   using scalar = T;
   static constexpr std::size_t max_pairs = Clearances<M, T, Around>::max_pairs;
-  static constexpr int looks = 6;  ///< along a way to stop
+  static constexpr int looks = 6;  ///< number of positions that are looked at along a way to stop
   using Kind = Clearance;
   static constexpr Precedence precedence = Precedence::clearance;
   static constexpr Reason reason = Reason::clearance_kept;
   using Velocity = JointVelocity<joints, T>;
   using Position = JointPosition<joints, T>;
+  using Sum = SummedMotion<M, T>;
   using Near = typename Clearances<M, T, Around>::Near;
   using Here = detail::ClearanceWays<ClearanceLimits>;  ///< the distances at a position, for several queries
-  /// Where the robot is beside its commands. Trivially copyable.
+  /// The robot's deviation from its commands. Trivially copyable.
   struct Beside {
     Position off{};
-    bool is_off = false;  ///< by more than is ignored
+    bool is_off = false;  ///< `off` is large enough to count
   };
-  /// The same, and what is around, from the input.
+  /// A `Beside`, and the obstacles around the robot, from the input.
   struct Seen : Beside {
     Near near{};
-    Position measured{};  ///< where the robot is
-    T age = T(0);         ///< of the obstacles, now [s]
-    bool blind = true;    ///< they are too old, too many or no numbers
+    Position measured{};  ///< measured position of the robot
+    T age = T(0);         ///< age of the obstacles now [s]
+    bool blind = true;    ///< the obstacles are too old, too many or not finite: nothing may move
   };
   using Memory = std::conditional_t<(Around > 0), Seen, Beside>;
   using Input = std::conditional_t<(Around > 0), AroundRobot<Near>, NoInput>;
@@ -71,7 +72,7 @@ class ClearanceLimits {
         limits_(limits),
         margin_(T(given.margin + spare)),
         reach_(T(given.reach)) {}
-  /// The same, and for times that are out of their range.
+  /// With obstacles from the input. Throws also for a `late` or `max_age` out of its range.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits,
                                const ClearanceAround<Around>& given)
     requires(Around > 0)
@@ -87,7 +88,6 @@ class ClearanceLimits {
             milliseconds(given.max_age), "> 0, <= 10 000 ms");
   }
   [[nodiscard]] const M& model() const noexcept { return clearances_.model(); }
-  [[nodiscard]] const Clearances<M, T, Around>& clearances() const noexcept { return clearances_; }
 
   /// Takes what is around at `now` a robot at `measured`. What is too old, too much or no number makes `m` blind:
   /// nothing may move then.
@@ -116,13 +116,14 @@ class ClearanceLimits {
   }
   /// The robot is `off` its commands: measured less expected positions. No number counts as nothing.
   SKINCTL_INLINE void stand_off(Memory& m, const Position& off) const noexcept {
-    T sum(0);
-    for (std::size_t i = 0; i < joints; ++i) sum = sum + Here::size(off[i]);
+    Sum sum;
+    for (std::size_t i = 0; i < joints; ++i) sum.add(i, off[i]);
+    const T way = sum.way(reach_);
     m.off = off;
-    m.is_off = reach_ * sum > T(off_from) * margin_ && sum - sum == T(0);
+    m.is_off = way > T(off_from) * margin_ && way - way == T(0);
   }
-  /// What the exposed capsules may fill from now on until the robot stands, if it brakes: along the way from
-  /// `measured` to the last command, and from there to where all joints are at rest, however they brake together.
+  /// The space that exposed capsules may fill from now until the robot stands, if it brakes: from `measured`
+  /// to the last command, and on to where all joints are at rest, however they brake together.
   [[nodiscard]] Surroundings<max_exposed_capsules, Base, T> occupied(
       const JointCommand<joints, T>& last, const State<joints, T>& measured) const noexcept {
     const Box box = until_rest(measured.q, last.position, last.velocity);
@@ -138,9 +139,8 @@ class ClearanceLimits {
     static constexpr Memory nothing{};
     return Here(*this, nothing, q);
   }
-  /// The same beside what was seen; `seen` outlives it.
+  /// The distances at `q` beside the obstacles in `seen`, which must outlive the result.
   [[nodiscard]] Here at(const Memory& seen, const Position& q) const noexcept { return Here(*this, seen, q); }
-
   using Kept = KeptVelocity<joints, T>;
   /// As a limit of a scene: motion as far as there is a way to stop, torques as far as they can brake in time. Joints by
   /// torque follow their torques later than the others their commands, so beside them motion is slowed first.
@@ -238,7 +238,6 @@ class ClearanceLimits {
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
   }
-
   /// How long the slowest joint brakes from `u` [s].
   [[nodiscard]] SKINCTL_INLINE T time_to_rest(const Velocity& u) const noexcept {
     T longest(0);
@@ -283,8 +282,8 @@ template <RobotModel M, std::size_t N, Real T, std::size_t Most>
   return ClearanceLimits<M, T, Most>(model, limits, clearance);
 }
 
-/// What the exposed capsules of a robot may fill from now on until it stands, if it brakes now: for others that keep clear
-/// of it. It is at `X_WB` in the world.
+/// The space that the exposed capsules of a robot may fill from now on until it stands, if it brakes now: for
+/// others that keep clear of it. It is at `X_WB` in the world.
 /// @param scene  a `Cycle` with a `Clearance`.
 template <class Scene, Real T>
 [[nodiscard]] Surroundings<max_exposed_capsules, World, T> occupied(

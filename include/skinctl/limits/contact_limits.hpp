@@ -45,11 +45,11 @@ inline constexpr bool distinct_links =
 /// - **Before a contact.** No point of the link is faster than `v = |v_o| + |w| reach`, and no impact, in any
 ///   direction, has more than the robot's energy `e = u'Mu` (m_n v_n^2 <= e, Cauchy-Schwarz). So no transient
 ///   force exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin detects
-///   nobody, the speed of separation is allowed if it is higher.
-///   With `cells` it is the largest `v_n sqrt(k mu)` of the cells that move outwards with v_n, mu reduced from
-///   the mass felt at the cell, `1/(u'J M^-1 J'u)`, and m_H: what no cell covers is not counted.
-///   With `deceleration` a the robot reacts instead of being slowed for its mass: v is allowed if it comes to
-///   rest from it before the region is pressed with F_t, `k v reaction + k v^2 / (2 a) <= F_t`.
+///   nobody, the speed of separation is allowed if it is higher. With `cells` it is the largest `v_n sqrt(k
+///   mu)` of the cells that move outwards with v_n, mu reduced from the mass felt at the cell, `1/(u'J M^-1
+///   J'u)`, and m_H: what no cell covers is not counted. With `deceleration` a the robot reacts instead of
+///   being slowed for its mass: v is allowed if it comes to rest from it before the region is pressed with
+///   F_t, `k v reaction + k v^2 / (2 a) <= F_t`.
 /// - **During a contact** with F, the push of all contacts on the link within 60 degrees of this one: the
 ///   effective mass along F is `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the
 ///   contact, which is kept below `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region can still take),
@@ -98,7 +98,7 @@ class ContactLimits {
   [[nodiscard]] SKINCTL_INLINE SpeedShare<T> share(Memory& memory, const Going& going, const Seen& seen,
                                                    const JointVelocity<joints, T>& u) const noexcept {
     const auto verdict = judge(memory, going.measured, u, seen.pressed(),
-                               distances({seen.template nearest<Ix>()...}), going.passed);
+                               distances({seen.template max_proximity<Ix>()...}), going.passed);
     return {verdict.scale, verdict.status};
   }
 
@@ -282,7 +282,7 @@ class ContactLimits {
 template <RobotModel M, std::size_t... Ix>
 ContactLimits(const M&, const LinkContact<Ix>&...) -> ContactLimits<M, double, Ix...>;
 
-/// The same for a scalar that is named: `contact_limits<float>(model, ...)`.
+/// `ContactLimits` with a named scalar: `contact_limits<float>(model, ...)`.
 template <Real T = double, RobotModel M, std::size_t... Ix>
 [[nodiscard]] auto contact_limits(const M& model, const LinkContact<Ix>&... link) {
   static_assert(detail::distinct_links<Ix...>,

@@ -13,20 +13,20 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `FeltPlaces` limits: for `Cycle::without`.
+/// The kind of `FeltPlaces`, for `Cycle::without`.
 struct FeltPlacesLimit {};
 
-/// For `Cycle::with`: a place that feels badly meets nobody fast. Somebody notices a push on the middle of cell
-/// i from the force `F_s` on: the cell, its neighbours, a wrist sensor, the motors. A body of stiffness k that
-/// the place meets at the speed v along its outward normal is pressed, until the robot has stopped, by
+/// For `Cycle::with`: a place that feels badly meets nobody fast. Somebody notices a push on the middle of
+/// cell i from the force `F_s` on: the cell, its neighbours, a wrist sensor, the motors. A body of stiffness
+/// k that the place meets at the speed v along its outward normal is pressed, until the robot has stopped, by
 ///
 ///     F_s + k v T + k v^2 / (2 a),
 ///
 /// so that v may be as large as keeps that within `force`, and 0 where `F_s` is not below it. All joints are
 /// slowed alike (`skin_slowed`), away from a blind place and sideways not at all. While a push is felt, blind
 /// places may go as fast as those that notice the lightest: else it would be a rigid robot to the hand that
-/// pushes. Each place is judged anew every `PlaceSpeed::turns` cycles; before it was, it feels nothing. Nothing
-/// limits what presses a place that stands, or a plan that runs ahead of a slowed robot: let it wait
+/// pushes. Each place is judged anew every `PlaceSpeed::turns` cycles; before it was, it feels nothing.
+/// Nothing limits what presses a place that stands, or a plan that runs ahead of a slowed robot: let it wait
 /// (`JointControlSettings::waits`).
 ///
 ///     scene.with(FeltPlaces<Skin::cells>{.places = skin.places(), .stiffness = 3e3, .newtons = 20})
@@ -36,18 +36,17 @@ template <std::size_t Cells>
 struct FeltPlaces {
   using Kind = FeltPlacesLimit;
   static constexpr std::size_t no_wrist = ~std::size_t(0);
-  std::vector<CellPlace> places;  ///< of the touch's cells, in their order
+  std::vector<CellPlace> places;  ///< places of the touch's cells, in their order
   double force = 65;              ///< greatest force on a body that a place meets [N]
-  double stiffness = 0;           ///< k, of that body and the skin's cover [N/m]; 0: not declared
+  double stiffness = 0;           ///< k, stiffness of the body with the skin's cover [N/m]; 0: not declared
   /// Speed of a place that notices the lightest push, where no stiffness is declared [m/s]; of others v goes
   /// with `force` less F_s.
   double speed = 0.25;
-  double deceleration = 5;      ///< a, of a place along its normal [m/s^2]
-  Nanoseconds reaction = 40ms;  ///< T, from the push to the beginning of braking
-  double newtons = 0;           ///< force per unit of a cell's reading [N]; required, > 0
-  std::vector<double>
-      motors{};  ///< torque of each joint that its motor notices [N m]; empty: they notice nothing
-  std::size_t wrist = no_wrist;  ///< link behind a wrist sensor, which senses for those that it carries, too
+  double deceleration = 5;       ///< a, deceleration of a place along its normal [m/s^2]
+  Nanoseconds reaction = 40ms;   ///< T, time from the push to the beginning of braking
+  double newtons = 0;            ///< force per unit of a cell's reading [N]; required, > 0
+  std::vector<double> motors{};  ///< torque of each joint that its motor notices [N m]; empty: none
+  std::size_t wrist = no_wrist;  ///< link behind a wrist sensor, which senses for all links that it carries
   double wrist_force = 5;        ///< least force that the wrist sensor notices [N]
 };
 
@@ -143,8 +142,8 @@ class PlaceSpeed {
     }
     return {scale, scale < T(1) ? Status(reason) : Status()};
   }
-  /// Whether a smooth motion may end at `v`: no place that kept its speed is carried beyond it. One that was too
-  /// fast when its cell died is slowed smoothly.
+  /// Whether a smooth motion may end at `v`: no place that kept its speed is carried beyond it. One that was
+  /// too fast when its cell died is slowed smoothly.
   template <class Going>
   [[nodiscard]] SKINCTL_NOINLINE bool keeps(const Memory& m, const Going& going,
                                             const JointVelocity<joints, T>& v,

@@ -29,12 +29,12 @@ struct Governed {
 /// where the stop does too, jerk gives way.
 ///
 /// **Joints by torque.** The motion under external forces is unknown, so the speed is braked:
-/// `braking_cycles` cycles and `braking_delays` delays ahead, after T, the torque leads to
-/// `u = dq + T M^-1 (tau - hold)`, of which the limits leave u'. `tau - M (u - u') / T` leads to u': drive that
-/// would make the robot too fast, or press harder than a region allows, is removed, and a robot that is pushed
-/// too fast is damped; what pushes it (the `resistance` of `MotionLimits`) counts as well, but not for a
-/// contact, whose force it would hide. It sets in without a jump (u' = u leaves the torque to the bit), and
-/// never exceeds the joints' torques.
+/// `braking_cycles` cycles and `braking_delays` delays ahead, after T, the torque leads to `u = dq + T M^-1
+/// (tau - hold)`, of which the limits leave u'. `tau - M (u - u') / T` leads to u': drive that would make the
+/// robot too fast, or press harder than a region allows, is removed, and a robot that is pushed too fast is
+/// damped; what pushes it (the `resistance` of `MotionLimits`) counts as well, but not for a contact, whose
+/// force it would hide. It sets in without a jump (u' = u leaves the torque to the bit), and never exceeds
+/// the joints' torques.
 ///
 /// @tparam Sets    `JointGroups` of the robot.
 /// @tparam Limits  in the order of their precedence.
@@ -56,8 +56,8 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   /// @param hold  the torque that holds the joints by torque: gravity compensation, with friction if it has
   ///               some; without what brakes them.
   /// @param seen  the touch of this cycle: `pressed()` (`PressedAreas`, or wrenches on the links),
-  ///              `nearest<Ix>()` (the strongest proximity reading of a link) and `coverage()`, as far as
-  ///              limits ask.
+  ///              `max_proximity<Ix>()` (the strongest proximity reading of a link) and `coverage()`, as far
+  ///              as limits ask.
   ///
   /// A `wish` that is not valid, not finite, or far from any robot passes: the guard refuses it.
   template <class Seen>

@@ -31,7 +31,7 @@ template <std::size_t N, Real T>
   return out;
 }
 
-/// What `MaxJerk` limits: for `Cycle::without`.
+/// The kind of `MaxJerk`, for `Cycle::without`.
 struct JerkLimit {};
 
 /// Limits of `N` joints with a limit of jerk; immutable, checked when built.
@@ -75,7 +75,14 @@ class JerkLimits {
 
   [[nodiscard]] const JointLimits<N, T>& joints() const noexcept { return limits_; }
   [[nodiscard]] const JointJerk<N, T>& jerk() const noexcept { return jerk_; }
-  /// The same of the joints of a subset.
+  /// The longest time in which a joint brings up its acceleration, A/J [s].
+  [[nodiscard]] SKINCTL_COLD T longest_rise() const noexcept {
+    T longest(0);
+    for (std::size_t i = 0; i < N; ++i)
+      if (limits_.acceleration()[i] > longest * jerk_[i]) longest = limits_.acceleration()[i] / jerk_[i];
+    return longest;
+  }
+  /// The limits of the joints of a subset.
   template <class Set>
   [[nodiscard]] SKINCTL_COLD JerkLimits<Set::count, T> set() const {
     return {limits_.template part<Set>(), Set::of(jerk_)};
@@ -115,7 +122,8 @@ class JerkLimits {
     });
   }
 
-  /// The same towards rest, by the quickest stop and without overshoot.
+  /// The motion over `h` > 0 seconds from `u0` and `a0` towards rest, by the quickest stop and without
+  /// overshoot.
   [[nodiscard]] SKINCTL_COLD SmoothMotion<N, T> brake(const JointRoom<N, T>& room,
                                                       const JointVelocity<N, T>& u0,
                                                       const JointAcceleration<N, T>& a0,

@@ -24,7 +24,7 @@ struct Going {
       q;  ///< the position that was commanded last; of joints by torque the measured one [rad]
   JointVelocity<N, T>
       from;  ///< the velocity that was commanded last; of joints by torque the measured one [rad/s]
-  JointRoom<N, T> room;         ///< from `q` to the ends of the joints [rad]
+  JointRoom<N, T> room;         ///< distances from `q` to the ends of the joints [rad]
   const State<N, T>& measured;  ///< the last good state of the robot
   T dt;                         ///< time to the end of the command [s], > 0
   T passed;                     ///< time since the last cycle [s], > 0
@@ -51,11 +51,12 @@ struct KeptVelocity {
   bool limited = false;
 };
 
-/// The place of a limit among the others: they act in this order, and where they conflict, the later one wins.
+/// The place of a limit among the others: they act in this order, and where they conflict, the later one
+/// wins.
 enum class Precedence : unsigned char {
-  moves,       ///< how joints move: it gives way to all others
+  moves,       ///< motion of the joints: it gives way to all others
   contact,     ///< force and power of contacts
-  coverage,    ///< how much of the skin feels
+  coverage,    ///< share of the skin that feels
   places,      ///< speed of places, by what they feel
   free,        ///< limits of users
   tool_speed,  ///< speed of a point of the robot

@@ -20,7 +20,8 @@ struct LinkContact {
   static constexpr std::size_t link = Ix;
   BodyRegion region;                 ///< the most sensitive region that can be touched
   double reach = BodyRegion::unset;  ///< largest distance of the link's surface from the link's origin [m]
-  Nanoseconds reaction = BodyRegion::unset_time;  ///< from a change of force until the robot's speed changes
+  /// Time from a change of force until the robot's speed changes.
+  Nanoseconds reaction = BodyRegion::unset_time;
   double newton = 1;  ///< calibration: newtons of the contact per newton of the skin's wrench
   /// While the skin detects nobody, this rule may allow the link more speed than the transient force limit. A
   /// limit of speed: it holds whatever an energy tank holds, where the torque of proximity readings ends.

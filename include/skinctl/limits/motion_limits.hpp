@@ -15,24 +15,24 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What limits the motion of joints by torque: for `Cycle::without`.
+/// The kind of the limits on the motion of joints by torque, for `Cycle::without`.
 struct MotionByTorque {};
 
 /// Position and velocity limits of the joints by torque, as a limit of a scene; one with such joints has it,
 /// `without<MotionByTorque>()` takes it out.
 ///
 /// The motion of these joints is not commanded, so the limits act on the velocity to which the torque leads
-/// in a few cycles, `u = dq + t M^-1 (tau - C dq - G - r)`. Each joint has a largest u to either side: its velocity
-/// limit, or the speed from which its acceleration limit stops it before its end. A joint that would exceed
-/// it loses torque, and only such a joint does, and only towards the inside: the stops of `nearest_in_box`.
-/// So the joints of a light finger do not turn each other, and beyond an end, and above the limit, a joint is
-/// only braked. External forces beyond the joints' torques prevail.
+/// in a few cycles, `u = dq + t M^-1 (tau - C dq - G - r)`. Each joint has a largest u to either side: its
+/// velocity limit, or the speed from which its acceleration limit stops it before its end. A joint that would
+/// exceed it loses torque, and only such a joint does, and only towards the inside: the stops of
+/// `nearest_in_box`. So the joints of a light finger do not turn each other, and beyond an end, and above the
+/// limit, a joint is only braked. External forces beyond the joints' torques prevail.
 ///
-/// r is what resisted the motion in the last cycles, the least of `tau - M ddq - C dq - G`: friction, or
-/// an object in the hand. A joint that moves freely stays below its speed, one that holds something has its
-/// whole torque. What pushes a joint on counts only above its limit: a touch is not resisted before. An object that
-/// breaks sets free what r counted: the joint then exceeds its speed until its torque, turned back by the
-/// guard at its rate, has braked it.
+/// r is what resisted the motion in the last cycles, the least of `tau - M ddq - C dq - G`: friction, or an
+/// object in the hand. A joint that moves freely stays below its speed, one that holds something has its
+/// whole torque. What pushes a joint on counts only above its limit: a touch is not resisted before. An
+/// object that breaks sets free what r counted: the joint then exceeds its speed until its torque, turned
+/// back by the guard at its rate, has braked it.
 ///
 /// @tparam Set  the joints by torque.
 template <RobotModel M, Real T = double, class Set = AllJoints<M::joints>>
@@ -46,9 +46,9 @@ class MotionLimits {
   static constexpr bool limits_torque = true;
   using Torque = JointTorque<n, T>;
 
-  /// What resisted in the last cycles. Trivially copyable.
+  /// The torques that resisted in the last cycles. Trivially copyable.
   struct Memory {
-    JointVelocity<n, T> dq;  ///< in the last cycle
+    JointVelocity<n, T> dq;  ///< joint velocity in the last cycle [rad/s]
     Torque resists[3];       ///< r of the last cycles, newest first
     bool known = false;      ///< the above are valid
     detail::ActedTorque<n, T> sent;
@@ -82,7 +82,7 @@ class MotionLimits {
     m.dq = dq;
     m.known = true;
   }
-  /// What resisted is no longer known: a state was missing.
+  /// Forgets the torques that resisted: a state was missing.
   static SKINCTL_INLINE void forget(Memory& m) noexcept { m.known = false; }
   /// r: the least of the last cycles that resists or pushes, 0 if it did both.
   [[nodiscard]] SKINCTL_INLINE Torque resistance(const Memory& m) const noexcept {
@@ -94,7 +94,8 @@ class MotionLimits {
     return r;
   }
 
-  /// The largest speeds to either side, and whether each is given by a joint's end (else by its velocity limit).
+  /// The largest speeds to either side, and whether each is given by a joint's end (else by its velocity
+  /// limit).
   struct Box {
     JointVelocity<n, T> lower, upper;
     bool by_position[2][n];
@@ -102,7 +103,8 @@ class MotionLimits {
   /// For a torque that leads to a velocity `ahead` seconds later.
   [[nodiscard]] SKINCTL_INLINE Box box(const JointLimits<joints, T>& limits, const State<joints, T>& measured,
                                        const T& ahead) const noexcept {
-    // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without overshoot.
+    // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without
+    // overshoot.
     const T reaction = T(4) * ahead;
     Box out;
     for (std::size_t i = 0; i < n; ++i) {
@@ -126,9 +128,10 @@ class MotionLimits {
   /// @param last   the torque that acted since the last cycle. `observe` has been told.
   /// @param ahead  the time t of the prediction [s].
   /// @param dt     seconds since the last cycle, > 0.
-  /// @param rate   fastest change of a torque that the guard allows, in units of its limit per second. A joint that
-  ///               cannot be braked as fast as it should be keeps what it has, and the others are braked for
-  ///               that: cut afterwards, joint by joint, their torques would no longer suit each other.
+  /// @param rate   fastest change of a torque that the guard allows, in units of its limit per second. A
+  ///               joint that cannot be braked as fast as it should be keeps what it has, and the others are
+  ///               braked for that: cut afterwards, joint by joint, their torques would no longer suit each
+  ///               other.
   [[nodiscard]] SKINCTL_NOINLINE Kept within(const Memory& m, const JointLimits<joints, T>& limits,
                                              const MassMatrix<joints, T>& mass,
                                              const JointTorque<joints, T>& bias,
@@ -216,8 +219,9 @@ class MotionLimits {
   }
   /// What resistance leaves of the drive `d` > 0 of a joint to the side `to`: it can stop it, not turn it.
   ///
-  /// Resistance is taken to grow with speed: of a joint that is too fast only the part counts that it would have at
-  /// `may`, or the joint would push on through friction beyond its end; and none of it `deepest` behind the end.
+  /// Resistance is taken to grow with speed: of a joint that is too fast only the part counts that it would
+  /// have at `may`, or the joint would push on through friction beyond its end; and none of it `deepest`
+  /// behind the end.
   ///
   /// @param may     the largest speed to that side, `v` the present one, `V` the limit.
   /// @param beyond  the distance behind the end; negative before it.
@@ -236,8 +240,8 @@ class MotionLimits {
   [[no_unique_address]] M model_;
 };
 
-/// The motion of the joints by torque of `Set` stays within the limits of the joints: a part of each scene that has such
-/// joints.
+/// The motion of the joints by torque of `Set` stays within the limits of the joints: a part of each scene
+/// that has such joints.
 template <class Set>
 struct WithinJointLimits {
   using Kind = MotionByTorque;

@@ -20,21 +20,21 @@ enum class SkinReaction : unsigned char {
   stop     ///< brakes and holds; goes on after `CycleRequest::resume`
 };
 
-/// For `Cycle::with`: a blind skin is no untouched one. In one of three states a scene reacts as declared; with
-/// the defaults it does not move before its skin is heard, and stops when a patch falls silent. What single
-/// cells cannot feel is a matter of their places: see `FeltPlaces`.
+/// For `Cycle::with`: a blind skin is no untouched one. In one of three states a scene reacts as declared;
+/// with the defaults it does not move before its skin is heard, and stops when a patch falls silent. What
+/// single cells cannot feel is a matter of their places: see `FeltPlaces`.
 ///
 /// A cell counts while its newest sample is younger than `SkinSettings::max_age` and nothing masks it. The
 /// reasons are those of the state (`skin_unheard`, `skin_blind`, `skin_incomplete`) and of what is done
-/// (`skin_held`, `skin_stopped`). Holding and stopping brake as `CycleRequest::stop` does. Way back: the state
-/// must have been over for `settle`.
+/// (`skin_held`, `skin_stopped`). Holding and stopping brake as `CycleRequest::stop` does. Way back: the
+/// state must have been over for `settle`.
 ///
 /// Without this part a scene takes no notice, at no cost.
 struct SkinWatch {
   using Kind = SkinWatch;
-  SkinReaction unheard = SkinReaction::hold;       ///< from the start until each patch was heard
-  SkinReaction blind = SkinReaction::stop;         ///< later, while no cell of a patch counts
-  SkinReaction incomplete = SkinReaction::report;  ///< while each patch is heard, but not every cell
+  SkinReaction unheard = SkinReaction::hold;       ///< reaction from the start until each patch was heard
+  SkinReaction blind = SkinReaction::stop;         ///< reaction later, while no cell of a patch counts
+  SkinReaction incomplete = SkinReaction::report;  ///< reaction while each patch is heard, but not every cell
   Nanoseconds settle = 500ms;
 };
 
@@ -50,7 +50,7 @@ class CoverageLimits {
   struct Memory {
     bool heard = false;                            ///< whether each patch was heard once
     std::array<T, 3> left{};                       ///< time for which each state still counts [s]
-    SkinReaction reaction = SkinReaction::report;  ///< in the last cycle
+    SkinReaction reaction = SkinReaction::report;  ///< reaction in the last cycle
   };
 
   /// Throws `ConfigurationError` for a number out of its range.

@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "skinctl/kinematics/jacobian.hpp"
+#include "skinctl/kinematics/summed_motion.hpp"
 #include "skinctl/limits/detail/towards.hpp"
 #include "skinctl/limits/limit.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `MaxToolSpeed` limits: for `Cycle::without`.
+/// The kind of `MaxToolSpeed`, for `Cycle::without`.
 struct ToolSpeedLimit {};
 
 /// The largest speed [m/s] of a point fixed to link `Ix`.
@@ -21,9 +22,10 @@ struct ToolSpeedLimit {};
 /// along which the point stays below it and every joint stops before its end:
 /// - either each joint brakes as it likes: `sum |u_i| |J_i|`, with columns that grow on the way, is below the
 ///   limit;
-/// - or all joints brake alike, at the rate of the weakest. With `v = |J u|`, growth `K = R (sum |u_i|)^2` and
-///   rate `a = min A_i / |u_i|` the largest speed is v if `K <= a v`, else at most `2/3 v + K/(3 a)`, and joint
-///   i covers `|u_i| / (2 a)`.
+/// - or all joints brake alike, at the rate of the weakest. With `v = |J u|`, growth `K = R w^2 + 2 w s` of
+///   the joints that turn by w in sum and those that slide by s (`SummedMotion`), and rate `a = min A_i
+///   / |u_i|` the largest speed is v if `K <= a v`, else at most `2/3 v + K/(3 a)`, and joint i covers `|u_i|
+///   / (2 a)`.
 template <RobotModel M, std::size_t Ix, Real T = double>
 class ToolSpeed {
  public:
@@ -36,9 +38,9 @@ class ToolSpeed {
   static constexpr Reason reason = Reason::tool_speed_limited;
 
   struct Values {
-    T speed;                            ///< [m/s], > 0
-    Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `Ix`, from its origin [m]
-    T reach;                            ///< R: largest distance of the point from any joint axis [m]
+    T speed;                            ///< largest speed of the point [m/s], > 0
+    Xyz<T> point = {T(0), T(0), T(0)};  ///< point along the axes of link `Ix`, from its origin [m]
+    T reach;                            ///< R: largest distance of the point from any axis that turns it [m]
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
@@ -68,26 +70,25 @@ class ToolSpeed {
       for (std::size_t i = 0; i < joints; ++i) v = v + u[i] * column_[i];
       return sqrt(dot(v, v));
     }
-    /// Whether there is a way to stop from the velocity `u`, reached over `moved`, that keeps the limit within
-    /// `room`, the joints' distances to their ends before the motion. False for NaN.
+    /// Whether there is a way to stop from the velocity `u`, reached over `moved`, that keeps the limit
+    /// within `room`, the joints' distances to their ends before the motion. False for NaN.
     [[nodiscard]] SKINCTL_INLINE bool keeps(const JointVelocity<joints, T>& u,
                                             const JointPosition<joints, T>& moved,
                                             const JointRoom<joints, T>& room) const noexcept {
       using std::sqrt;
       const auto size = [](const T& x) SKINCTL_INLINE_LAMBDA { return x < T(0) ? T(-x) : x; };
       const T R = of_.values_.reach, most = of_.limit();
-      T sum(0), rate = std::numeric_limits<T>::infinity(), path(0), stop(0);
+      T rate = std::numeric_limits<T>::infinity();
+      SummedMotion<M, T> sum, path, stop;
       for (std::size_t i = 0; i < joints; ++i) {
         const T w = size(u[i]), brake = of_.brake(i);
-        sum = sum + w;
-        path = path + size(moved[i]);
-        stop = stop + w * w / (T(2) * brake);
+        sum.add(i, w), path.add(i, moved[i]), stop.add(i, w * w / (T(2) * brake));
         if (w * rate > brake) rate = brake / w;
       }
-      T alone = R * (path + stop) * sum;
+      T alone = (path + stop).bend(R, sum);
       for (std::size_t i = 0; i < joints; ++i) alone = alone + size(u[i]) * sqrt(dot(column_[i], column_[i]));
       if (alone <= most) return true;
-      const T v = speed(u) + R * path * sum, growth = R * sum * sum;
+      const T v = speed(u) + path.bend(R, sum), growth = sum.bend(R);
       if (!(growth <= rate * v ? v <= most : T(2) * v + growth / rate <= T(3) * most)) return false;
       return stops_inside(u, moved, room, T(T(1) / rate));
     }
@@ -126,9 +127,9 @@ class ToolSpeed {
   [[nodiscard]] SKINCTL_NOINLINE T share(const JointPosition<joints, T>& q, const JointVelocity<joints, T>& u,
                                          const T& time) const noexcept {
     using std::sqrt;
-    T sum(0);
-    for (std::size_t i = 0; i < joints; ++i) sum = sum + (u[i] < T(0) ? T(-u[i]) : u[i]);
-    const T v = at(q).speed(u), growth = values_.reach * sum * sum * time, most = limit();
+    SummedMotion<M, T> sum;
+    for (std::size_t i = 0; i < joints; ++i) sum.add(i, u[i]);
+    const T v = at(q).speed(u), growth = sum.bend(values_.reach) * time, most = limit();
     if (v + growth <= most) [[likely]]
       return T(1);
     const T s = T(2) * most / (v + sqrt(v * v + T(4) * growth * most));
@@ -143,10 +144,10 @@ class ToolSpeed {
     return at(q).keeps(u, moved, room);
   }
 
-  /// The step from `u0` to `u1`, both within the joints' limits, over `h` seconds as far as it keeps the limit
-  /// within `room`: `u1` if it does. Otherwise joints on the way to their ends are slowed first, so that they
-  /// can brake together with the others; then the step is mixed with the one that brakes all joints alike, or
-  /// with the one that brakes each on its own. The latter alone if no mix keeps the limit.
+  /// The step from `u0` to `u1`, both within the joints' limits, over `h` seconds as far as it keeps the
+  /// limit within `room`: `u1` if it does. Otherwise joints on the way to their ends are slowed first, so
+  /// that they can brake together with the others; then the step is mixed with the one that brakes all joints
+  /// alike, or with the one that brakes each on its own. The latter alone if no mix keeps the limit.
   [[nodiscard]] SKINCTL_NOINLINE Kept within(const JointPosition<joints, T>& q,
                                              const JointRoom<joints, T>& room,
                                              const JointVelocity<joints, T>& u0,
@@ -238,9 +239,9 @@ class ToolSpeed {
 template <std::size_t Ix, Real T = double>
 struct MaxToolSpeed {
   using Kind = ToolSpeedLimit;
-  T speed;                            ///< [m/s], > 0
-  Xyz<T> point = {T(0), T(0), T(0)};  ///< in the axes of link `Ix`, from its origin [m]
-  T reach;                            ///< largest distance of the point from any joint axis [m]
+  T speed;                            ///< largest speed of the point [m/s], > 0
+  Xyz<T> point = {T(0), T(0), T(0)};  ///< point along the axes of link `Ix`, from its origin [m]
+  T reach;                            ///< largest distance of the point from any axis that turns it [m]
 };
 
 /// The limit of a robot that it makes.

@@ -49,10 +49,10 @@ struct SinCos {
 /// Sine and cosine of `x` [rad], any x.
 ///
 /// `Fast` evaluates a polynomial up to |x| = 1e6 (800 in float). Its error is at most 2.5 units in the last
-/// place of the result, and 2.1e-16 (1.13e-7 in float; both proven), plus 2e-31 (4e-14 in float), which matters where the result
-/// nearly vanishes at large x. Beyond, it calls the standard library, which is as accurate but slower:
-/// unwrapped angles cost time, not accuracy. NaN and infinity give NaN; sin(-0) is -0. Lanes do not depend on
-/// each other. Scalars other than float and double call their own sin and cos.
+/// place of the result, and 2.1e-16 (1.13e-7 in float; both proven), plus 2e-31 (4e-14 in float), which
+/// matters where the result nearly vanishes at large x. Beyond, it calls the standard library, which is as
+/// accurate but slower: unwrapped angles cost time, not accuracy. NaN and infinity give NaN; sin(-0) is -0.
+/// Lanes do not depend on each other. Scalars other than float and double call their own sin and cos.
 template <class Policy = Fast, Scalar T>
 [[nodiscard]] SKINCTL_INLINE SinCos<T> sincos(const T& x) noexcept {
   if constexpr (is_lane<T>) {
@@ -131,7 +131,8 @@ SKINCTL_INLINE void sincos(F angle, T* sin, T* cos) noexcept {
   }
 }
 
-/// The same for a row of joints, each block in a lane of its own size: the results are those of the array.
+/// Sines and cosines of a row of joints, each block in a lane of its own size: the results are those of the
+/// array.
 template <std::size_t N, Real T>
 SKINCTL_INLINE void sincos(const skinctl::detail::Row<N, T>& x, T* sin, T* cos) noexcept {
   using Shape = skinctl::detail::RowShape<N, T>;

@@ -61,7 +61,7 @@ SKINCTL_INLINE void tanh(const T* x, T* y) noexcept {
   }
 }
 
-/// The same for a row of joints; the results are those of the array.
+/// tanh of a row of joints; the results are those of the array.
 template <std::size_t N, Real T>
 [[nodiscard]] SKINCTL_INLINE skinctl::detail::Row<N, T> tanh(const skinctl::detail::Row<N, T>& x) noexcept {
   return skinctl::detail::Row<N, T>::made([&](std::size_t k) SKINCTL_INLINE_LAMBDA {

@@ -17,10 +17,10 @@ struct BareBase {
   }
 };
 
-/// Pose of a body in another.
+/// Pose of a body in the frame of the body that carries it.
 struct Stand {
-  Rotation<double> R{};     ///< axes of the body
-  double p[3] = {0, 0, 0};  ///< origin of the body [m]
+  Rotation<double> R{};     ///< axes of the body in the carrier's frame
+  double p[3] = {0, 0, 0};  ///< origin of the body in the carrier's frame [m]
 };
 
 /// The tree `B` with its base fixed to link `At` of the tree `A` (-1: its base): the links of `A` keep their
@@ -52,6 +52,8 @@ struct AttachedTree {
 template <class A, int At, RobotModel B, Scalar T = double>
 class Attached : public AttachedTree<A, At, B> {
   using Tree = AttachedTree<A, At, B>;
+  static_assert(!detail::SaysMovingBase<A> && !detail::SaysMovingBase<B>,
+                "OnMovingBase goes outside: OnMovingBase(attach<5>(arm, hand))");
 
  public:
   using scalar = T;

@@ -26,10 +26,10 @@ enum class LinkParameter : std::size_t {
   p_x,  ///< origin of the joint in the parent's frame [m]
   p_y,
   p_z,
-  offset,    ///< added to q [rad] or [m]
-  cos_beta,  ///< prismatic only: constant rotation of the link about z (a revolute joint has its offset)
+  offset,    ///< offset of the joint, added to q [rad] or [m]
+  cos_beta,  ///< cosine of beta, a constant turn of the link about z, of a prismatic joint only
   sin_beta,
-  mass,  ///< [kg]
+  mass,  ///< mass [kg]
   c_x,   ///< centre of mass in the link's frame [m]
   c_y,
   c_z,

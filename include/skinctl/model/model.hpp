@@ -46,6 +46,9 @@ template <detail::ModelInScalar M, class T>
 inline constexpr bool computes_in<M, T> = std::is_same_v<typename M::scalar, T>;
 
 namespace detail {
+/// A model that says that its base moves: see `OnMovingBase`.
+template <class M>
+concept SaysMovingBase = requires { M::on_moving_base; };
 /// A model, and a description, that say whether their masses are assumed.
 template <class M>
 concept SaysMassesAssumed = requires(const M& model) { model.masses_assumed(); };
@@ -59,8 +62,8 @@ template <class D>
 concept DescribesMassesAssumed = requires { D::masses_assumed; };
 }  // namespace detail
 
-/// Whether a model says that masses of its links are assumed, as a file without `<inertial>` leaves them. Robots by
-/// torque and impedance, and touch from the motors, refuse it.
+/// Whether a model says that masses of its links are assumed, as a file without `<inertial>` leaves them.
+/// Robots by torque and impedance, and touch from the motors, refuse it.
 template <RobotModel M>
 [[nodiscard]] constexpr bool has_assumed_masses(const M& model) noexcept {
   if constexpr (detail::SaysMassesAssumed<M>) return model.masses_assumed();

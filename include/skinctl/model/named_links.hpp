@@ -16,7 +16,7 @@ struct NamedLink {
   const char* name = "";
   int link = -1;           ///< index of the model's link; -1: the base
   Rotation<double> R{};    ///< axes of the named link in `Link<link>`, or in `Base`
-  Xyz<double> p{0, 0, 0};  ///< origin of the named link there [m]
+  Xyz<double> p{0, 0, 0};  ///< origin of the named link in `Link<link>`, or in `Base` [m]
 };
 
 /// A description with links by name, as `urdf_to_model` writes it: an array `named_links` of `NamedLink`.

@@ -21,7 +21,7 @@ struct PlacedLink {
 /// Links of a model made from placed links. The model's frames have the same z axes and origins as the given
 /// ones, but are rotated about z where that reduces the placement of a first child to `Rx(alpha)`.
 template <Topology Tree>
-struct CanonicalLinks {
+struct TurnedLinks {
   std::array<LinkParameters<double>, Tree::joints> links;
   /// The given frame of link i is the model's frame rotated by `-turn[i]` about z:
   /// `X_ModelGiven = Rz(-turn[i])`.
@@ -157,8 +157,8 @@ inline void canonicalise(std::size_t n, const int* parents, const JointKind* kin
 /// placement, parallel and near-parallel axes included. Throws `ConfigurationError` for axes that are no
 /// rotation (error above 1e-6).
 template <Topology Tree>
-[[nodiscard]] CanonicalLinks<Tree> canonical_links(const std::array<PlacedLink, Tree::joints>& placed) {
-  CanonicalLinks<Tree> out;
+[[nodiscard]] TurnedLinks<Tree> canonical_links(const std::array<PlacedLink, Tree::joints>& placed) {
+  TurnedLinks<Tree> out;
   detail::canonicalise(Tree::joints, Tree::parents.data(), Tree::kinds.data(), placed.data(),
                        out.links.data(), out.turn.data());
   return out;

@@ -13,11 +13,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What touches a robot, and the path of its force to the law.
+/// A body that touches a robot, and the path of its force to the law.
 template <Real T = double>
 struct ContactEnvironment {
-  T stiffness = T(0);        ///< of the stiffest contact [N/m], > 0
-  T cover = T(0);            ///< of the skin's cover, in series [N/m]; 0: rigid
+  T stiffness = T(0);        ///< stiffness of the stiffest contact [N/m], > 0
+  T cover = T(0);            ///< stiffness of the skin's cover, in series [N/m]; 0: rigid
   T body = T(0);             ///< mass behind the contact [kg], that nothing else holds; 0: a wall
   T force_gain = T(1);       ///< w_f: newtons at the law per newton at the cell, > 0
   Nanoseconds skin_delay{};  ///< t_skin: age of a push when a cycle uses it, >= 0
@@ -44,11 +44,12 @@ SKINCTL_COLD void check(const ContactEnvironment<T>& e) {
 ///     g(s) = w_f n'J (M s^2 + B s)^-1 J'n (1 + T_lead s) exp(-s t_skin) H
 ///
 /// with H the robot as cycles see it, delay, lag, hold and samples, and T_lead the force lead
-/// (`detail::ContactPath`). M and B are the configured inertia and friction, of joints and of the tool (`Tool`, as in
-/// the resolver). A contact of stiffness k before a wall is stable up to where `k g` passes -1; before a free body
-/// of mass m, up to where `1/k + 1/(m s^2) + g` passes 0: a light body gives way with the robot. Simulated over
-/// predicted stiffness of a wall: within 2 %. A contact is given by its row `n'J` (see `Contact::row`). For
-/// configuration time: some microseconds a pose, by Eigen; include `<Eigen/Eigenvalues>` first.
+/// (`detail::ContactPath`). M and B are the configured inertia and friction, of joints and of the tool
+/// (`Tool`, as in the resolver). A contact of stiffness k before a wall is stable up to where `k g`
+/// passes -1; before a free body of mass m, up to where `1/k + 1/(m s^2) + g` passes 0: a light body gives
+/// way with the robot. Simulated over predicted stiffness of a wall: within 2 %. A contact is given by its
+/// row `n'J` (see `Contact::row`). For configuration time: some microseconds a pose, by Eigen; include
+/// `<Eigen/Eigenvalues>` first.
 template <RobotModel M, Real T = double, class Tool = NoToolShape>
 class ContactStability {
  public:
@@ -98,8 +99,8 @@ class ContactStability {
     robot.row(row, mode);
     return environment_.force_gain * robot.compliance(mode, mode, w) * path_.at(w);
   }
-  /// k_max [N/m]: the stiffest contact along `row` at the pose `q` that comes to rest. 0 for a virtual robot without
-  /// friction, infinity for a row of zeros.
+  /// k_max [N/m]: the stiffest contact along `row` at the pose `q` that comes to rest. 0 for a virtual robot
+  /// without friction, infinity for a row of zeros.
   [[nodiscard]] T stiffest(const JointPosition<joints, T>& q, const Row& row) const {
     const Modes robot = modes(q);
     T mode[joints], size(0);

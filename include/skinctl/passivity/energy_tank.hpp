@@ -42,25 +42,24 @@ class EnergyTank {
     T start = T(1);      ///< initial energy [J], >= 0
     T max = T(5);        ///< capacity [J], >= start
     T port_gain = T(1);  ///< weight with which the law takes the contacts' torque; another one is active
-    T damping =
-        T(2);  ///< of a robot by torque, as far as the tank does not pay, in proportion to its mass [1/s]
+    /// Damping of a robot by torque, in proportion to its mass, times the share that the tank lacks [1/s].
+    T damping = T(2);
   };
-  /// How far joints move, and how wrong that was.
+  /// The predicted motion of the joints, and the error of the prediction.
   template <std::size_t N>
   struct Foresight {
-    JointPosition<N, T> ahead;  ///< the motion that the last sub-step is to make [rad]
-    JointPosition<N, T>
-        surprise;        ///< how far joints have gone beyond such a motion, the largest, fading [rad]
-    bool valid = false;  ///< `ahead` is
+    JointPosition<N, T> ahead;     ///< motion that the last sub-step is to make [rad]
+    JointPosition<N, T> surprise;  ///< largest way of joints beyond the motion predicted, fading [rad]
+    bool valid = false;            ///< `ahead` is valid
   };
   template <std::size_t N>
   struct Memory {
     T energy = T(0);
-    T kinetic = T(0);          ///< at the last sub-step
-    T explained = T(0);        ///< the part of its change since that is work or friction
-    JointTorque<N, T> port;    ///< of the last sub-step
-    JointTorque<N, T> active;  ///< the share of the active torque that was paid for
-    MassMatrix<N, T> mass;     ///< of the last sub-step
+    T kinetic = T(0);          ///< kinetic energy at the last sub-step [J]
+    T explained = T(0);        ///< part of its change since that is work or friction [J]
+    JointTorque<N, T> port;    ///< torque of the port in the last sub-step [N m]
+    JointTorque<N, T> active;  ///< part of the active torque that was paid for [N m]
+    MassMatrix<N, T> mass;     ///< mass matrix of the last sub-step
     bool counts = false;       ///< the values above are valid
     bool paid = false;         ///< a sub-step is to be charged
     Foresight<N> foresight;
@@ -70,7 +69,7 @@ class EnergyTank {
   struct Held {
     T energy = T(0);
     JointTorque<N, T> passive;  ///< the part without cost: port, gravity, friction
-    JointTorque<N, T> port;     ///< the contacts' part of it
+    JointTorque<N, T> port;     ///< contacts' part of the passive torque [N m]
     JointTorque<N, T> gravity;
     JointTorque<N, T> active;  ///< the remainder
     bool counts = false;       ///< the values above are valid

@@ -9,9 +9,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The parts that keep a resolver passive, in any order:
-/// `Passivity(EnergyTank(...), PassivityObserver(...))`. None by default; a part that is not named costs neither time
-/// nor memory.
+/// The parts that keep a resolver passive, in any order: `Passivity(EnergyTank(...),
+/// PassivityObserver(...))`. None by default; a part that is not named costs neither time nor memory.
 template <class... Parts>
 class Passivity {
  public:

@@ -48,8 +48,8 @@ class PassivityObserver {
     struct Felt {
       std::size_t link = 0;
       Xyz<T> place = {T(0), T(0), T(0)}, normal = {T(0), T(0), T(0)};
-      T force = T(0);     ///< [N]
-      T expected = T(0);  ///< predicted for the time at which a present command is carried out [N]
+      T force = T(0);     ///< push of the contact [N]
+      T expected = T(0);  ///< push predicted for the time at which a present command is carried out [N]
       T ahead = T(0);     ///< furthest command under way [m]
       T row[N] = {};
     };
@@ -57,7 +57,7 @@ class PassivityObserver {
     std::size_t count = 0;
     Felt felt[max_contacts<N>];
     T under_way = T(0);     ///< furthest command under way for a contact not felt yet [m]
-    JointPosition<N, T> q;  ///< measured then
+    JointPosition<N, T> q;  ///< measured position at the last cycle [rad]
     bool started = false;
   };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The stiffest contact that a scene may meet: a part of a robot's description, checked where a scene is built.
+// The stiffest contact that a scene may meet: a part of a robot's description, checked where a scene is
+// built.
 #pragma once
 
 #include <algorithm>
@@ -21,37 +22,38 @@ SKINCTL_BEGIN_NAMESPACE
 /// contacts come to rest, anywhere on the robot, one and two at a time. A description may have several.
 ///
 /// The loops of `ContactStability` are computed at `poses` poses over the range of the joints, for cells all
-/// over the skin (six of each patch, along their normals, with their gains), for pushes on the tool of a wrist
-/// sensor, and where motors feel, or nothing says where touch is felt, for points all over each link; for two contacts
-/// at once, as of two hands that grip, by the eigenvalues of both loops, for the eight contacts of a pose that bear
-/// least. Some ten milliseconds, by Eigen: include `<Eigen/Eigenvalues>` to use it.
+/// over the skin (six of each patch, along their normals, with their gains), for pushes on the tool of a
+/// wrist sensor, and where motors feel, or nothing says where touch is felt, for points all over each link;
+/// for two contacts at once, as of two hands that grip, by the eigenvalues of both loops, for the eight
+/// contacts of a pose that bear least. Some ten milliseconds, by Eigen: include `<Eigen/Eigenvalues>` to use
+/// it.
 ///
-/// What a robot with a delay lacks is felt mass: as heavy as what touches it, it answers in time. The refusal says by
-/// which factor the virtual robot has to be heavier; force gains, virtual damping and viscous friction divided by it
-/// give that mass, and the friction that is felt stays. A heavy robot with little friction is at rest on a wall, but
-/// bounces on it for long: there a force lead of 2 T damps. A factor of hundreds is that of a light joint, such as a
-/// flange that turns: it needs virtual inertia of its own.
+/// What a robot with a delay lacks is felt mass: as heavy as what touches it, it answers in time. The refusal
+/// says by which factor the virtual robot has to be heavier; force gains, virtual damping and viscous
+/// friction divided by it give that mass, and the friction that is felt stays. A heavy robot with little
+/// friction is at rest on a wall, but bounces on it for long: there a force lead of 2 T damps. A factor of
+/// hundreds is that of a light joint, such as a flange that turns: it needs virtual inertia of its own.
 struct StiffestContact {
   using RobotPart = detail::StiffestContactPart;
   static constexpr bool of_virtual_robot = true;
   static constexpr bool repeats = true;  ///< a robot may declare several
-  double stiffness = 0;                  ///< of the environment [N/m], > 0
-  double cover = 0;                      ///< of the skin's cover, in series [N/m]; 0: rigid
+  double stiffness = 0;                  ///< stiffness of the environment [N/m], > 0
+  double cover = 0;                      ///< stiffness of the skin's cover, in series [N/m]; 0: rigid
   double body = 0;  ///< mass behind the contact [kg], as of a hand that holds it; 0: a wall
-  /// Loss factor of the cover and of what it touches, the tangent of the loss angle, 0 to 1: rubber and foam 0.1,
-  /// tissue more. Default: 0.1 before a body, 0 before a wall.
+  /// Loss factor of the cover and of what it touches, the tangent of the loss angle, 0 to 1: rubber and foam
+  /// 0.1, tissue more. Default: 0.1 before a body, 0 before a wall.
   std::optional<double> loss = {};
   double newtons = 0;        ///< newtons at a cell per unit of its force readings; 0: the law takes what acts
   Nanoseconds skin_delay{};  ///< age of a push when a cycle uses it, >= 0
-  /// Required gain margin of one contact, >= 1. Default: 2 before a wall; 1 before a body, where the loop errs on the
-  /// safe side.
+  /// Required gain margin of one contact, >= 1. Default: 2 before a wall; 1 before a body, where the loop
+  /// errs on the safe side.
   std::optional<double> margin = {};
-  /// The same of two at once. Default: 1.5 before walls, 1 before bodies.
+  /// Required gain margin of two contacts at once, >= 1. Default: 1.5 before walls, 1 before bodies.
   std::optional<double> margin_of_two = {};
   int poses = 8;  ///< 1 to 10 000
 
-  /// How many times heavier the virtual robot has to be felt so that all contacts have the required margins;
-  /// less than 1 where it may be lighter. At least 1/64.
+  /// The factor by which the virtual robot has to be felt heavier, so that all contacts have the required
+  /// margins; less than 1 where it may be lighter. At least 1/64.
   template <DescribedRobot R, class Skin>
   [[nodiscard]] SKINCTL_COLD double heavier(const R& robot, const Skin& skin) const {
     const auto all = contacts(robot, skin);
@@ -64,8 +66,8 @@ struct StiffestContact {
     return high;
   }
 
-  /// The least felt mass of all contacts [kg]: of the virtual robot along a contact, over the newtons that a law
-  /// gets for one.
+  /// The least felt mass of all contacts [kg]: of the virtual robot along a contact, over the newtons that a
+  /// law gets for one.
   template <DescribedRobot R, class Skin>
   [[nodiscard]] SKINCTL_COLD double lightest(const R& robot, const Skin& skin) const {
     double mobility = 0;

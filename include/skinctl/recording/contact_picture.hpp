@@ -13,8 +13,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The contacts of a skin for a picture, from the newest samples of its cells: clusters of cells pushed by more than a
-/// threshold. For the thread beside the loop.
+/// The contacts of a skin for a picture, from the newest samples of its cells: clusters of cells pushed by
+/// more than a threshold. For the thread beside the loop.
 class ContactPicture {
  public:
   static constexpr std::size_t max_cells = 8192, most = 64;

@@ -12,11 +12,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The bytes of the cycles of `C`; in this order, without padding, as they lie in memory: now, measured state, request,
-/// observed status, goal, configuration (if `C` has several), cell samples, wrenches and motor torques (if its skin
-/// takes them), taxels of other kinds, what its law adds (the gripper's state), what its limits add (what is
-/// around), weights of patches (of a `WeightedSkin`),
-/// command.
+/// The bytes of the cycles of `C`; in this order, without padding, as they lie in memory: now, measured
+/// state, request, observed status, goal, configuration (if `C` has several), cell samples, wrenches and
+/// motor torques (if its skin takes them), taxels of other kinds, what its law adds (the gripper's state),
+/// what its limits add (what is around), weights of patches (of a `WeightedSkin`), command.
 template <class C>
 class CycleBytes {
  public:
@@ -42,7 +41,7 @@ class CycleBytes {
     std::vector<WrenchSample> wrenches;
     TaxelStore<typename C::Sensed> taxels;
   };
-  /// Where a scene starts: at a measured state, perhaps told to be elsewhere.
+  /// The start of a scene: at a measured state, perhaps told to be elsewhere.
   struct Beginning {
     State measured;
     bool has_told = false;
@@ -133,7 +132,7 @@ class CycleBytes {
     if (begin.has_told) read_numbers(in, begin.told);
     return begin;
   }
-  /// Which kind of scene writes such bytes: its first number tells byte orders apart, the others kinds of
+  /// The kind of scene that writes such bytes: the first number tells byte orders apart, the others kinds of
   /// input and of cells, joints, scalars and goals.
   [[nodiscard]] static std::array<std::uint32_t, 5> kind() noexcept {
     return {0x01020304,

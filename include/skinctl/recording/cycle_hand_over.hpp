@@ -15,19 +15,20 @@ SKINCTL_BEGIN_NAMESPACE
 template <class C>
 struct CycleRecord {
   using Output = typename C::Output;
-  std::uint32_t number = 0;  ///< of the cycle, from 0; a gap: cycles that found no room
+  std::uint32_t number = 0;  ///< number of the cycle, from 0; a gap: cycles that found no room
   typename C::Input input;
   typename CycleBytes<C>::Command command;
   Status status;
   decltype(Output::shares) shares{};             ///< torque of each law [N m]
-  std::array<Nanoseconds, stage_count> times{};  ///< of the stages
+  std::array<Nanoseconds, stage_count> times{};  ///< times of the stages
   std::span<const unsigned char> bytes;          ///< the cycle as `CycleBytes` has it
 };
 
 /// Puts cycles of `C` into a ring, and takes them out elsewhere. In the loop it is a recorder of
 /// `run_loop`, or `start` once, then the object itself. In one thread beside it: `consume`.
 ///
-/// The loop pays for copying: nothing is encoded, allocated or waited for. Without room a cycle is dropped and counted.
+/// The loop pays for copying: nothing is encoded, allocated or waited for. Without room a cycle is dropped
+/// and counted.
 template <class C>
 class CycleHandOver {
  public:
@@ -64,8 +65,8 @@ class CycleHandOver {
     ring_.publish(place.size());
   }
 
-  /// Calls `start(Beginning, bytes)` and `cycle(CycleRecord)` for all that came since the last call, oldest first.
-  /// Returns their number.
+  /// Calls `start(Beginning, bytes)` and `cycle(CycleRecord)` for all that came since the last call, oldest
+  /// first. Returns their number.
   template <class Start, class Each>
   std::size_t consume(Start&& start, Each&& cycle) {
     return ring_.consume([&](std::span<const unsigned char> bytes) {

@@ -14,13 +14,13 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Records of any size from one thread to one other, in order, without lock, wait or allocation.
 ///
-/// The producer claims room, fills it and publishes; a record never wraps around the end of the memory, before which a
-/// mark is left that the consumer skips. Without room the record is dropped and counted: a loop is never late because a
-/// disk or a reader is slow.
+/// The producer claims room, fills it and publishes; a record never wraps around the end of the memory,
+/// before which a mark is left that the consumer skips. Without room the record is dropped and counted: a
+/// loop is never late because a disk or a reader is slow.
 class CycleRing {
  public:
-  /// `bytes` is a power of two from 4 KiB to 1 GiB, else `ConfigurationError`. All of it is touched here, so that
-  /// the loop meets no page fault.
+  /// `bytes` is a power of two from 4 KiB to 1 GiB, else `ConfigurationError`. All of it is touched here, so
+  /// that the loop meets no page fault.
   explicit CycleRing(std::size_t bytes = std::size_t(16) << 20) {
     require(bytes >= 4096 && bytes <= (std::size_t(1) << 30) && (bytes & (bytes - 1)) == 0,
             "CycleRing: bytes", double(bytes), "a power of two from 2^12 to 2^30");
@@ -29,8 +29,8 @@ class CycleRing {
   CycleRing(const CycleRing&) = delete;
   CycleRing& operator=(const CycleRing&) = delete;
 
-  /// Producer: room for `most` bytes, aligned to 8. Empty if there is none, or if it is more than half of the ring;
-  /// then the record counts as dropped.
+  /// Producer: room for `most` bytes, aligned to 8. Empty if there is none, or if it is more than half of the
+  /// ring; then the record counts as dropped.
   [[nodiscard]] std::span<unsigned char> claim(std::size_t most) noexcept {
     const std::size_t size = bytes();
     if (most > size / 2 - header) {
@@ -58,8 +58,8 @@ class CycleRing {
     head_ += header + padded(used);
     published_.store(head_, std::memory_order_release);
   }
-  /// Consumer: calls `f(bytes)` for each record that is there, oldest first, and gives its room back. Returns the
-  /// number of records.
+  /// Consumer: calls `f(bytes)` for each record that is there, oldest first, and gives its room back. Returns
+  /// the number of records.
   template <class F>
   std::size_t consume(F&& f) {
     const std::uint64_t until = published_.load(std::memory_order_acquire);
@@ -105,7 +105,8 @@ class CycleRing {
   }
 
   std::vector<Word> memory_;
-  // The producer's line, the consumer's, and what the producer tells: apart, so that neither waits for the other's.
+  // The producer's line, the consumer's, and what the producer tells: apart, so that neither waits for the
+  // other's.
   alignas(64) std::uint64_t head_ = 0;  // bytes ever claimed and published
   std::uint64_t seen_tail_ = 0;
   alignas(64) std::atomic<std::uint64_t> published_{0};

@@ -12,8 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What is done with cycles beside the loop: written, streamed, published. Called by one thread; may take its time, at
-/// the cost of dropped cycles when the ring is full.
+/// A consumer of cycles beside the loop, which writes, streams or publishes them. Called by one thread; may
+/// take its time, at the cost of dropped cycles when the ring is full.
 template <class C>
 class CycleConsumer {
  public:
@@ -33,8 +33,8 @@ class CycleThread {
  public:
   using Format = CycleBytes<C>;
 
-  /// Starts the thread. The consumers stay the caller's, and outlive this object. `bytes` of the ring: a power of two
-  /// from 4 KiB to 1 GiB, else `ConfigurationError`.
+  /// Starts the thread. The consumers stay the caller's, and outlive this object. `bytes` of the ring: a
+  /// power of two from 4 KiB to 1 GiB, else `ConfigurationError`.
   explicit CycleThread(std::vector<CycleConsumer<C>*> consumers, std::size_t bytes = std::size_t(16) << 20)
       : hand_over_(bytes), consumers_(std::move(consumers)), thread_([this] { run(); }) {}
   ~CycleThread() { finish(); }

@@ -14,16 +14,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where bytes go. `write` takes all of them and returns true, or none and returns false.
+/// A sink for bytes. `write` takes all of them and returns true, or none and returns false.
 template <class S>
 concept McapSink = requires(S& sink, std::span<const unsigned char> bytes) {
   { sink.write(bytes) } -> std::same_as<bool>;
 };
 
-/// When a writer closes a chunk, and what the file says that it is for.
+/// The size and time of a chunk, and the profile of the file.
 struct McapOptions {
-  std::size_t chunk_size = std::size_t(1) << 20;  ///< bytes of records
-  Nanoseconds chunk_time = 1s;                    ///< between its first message and the next one
+  std::size_t chunk_size = std::size_t(1) << 20;  ///< size of the records at which a chunk is closed [bytes]
+  Nanoseconds chunk_time = 1s;                    ///< time from a chunk's first message at which it is closed
   std::string profile = "ros2";
 };
 
@@ -32,11 +32,13 @@ struct McapChannel {
   std::uint16_t id = 0;
 };
 
-/// Writes an MCAP file (profile `ros2`): uncompressed chunks with CRC, their message indexes, a summary at the end.
+/// Writes an MCAP file (profile `ros2`): uncompressed chunks with CRC, their message indexes, a summary at
+/// the end.
 ///
-/// A chunk is closed when it holds 1 MiB, or spans 1 s: that much is lost if the program is killed. Schemas and channels
-/// stand in the first chunk that uses them, so that a file without its end can still be read. Where the sink refuses a
-/// chunk (a full disk), its messages are counted in `lost()` and the next chunk is tried. Not for the loop: it allocates.
+/// A chunk is closed when it holds 1 MiB, or spans 1 s: that much is lost if the program is killed. Schemas
+/// and channels stand in the first chunk that uses them, so that a file without its end can still be read.
+/// Where the sink refuses a chunk (a full disk), its messages are counted in `lost()` and the next chunk is
+/// tried. Not for the loop: it allocates.
 template <McapSink Sink>
 class McapWriter {
  public:
@@ -68,7 +70,8 @@ class McapWriter {
   [[nodiscard]] McapChannel channel(const std::string& topic, const std::string& encoding) {
     return add({0, 0, topic, encoding});
   }
-  /// Facts about the file, by name. They stand where they are written, between chunks. False if the sink refused.
+  /// Facts about the file, by name. They stand where they are written, between chunks. False if the sink
+  /// refused.
   bool metadata(const std::string& name, const std::map<std::string, std::string>& facts) {
     using namespace detail::mcap;
     if (!flush()) return false;
@@ -84,7 +87,7 @@ class McapWriter {
   bool write(McapChannel channel, Nanoseconds time, std::span<const unsigned char> bytes) {
     return write(channel, time, bytes, sequence_[channel.id - 1u]);
   }
-  /// The same with a number of its own: a gap says that messages are missing.
+  /// A message with a sequence number of the caller's: a gap says that messages are missing.
   bool write(McapChannel channel, Nanoseconds time, std::span<const unsigned char> bytes,
              std::uint32_t sequence) {
     using namespace detail::mcap;

@@ -15,8 +15,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A new file. What does not fit on the disk is cut off again, so that the file always ends with a whole record; later
-/// bytes are tried anew. For one thread, which is not the loop.
+/// A new file. What does not fit on the disk is cut off again, so that the file always ends with a whole
+/// record; later bytes are tried anew. For one thread, which is not the loop.
 class FileSink {
  public:
   /// Replaces an existing file. Throws `ConfigurationError` with the system's reason.
@@ -84,17 +84,18 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
-/// What `recover` did.
+/// The result of `recover`.
 struct Recovered {
   bool was_whole = false;  ///< nothing was to be done
   std::uint64_t messages = 0;
-  std::uint64_t cut = 0;  ///< bytes behind the last whole chunk that went
+  std::uint64_t cut = 0;  ///< bytes removed behind the last whole chunk
   std::string left_out;   ///< messages that were not counted, in words: they stay; empty: none
 };
 
-/// Gives a file that was cut off (a killed program, a lost supply) an end again: cuts behind the last whole chunk, and
-/// writes its message indexes and the summary anew. A whole file is not touched. Throws `ConfigurationError` for a file
-/// that is no MCAP, has compressed chunks, whose contents a summary would have to name, or cannot be written.
+/// Gives a file that was cut off (a killed program, a lost supply) an end again: cuts behind the last whole
+/// chunk, and writes its message indexes and the summary anew. A whole file is not touched. Throws
+/// `ConfigurationError` for a file that is no MCAP, has compressed chunks, whose contents a summary would
+/// have to name, or cannot be written.
 inline Recovered recover(const std::string& path) {
   using namespace detail::mcap;
   Recovered out;

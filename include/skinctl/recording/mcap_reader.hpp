@@ -19,23 +19,23 @@ struct McapMessage {
   std::span<const unsigned char> bytes;
 };
 
-/// What a reader found in a file.
+/// The contents that a reader found in a file.
 struct McapContents {
   bool ours = false;   ///< the file begins as an MCAP file does
   bool whole = false;  ///< the file ends as one: a summary can be trusted
   std::string profile, library;
-  detail::mcap::Summary summary;  ///< of what was read, not what the file says of itself
+  detail::mcap::Summary summary;  ///< summary of the records that were read, not the file's own
   std::map<std::string, detail::mcap::Texts> metadata;
-  std::uint64_t data_end = 0;  ///< behind the last record of the data that is whole
+  std::uint64_t data_end = 0;  ///< end of the data's last whole record, in bytes from the file's beginning
   /// Behind the last whole record that is no message index; indexes from here to `data_end` belong to the
   /// last chunk.
   std::uint64_t last_unit_end = 0;
   std::uint64_t damaged = 0;     ///< chunks whose CRC is wrong, or whose records are none
   std::uint64_t compressed = 0;  ///< whole chunks in a compression: not read
-  std::string compression;       ///< name of that compression in the file
+  std::string compression;       ///< name of the compression, as in the file
   std::uint64_t unknown = 0;     ///< messages outside of chunks whose channel was not announced
 
-  /// What was left out, in words; empty: nothing.
+  /// The contents that were left out, in words; empty: nothing.
   [[nodiscard]] std::string left_out() const {
     std::string out;
     const auto add = [&](std::uint64_t n, const std::string& what) {

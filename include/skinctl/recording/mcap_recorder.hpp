@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Records a run into an MCAP file while it runs: what replays, and what people look at. The file is written by the bodies in
-// `detail/run_file_body.hpp`, in each file that includes this, or in one source of the program by CMake's `skinctl::io`.
+// Records a run into an MCAP file while it runs: what replays, and what people look at. The file is written
+// by the bodies in `detail/run_file_body.hpp`, in each file that includes this, or in one source of the
+// program by CMake's `skinctl::io`.
 #pragma once
 
 #include "skinctl/recording/cycle_thread.hpp"
@@ -13,14 +14,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The consumer that writes a file: every cycle as it is replayed, joint states and torque shares of every cycle, cells,
-/// contacts and frames at 30 Hz, the status at 10 Hz, robot and skin once. A full disk costs messages, which are counted.
+/// The consumer that writes a file: every cycle as it is replayed, joint states and torque shares of every
+/// cycle, cells, contacts and frames at 30 Hz, the status at 10 Hz, robot and skin once. A full disk costs
+/// messages, which are counted.
 template <class C>
 class McapRecorder : public CycleConsumer<C> {
  public:
   using typename CycleConsumer<C>::Beginning;
 
-  /// Replaces an existing file. Throws `ConfigurationError` where it cannot be made, and where `RunMessages` does.
+  /// Replaces an existing file. Throws `ConfigurationError` where it cannot be made, and where `RunMessages`
+  /// does.
   McapRecorder(const std::string& path, const RunIdentity& identity, RunDescription run)
       : file_(path, identity.facts<C>(), std::move(run), NumbersOf<C>::joints, NumbersOf<C>::laws) {}
 

@@ -11,7 +11,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `load_run` found.
+/// The result of `load_run`.
 template <class C>
 struct LoadedRun {
   Recording<C> recording;
@@ -19,9 +19,9 @@ struct LoadedRun {
   std::uint64_t missing = 0;  ///< cycles that the file skips: a recorder that had no room
 };
 
-/// Reads the run of a file. Cycles after one that is missing cannot be replayed, so they are left out and counted.
-/// Throws `ConfigurationError` for a file that cannot be read, is no MCAP, has no run or a damaged one, or is of
-/// another scene, build or kind than `identity`.
+/// Reads the run of a file. Cycles after one that is missing cannot be replayed, so they are left out and
+/// counted. Throws `ConfigurationError` for a file that cannot be read, is no MCAP, has no run or a damaged
+/// one, or is of another scene, build or kind than `identity`.
 template <class C>
 [[nodiscard]] LoadedRun<C> load_run(const std::string& path, const RunIdentity& identity) {
   const MappedFile file(path);
@@ -54,11 +54,10 @@ template <class C>
   return out;
 }
 
-/// What the replay of a file found.
+/// The result of a file's replay.
 struct ReplayedRun : Replayed {
-  bool whole = true;  ///< false: the file was cut; what is there was replayed
-  std::uint64_t missing =
-      0;  ///< cycles that found no room when it was recorded: replayed up to the first of them
+  bool whole = true;          ///< false: the file was cut; what is there was replayed
+  std::uint64_t missing = 0;  ///< cycles that the file skips: replayed up to the first of them
 };
 
 /// Runs `cycle` once more on the inputs of a file, and compares every command. Throws where `load_run` does.

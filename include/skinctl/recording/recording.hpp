@@ -14,8 +14,9 @@
 #include "skinctl/recording/cycle_bytes.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-/// A recorded run of `C`: the state at its start, then every input with its command. `run_loop` begins and fills the
-/// recordings that it is given; a loop of your own calls `start` with what it starts the scene with, then `add`.
+/// A recorded run of `C`: the state at its start, then every input with its command. `run_loop` begins and
+/// fills the recordings that it is given; a loop of your own calls `start` with what it starts the scene
+/// with, then `add`.
 template <class C>
 class Recording {
  public:
@@ -40,13 +41,13 @@ class Recording {
     Format::write(bytes_, input, command);
     ++cycles_;
   }
-  /// The same as `run_loop` hands a cycle over.
+  /// Records a cycle as `run_loop` hands it over.
   template <class Output, class Watch>
   void operator()(const Input& input, const Output& output, const Watch&) noexcept {
     add(input, output.planned);
   }
-  /// The start from bytes that `CycleBytes` wrote. Discards the earlier recording; false, and nothing is left of it,
-  /// for bytes that are no start.
+  /// The start from bytes that `CycleBytes` wrote. Discards the earlier recording; false, and nothing is left
+  /// of it, for bytes that are no start.
   bool start(std::span<const unsigned char> bytes) {
     detail::ByteReader reader(bytes);
     static_cast<void>(Format::read_beginning(reader));
@@ -164,15 +165,16 @@ class Recording {
 struct Replayed {
   std::uint64_t cycles = 0;
   std::uint64_t different = 0;        ///< number of cycles whose command is not the same to the bit
-  std::uint64_t first_different = 0;  ///< the first of them
+  std::uint64_t first_different = 0;  ///< number of the first cycle whose command differs
   Nanoseconds started_at{};           ///< stamp of the recorded start
   Nanoseconds first_state_at{};       ///< stamp of the first cycle's measured state
-  double first_step = 0;              ///< largest distance of a joint between these two states [rad] or [m]
-  std::size_t first_step_joint = 0;   ///< joint of that distance, counted from 1; 0: the states are the same
+  /// Largest distance of a joint between the recorded start and the first state [rad] or [m].
+  double first_step = 0;
+  std::size_t first_step_joint = 0;  ///< joint with the distance `first_step`, counted from 1; 0: none
 };
 
-/// A sentence about a replay: the number of commands that differ, and then how the recorded start and the first state
-/// differ. A recording that was not begun where its scene was started shows there.
+/// A sentence about a replay: the number of commands that differ, and then how the recorded start and the
+/// first state differ. A recording that was not begun where its scene was started shows there.
 [[nodiscard]] inline std::string in_words(const Replayed& r) {
   if (r.different == 0) return "every command is the same to the bit";
   char states[160];
@@ -199,7 +201,8 @@ template <class C>
     return x.bytes() == y.bytes();
   };
   typename Recording<C>::State started;
-  // A file that says where the robot was told to be, of a scene that does not ask for it, is no recording of it.
+  // A file that says where the robot was told to be, of a scene that does not ask for it, is no recording of
+  // it.
   const auto start = [&]<class... Told>(const auto& measured, const Told&... told) {
     started = measured;
     if constexpr (detail::StartsWith<C, decltype(measured), Told...>) cycle.start(*memory, measured, told...);

@@ -30,7 +30,7 @@ struct RunFrame {
 struct PressedCells {
   std::vector<CellPlace> places{};   ///< a cell's link is an index into the places of a run
   std::vector<std::uint32_t> ids{};  ///< one for each cell
-  double threshold = 0.5;            ///< of a cell's force above its lowest reading so far [N]
+  double threshold = 0.5;            ///< force above the cell's lowest so far from which it is pressed [N]
 };
 
 /// A run in words and places, the same for a file, a stream and DDS. Only the joints are needed.
@@ -40,12 +40,12 @@ struct RunDescription {
   std::string urdf{};                 ///< `/robot_description`; empty: none is sent
   std::string layout{};               ///< `/skin/layout`, a skin file in JSON; empty: none is sent
   std::string base = "base_link";
-  std::vector<RunFrame> frames{};  ///< of `/tf`; empty: none is sent
+  std::vector<RunFrame> frames{};  ///< frames of `/tf`; empty: none is sent
   /// The places of all links at these joint positions; see `places_of`.
   std::function<void(const std::vector<double>& q, std::vector<LinkPlace>& places)> places;
-  std::vector<SkinCloud::Cell> cells{};  ///< of `/skin/cells`; a cell's link is an index into the places
-  PressedCells pressed{};                ///< of `/skin/contacts`; empty: none is sent
-  float newtons = 1;                     ///< of a sum of readings of 1
+  std::vector<SkinCloud::Cell> cells{};  ///< cells of `/skin/cells`; their links are indices into the places
+  PressedCells pressed{};                ///< cells of `/skin/contacts`; empty: none is sent
+  float newtons = 1;                     ///< force for which a cell's readings add up to 1 [N]
   Nanoseconds max_age = 100ms;           ///< older cells are marked as stale
 };
 

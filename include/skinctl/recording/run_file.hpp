@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A run on its way into an MCAP file, without its scene: what `McapRecorder` calls. The bodies are in `detail/run_file_body.hpp`, or
-// compiled once by CMake's `skinctl::io`.
+// A run on its way into an MCAP file, without its scene: what `McapRecorder` calls. The bodies are in
+// `detail/run_file_body.hpp`, or compiled once by CMake's `skinctl::io`.
 #pragma once
 
 #include <map>
@@ -24,7 +24,9 @@ struct CycleTopic {
 /// Writes what `McapRecorder` says of a run.
 class RunFile {
  public:
-  /// Throws `ConfigurationError` for a file that cannot be opened, and where `RunMessages` does.
+  /// Opens `path`, in place of an existing file, and writes `facts` (see `RunIdentity`). `joints` and `laws`
+  /// are the numbers of both in the scene. Throws `ConfigurationError` for a file that cannot be opened, and
+  /// where `RunMessages` does.
   RunFile(const std::string& path, const std::map<std::string, std::string>& facts, RunDescription run,
           std::size_t joints, std::size_t laws);
   RunFile(const RunFile&) = delete;

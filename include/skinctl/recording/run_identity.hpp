@@ -11,7 +11,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What rounds: version, compiler, instruction set and optimisation of this translation unit.
+/// Everything that decides on rounding: version, compiler, instruction set and optimisation of this
+/// translation unit.
 [[nodiscard]] inline std::string build_text() {
 #define SKINCTL_AS_TEXT_OF(x) #x
 #define SKINCTL_AS_TEXT(x) SKINCTL_AS_TEXT_OF(x)
@@ -35,8 +36,8 @@ SKINCTL_BEGIN_NAMESPACE
 #undef SKINCTL_AS_TEXT_OF
 }
 
-/// What a file says of the run in it. `scene` is the program's own text: everything that its scene is built from, such
-/// as the contents of its configuration file; recordings of another text are refused.
+/// The identity of the run in a file. `scene` is the program's own text: everything that its scene is built
+/// from, such as the contents of its configuration file; recordings of another text are refused.
 struct RunIdentity {
   std::string scene;
   std::string build = build_text();
@@ -49,7 +50,8 @@ struct RunIdentity {
   [[nodiscard]] std::map<std::string, std::string> facts() const {
     return {{"scene", scene}, {"build", build}, {"inputs", inputs<C>()}};
   }
-  /// Throws `ConfigurationError` with both sides where the facts of a file are not of this scene, build and kind.
+  /// Throws `ConfigurationError` with both sides where the facts of a file are not of this scene, build and
+  /// kind.
   template <class C>
   void check(const std::string& source, const std::map<std::string, std::string>& facts) const {
     for (const auto& [fact, ours] : this->facts<C>()) {

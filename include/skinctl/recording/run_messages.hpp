@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A run as ROS 2 messages: joint states, torque shares, cells, contacts, status. What files, streams and DDS send alike.
+// A run as ROS 2 messages: joint states, torque shares, cells, contacts, status. What files, streams and DDS
+// send alike.
 #pragma once
 
 #include <memory>
@@ -15,13 +16,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Encodes the topics of a cycle into bytes that stay until the next call. For the thread beside the loop. `CycleMessages` is this
-/// for the cycles of a scene.
+/// Encodes the topics of a cycle into bytes that stay until the next call. For the thread beside the loop.
+/// `CycleMessages` is this for the cycles of a scene.
 class RunMessages {
  public:
   using Bytes = std::span<const unsigned char>;
 
-  /// Throws `ConfigurationError` for another number of names than joints, and where `SkinCloud` and `ContactPicture` do.
+  /// Throws `ConfigurationError` for another number of names than joints, and where `SkinCloud` and
+  /// `ContactPicture` do.
   RunMessages(RunDescription run, std::size_t joints, std::size_t laws)
       : joints_(joints),
         laws_(laws),
@@ -68,7 +70,7 @@ class RunMessages {
     if (!picture_) return {};
     return encoded(contact_cloud(r.now, run_.base, picture_->find(r.now, places(r))));
   }
-  /// Where the links are in this cycle, by the measured positions; empty where the run does not tell.
+  /// Poses of the links in this cycle, by the measured positions; empty where the run does not tell.
   const std::vector<LinkPlace>& places(const CycleNumbers& r) {
     if (!run_.places) return places_;
     q_.assign(r.q.begin(), r.q.end());
@@ -84,8 +86,8 @@ class RunMessages {
   [[nodiscard]] Bytes torque_shares(const CycleNumbers& r) {
     return encoded(ros::Matrix{{label_, "joint"}, laws_, joints_, r.shares});
   }
-  /// `/skinctl/status`: JSON with the cycle's number, the names of reasons, the stages' times [us] and the cycles that
-  /// found no room.
+  /// `/skinctl/status`: JSON with the cycle's number, the names of reasons, the stages' times [us] and the
+  /// cycles that found no room.
   [[nodiscard]] Bytes status(const CycleNumbers& r, Status since_last, std::uint64_t dropped) {
     std::string text = "{\"cycle\":" + std::to_string(r.number) + ",\"reasons\":[";
     const char* between = "";

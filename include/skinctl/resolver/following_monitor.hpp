@@ -10,13 +10,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How a robot follows, compared with its description.
+/// The lag and gap of a robot, compared with its description.
 template <std::size_t N, Real T = double>
 struct Following {
-  T lag = T(0);                       ///< beyond the declared delay and lag together [s]
-  T lag_deviation = T(0);             ///< standard deviation of that [s]; infinite without motion
+  T lag = T(0);                       ///< lag beyond the declared delay and lag together [s]
+  T lag_deviation = T(0);             ///< standard deviation of `lag` [s]; infinite without motion
   JointPosition<N, T> gap;            ///< measured minus commanded position of a robot at rest [rad]
-  JointPosition<N, T> gap_deviation;  ///< [rad]
+  JointPosition<N, T> gap_deviation;  ///< standard deviation of `gap` [rad]
   T observed = T(0);                  ///< time that counts [s]
 };
 
@@ -111,7 +111,7 @@ class FollowingMonitor {
     m.follows = follows;
   }
 
-  /// What is known by now.
+  /// The estimate by now.
   [[nodiscard]] SKINCTL_COLD Following<N, T> estimate(const Memory& m) const noexcept {
     using std::sqrt;
     const Part& all = m.part[0];

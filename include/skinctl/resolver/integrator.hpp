@@ -9,11 +9,11 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// Crank-Nicolson at the midpoint: M, C and G at the pose half a sub-step ahead, friction by the mean of old
-/// and new velocity, C at the velocity half a sub-step ahead by the last acceleration. Second order. Where friction is
-/// stiff (`z = h B/M` large, a wrist) the mean is weighted towards the new velocity so that it decays as
-/// `1/(1 + z + z^2/2 + z^3/6)` instead of ringing: weight `(z^2 + 2z + 3)/(z^2 + 3z + 6)`, 1/2 as z goes to 0. It
-/// computes M and C itself: those of the laws, at the start of the sub-step, are of no use. G is taken at the
-/// start if a law reads it there, so that compensated gravity cancels.
+/// and new velocity, C at the velocity half a sub-step ahead by the last acceleration. Second order. Where
+/// friction is stiff (`z = h B/M` large, a wrist) the mean is weighted towards the new velocity so that it
+/// decays as `1/(1 + z + z^2/2 + z^3/6)` instead of ringing: weight `(z^2 + 2z + 3)/(z^2 + 3z + 6)`, 1/2 as z
+/// goes to 0. It computes M and C itself: those of the laws, at the start of the sub-step, are of no use. G
+/// is taken at the start if a law reads it there, so that compensated gravity cancels.
 struct CrankNicolson {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.middle = true};

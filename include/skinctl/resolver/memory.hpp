@@ -7,6 +7,7 @@
 #include "skinctl/core/state.hpp"
 #include "skinctl/core/status.hpp"
 #include "skinctl/passivity/passivity.hpp"
+#include "skinctl/resolver/detail/believed_base.hpp"
 #include "skinctl/resolver/detail/running_sum.hpp"
 #include "skinctl/resolver/detail/torque_rate.hpp"
 #include "skinctl/resolver/interval.hpp"
@@ -22,25 +23,25 @@ struct VirtualJointsMemory {
   bool started = false;
   bool stop = false;          ///< a stop was requested
   bool displaced = false;     ///< a gap beyond the largest one, which waits for consent
-  bool brakes = false;        ///< on the way to rest: a stop, no measurement of the real robot, or displaced
+  bool brakes = false;        ///< the robot brakes: a stop, no measurement of the real robot, or displaced
   bool seen = false;          ///< the robot has been measured since the first command
   bool gap_told = false;      ///< g began as the gap to where the robot says that it was told to be
   std::uint64_t returns = 0;  ///< bit i: the leash pulls joint i back
   std::uint64_t cut = 0;      ///< bit i: the leash held joint i back since the last measurement
-  Nanoseconds time{};         ///< of the virtual state
+  Nanoseconds time{};         ///< time of the virtual state
   detail::RunningPosition<N, T> q;  ///< q^, by position the last command [rad]
   JointVelocity<N, T> rate;         ///< dq^/dt, which is sent [rad/s]
   JointVelocity<N, T> v;            ///< dq^/dt for laws, without the speed of a return [rad/s]
   JointAcceleration<N, T> last;     ///< dv/dt of the last sub-step; with limits of jerk at its end [rad/s^2]
   State<N, T> measured;             ///< the last good measurement, less the gap and what contacts deflect
-  JointPosition<N, T> residual;     ///< r: measured position less that brought by the commands [rad]
-  JointPosition<N, T> gap;          ///< g: way of the robot away from its commands, by itself [rad]
-  JointPosition<N, T> farthest;     ///< measured place from which a way on the side of r is such [rad]
-  T held_for[N] = {};               ///< how long the leash has held a joint back that rests, up to 5 T [s]
+  JointPosition<N, T> residual;  ///< r: measured position less the position that the commands brought [rad]
+  JointPosition<N, T> gap;       ///< g: way of the robot away from its commands, by itself [rad]
+  JointPosition<N, T> farthest;  ///< measured place from which a way on the side of r is such [rad]
+  T held_for[N] = {};            ///< time for which the leash has held back a joint that rests, up to 5 T [s]
   detail::RunningPosition<N, T> sent;    ///< velocity interface: the integral of the sent velocities [rad]
   detail::RunningPosition<N, T> offset;  ///< velocity interface: corrections of q^ without motion [rad]
   UnderWay under_way;
-  JointCommand<N, T> command;  ///< the last one
+  JointCommand<N, T> command;  ///< last command
 };
 
 namespace detail {
@@ -87,7 +88,7 @@ struct ResolverMemory {
   static constexpr bool one_group = std::tuple_size_v<Groups> == 1 && Sets::Driven::count == 0;
   bool started = false;
   bool stop = false;                  ///< a stop was requested
-  std::uint8_t short_intervals = 0;   ///< number of those that were too short, one after the other, up to 255
+  std::uint8_t short_intervals = 0;   ///< intervals that were too short, in a row, up to 255
   Nanoseconds time{};                 ///< the end of the last interval
   Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
   Nanoseconds carried{};              ///< time by which cycles came too soon, up to a period

@@ -19,8 +19,8 @@ struct AllAbrupt {
 };
 
 /// The result of one cycle of a resolver: the command, its status, the torque of each part of the law in its
-/// last evaluation, the torque that holds the driven joints, friction included, and that which brakes and holds them
-/// if the guard refuses the command.
+/// last evaluation, the torque that holds the driven joints, friction included, and that which brakes and
+/// holds them if the guard refuses the command.
 template <std::size_t N, Real T, std::size_t Terms>
 struct Resolved {
   JointCommand<N, T> command;
@@ -68,10 +68,10 @@ struct Resolved {
 /// at the end of the cycle, at the newest measurement of these joints, for one period from now. Of the
 /// configuration they use the limits of torque, period, longest interval, stale age, and of the virtual
 /// dynamics the viscous friction, which they show in addition to their own, and, where all joints are driven,
-/// the inertia: that of the motors. A torque acts the loop's delay D late, so friction that would stop a motion
-/// in less time would shake it: it is `(B^-1 + D M^-1)^-1 dq`. Positions and velocities are not limited here.
-/// During a stop, and if the law's torque is not finite, gravity is compensated, and friction brakes with
-/// `0.3 M dq / D` at least; while the state is stale gravity only, as the velocity is unknown.
+/// the inertia: that of the motors. A torque acts the loop's delay D late, so friction that would stop a
+/// motion in less time would shake it: it is `(B^-1 + D M^-1)^-1 dq`. Positions and velocities are not
+/// limited here. During a stop, and if the law's torque is not finite, gravity is compensated, and friction
+/// brakes with `0.3 M dq / D` at least; while the state is stale gravity only, as the velocity is unknown.
 ///
 /// To the virtual robot the driven joints are a load that moves as measured:
 /// `M_ss dv = tau_s - (C v)_s - G_s - B v - M_sd ddq_d`, with v of all joints, and `ddq_d` the change of the
@@ -163,7 +163,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     if (!m.started || interval.substeps == 0) [[unlikely]] {
       m.odd = detail::odd_time_of(interval);
       // Even if the clock is wrong, gravity is compensated at the measured position.
-      if (m.started) out.fallback = this->held(detail::believed(measured, m.measured(), check));
+      if (m.started) out.fallback = this->held(m, detail::believed(measured, m.measured(), check));
       return out;
     }
     SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
@@ -238,7 +238,10 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
       const auto sent_by = [&](const auto& who) {
         const Knows<L, Touch> known =
             who.robot.template known<L>(seen, seconds<T>(this->period()), who.touch);
-        return Driven::of(torque_of(who.law, who.memory, known)) - who.robot.resistance(newest).friction;
+        DrivenTorque sends =
+            Driven::of(torque_of(who.law, who.memory, known)) - who.robot.resistance(newest).friction;
+        if constexpr (base_moves<M>) sends += Driven::of(who.robot.torque_of_base(m, newest));
+        return sends;
       };
       Driven::put(sent_by(before) - sent_by(next), lacks);
     }

@@ -202,8 +202,43 @@ class GroupsDescription<M, T, std::tuple<Groups...>, Parts...> {
   [[nodiscard]] Nanoseconds period() const noexcept { return first_stiff().period; }
   /// The longest time between two evaluations of a law in cycles on time.
   [[nodiscard]] Nanoseconds dt() const noexcept { return planned_substep(period(), first_stiff().substep); }
+  /// The same in the latest cycles that the description allows.
+  [[nodiscard]] Nanoseconds longest_dt() const noexcept {
+    const Nanoseconds late = first_stiff().longest() / max_substeps;
+    return Sets::Stiff::count > 0 && late > dt() ? late : dt();
+  }
+  /// D of the slowest loop, see `RobotDescription::loop_delay`: delay, lag and 1.5 periods of joints by
+  /// torque.
+  [[nodiscard]] Nanoseconds loop_delay() const noexcept {
+    Nanoseconds longest = longest_dt();
+    each([&]<class G>(const G& g) {
+      const auto& c = g.configuration;
+      const Nanoseconds loop = c.delay + c.lag + 3 * c.period / 2;
+      if (G::interface == Interface::torque && loop > longest) longest = loop;
+    });
+    return longest;
+  }
+  /// Of the joints by position and velocity: friction added to joints by torque is not compensated by laws,
+  /// as they give less of it where their delay is long.
+  [[nodiscard]] VirtualDynamics<joints, T> virtual_dynamics() const noexcept {
+    VirtualDynamics<joints, T> out;
+    each([&]<class G>(const G& g) {
+      if constexpr (G::interface != Interface::torque) {
+        using Set = JointSubset<joints, G::set>;
+        const auto own = g.configuration.virtual_dynamics();
+        out.damping = own.damping;
+        Set::put(own.viscous, out.viscous), Set::put(own.coulomb, out.coulomb);
+        Set::put(own.inertia, out.inertia);
+      }
+    });
+    return out;
+  }
 
  private:
+  template <class F>
+  void each(F&& f) const {
+    std::apply([&](const auto&... g) { (f(g), ...); }, groups_);
+  }
   [[nodiscard]] const auto& first_stiff() const noexcept {
     constexpr std::size_t k = [] {
       const bool stiff[] = {(Groups::interface != Interface::torque)...};
@@ -229,49 +264,15 @@ template <Real T, RobotModel M, class... Groups, class... Parts>
 }
 }  // namespace detail
 
-/// A robot whose joints have several interfaces, in any mixture and order: `by_groups(model,
-/// position_joints<0b000011>({...}), velocity_joints<0b000100>({...}), torque_joints<0b111000>({...}),
-/// EnergyTank{...})`. The parts of a description follow the groups. Gains that suit the slowest of its loops:
-/// `tracking_settings(robot)` of tracking/group_settings.hpp.
+/// A robot whose joints have several interfaces, in any mixture and order:
+/// `by_groups(model, position_joints<0b000011>({...}), velocity_joints<0b000100>({...}),
+/// torque_joints<0b111000>({...}), EnergyTank{...})`. The parts of a description follow the groups. Gains that
+/// suit the slowest of its loops: `tracking_settings(robot)` of tracking/group_settings.hpp.
 template <RobotModel M, detail::IsJointGroup First, class... Others>
 [[nodiscard]] auto by_groups(const M& model, const First& first, const Others&... others) {
   return detail::describe_groups<typename First::scalar>(model,
                                                          detail::those_of<detail::IsGroup>(first, others...),
                                                          detail::those_of<detail::IsNoGroup>(others...));
-}
-
-/// The configuration of an arm with a hand by torque.
-template <std::size_t Stiff, std::size_t Driven, Real T = double>
-struct HybridConfiguration {
-  /// The joints that take positions or velocities; also period, sub-step and stale age of the whole robot.
-  RobotConfiguration<Stiff, T> stiff;
-  /// Limits of the joints that take torques.
-  JointLimits<Driven, T> limits;
-  /// Viscous friction added to the joints that take torques [N m s/rad], >= 0.
-  JointTorque<Driven, T> viscous = {};
-};
-
-namespace detail {
-template <LinkMask ByTorque, Real T, RobotModel M>
-using HybridConfigurationOf = HybridConfiguration<JointSubset<M::joints, ByTorque>::Others::count,
-                                                  JointSubset<M::joints, ByTorque>::count, T>;
-}  // namespace detail
-
-/// A robot whose joints of the set `ByTorque` take torques, the others velocities:
-/// `by_velocity_and_torque<joints_between(6, 22)>(model, {.stiff = ..., .limits = ...})`.
-template <LinkMask ByTorque, Real T = double, RobotModel M, class... Parts>
-[[nodiscard]] auto by_velocity_and_torque(const M& model,
-                                          const detail::HybridConfigurationOf<ByTorque, T, M>& c,
-                                          const Parts&... parts) {
-  using Driven = JointSubset<M::joints, ByTorque>;
-  RobotConfiguration<Driven::count, T> driven{.limits = c.limits, .period = c.stiff.period};
-  driven.viscous_friction = c.viscous;
-  driven.substep = c.stiff.substep;
-  driven.longest_interval = c.stiff.longest_interval;
-  driven.stale_after = c.stiff.stale();
-  driven.torque_rate = c.stiff.torque_rate;
-  return by_groups(model, velocity_joints<Driven::Others::set, T>(c.stiff),
-                   torque_joints<ByTorque, T>(driven), parts...);
 }
 
 SKINCTL_END_NAMESPACE

@@ -64,7 +64,9 @@ class JointLimits {
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
-  SKINCTL_COLD explicit JointLimits(const Values& values) : values_(values) {
+  /// @param robot  see `robot()`.
+  SKINCTL_COLD explicit JointLimits(const Values& values, const void* robot = nullptr)
+      : values_(values), robot_(robot) {
     const T big = std::numeric_limits<T>::max();
     for (std::size_t i = 0; i < N; ++i) {
       const auto check = [i](bool allowed, const char* what, const T& x, const char* range) {
@@ -250,8 +252,6 @@ class JointLimits {
       stop_per_square_;  ///< 1 / (2 a) [s^2/rad]: of a speed, to the distance in which it stops
   bool has_power_ = false;
   const void* robot_ = nullptr;
-  template <class Description, Real U>
-  friend JointLimits<Description::joints, U> limits_of(const U&);
 };
 
 /// In place of limits of jerk: nothing decides how joints move and brake but their own limits.
@@ -292,9 +292,7 @@ template <class Description, Real T = double>
     v.acceleration[i] = acceleration;
     v.torque[i] = T(detail::of_joint(Description::max_torque, i));
   }
-  JointLimits<Description::joints, T> limits(v);
-  limits.robot_ = &detail::robot_mark<Description>;
-  return limits;
+  return JointLimits<Description::joints, T>(v, &detail::robot_mark<Description>);
 }
 
 SKINCTL_END_NAMESPACE

@@ -36,7 +36,7 @@ struct RobotConfiguration {
   /// Viscous friction per joint [N m s/rad]: of the virtual robot, or added to the real friction of a robot
   /// by torque.
   JointTorque<N, T> viscous_friction = {};
-  JointTorque<N, T> coulomb_friction = {};  ///< of the virtual robot, per joint [N m]
+  JointTorque<N, T> coulomb_friction = {};  ///< Coulomb friction of the virtual robot, per joint [N m]
   /// Added to each joint [kg m^2]: of the virtual robot, or by torque that of the real motors behind their
   /// gears.
   JointTorque<N, T> virtual_inertia = {};

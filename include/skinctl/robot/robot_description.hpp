@@ -30,8 +30,8 @@ struct FrictionUncompensated {
 };
 
 namespace detail {
-/// Throws `ConfigurationError` where masses that are assumed are not enough for the interface `Ix`, or a joint by
-/// position or velocity has no inertia, of its model nor virtual.
+/// Throws `ConfigurationError` where masses that are assumed are not enough for the interface `Ix`, or a
+/// joint by position or velocity has no inertia, of its model nor virtual.
 template <Interface Ix, RobotModel M, std::size_t N, Real T>
 SKINCTL_COLD void check_masses(const M& model, const JointTorque<N, T>& virtual_inertia,
                                LinkMask joints = joints_between(0, N)) {
@@ -132,7 +132,7 @@ class RobotDescription {
   [[nodiscard]] Nanoseconds dt() const noexcept {
     return Ix == Interface::torque ? period() : planned_substep(period(), configuration_.substep);
   }
-  /// The same in the latest cycles that the description allows.
+  /// The longest time between two evaluations of a law in the latest cycles that the description allows.
   [[nodiscard]] Nanoseconds longest_dt() const noexcept {
     const Nanoseconds late = configuration_.longest() / max_substeps;
     return Ix != Interface::torque && late > dt() ? late : dt();
@@ -225,7 +225,8 @@ template <Real T = double, RobotModel M, class... Parts>
                 "by torque no virtual robot runs ahead: leave PassivityObserver, StiffestContact out");
   return detail::describe_robot<Interface::torque, T>(model, configuration, parts...);
 }
-/// The same with the interface as a parameter.
+/// A description for the interface `Ix`, for code that has it as a parameter: see `by_position`,
+/// `by_velocity` and `by_torque`.
 template <Interface Ix, Real T = double, RobotModel M, class... Parts>
 [[nodiscard]] auto robot_by(const M& model, const RobotConfiguration<M::joints, T>& configuration,
                             const Parts&... parts) {
@@ -243,10 +244,15 @@ template <Interface Ix, Real T = double, RobotModel M, class... Parts>
 template <std::size_t N, Real T>
 struct LawTerms {
   Nanoseconds dt;                          ///< longest time between two evaluations, in late cycles too
-  VirtualDynamics<N, T> virtual_dynamics;  ///< of the virtual robot, or of the robot by torque
+  VirtualDynamics<N, T> virtual_dynamics;  ///< dynamics of the virtual robot, or of the robot by torque
   Nanoseconds loop_delay = dt;             ///< D: see `RobotDescription::loop_delay`
-  T mass_ratio = T(1);    ///< how many times lighter the robot may be, as other configurations describe it
-  T gravity_rate = T(0);  ///< of the gravity by which these differ, see `gravity_rate` [1/s^2]
+  T mass_ratio = T(1);    ///< largest factor by which the robot of another configuration is lighter
+  T gravity_rate = T(0);  ///< rate of the gravity by which configurations differ, see `gravity_rate` [1/s^2]
+};
+/// What a limit of jerk asks of the laws in its scene.
+template <Real T>
+struct JerkTerms {
+  T rise;  ///< longest time in which a joint brings up its acceleration, A/J [s]
 };
 
 SKINCTL_END_NAMESPACE

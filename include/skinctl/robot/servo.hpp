@@ -22,9 +22,9 @@ struct CommandsUnderWay {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
   Nanoseconds now{};            ///< time for which `reached` has been computed
-  Nanoseconds span{};           ///< the last step of `reached`: most are alike
-  T lag = T(0);                 ///< by which it followed then
-  T decay = T(1);               ///< of that lag in that step
+  Nanoseconds span{};           ///< last step of `reached`, for which `decay` is known: most are alike
+  T lag = T(0);                 ///< lag for which `decay` is known [s]
+  T decay = T(1);               ///< `exp(-span / lag)`
   JointPosition<N, T> reached;  ///< position of the declared robot at `now`
 };
 
@@ -69,7 +69,8 @@ class DelayLag {
     detail::copy_row(slope, m.slope[k]);
     ++m.count;
   }
-  /// The last command was sent with other values than those given to `send`.
+  /// Replaces position and velocity of the last command, which was sent with other values than `send` was
+  /// given.
   SKINCTL_INLINE void correct(Memory& m, const JointPosition<N, T>& value,
                               const JointVelocity<N, T>& slope) const noexcept {
     const std::uint32_t k = last(m);

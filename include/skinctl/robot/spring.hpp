@@ -24,8 +24,8 @@ class Spring {
   /// Trivially copyable.
   struct Memory {
     typename Commands::Memory commands;
-    JointPosition<N, T> deflection;  ///< by contacts, at the time of the last `due` [rad], [m]
-    JointPosition<N, T> reached;     ///< position of the declared robot then
+    JointPosition<N, T> deflection;  ///< deflection by contacts at the time of the last `due` [rad], [m]
+    JointPosition<N, T> reached;     ///< position of the declared robot at the time of the last `due`
   };
 
   /// Throws `ConfigurationError` without a stiffness.

@@ -11,9 +11,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// compensates them (`Y_r Theta` contains `B dq_r`), so both need the same values. Zero by default.
 template <std::size_t N, Scalar T = double>
 struct VirtualDynamics {
-  JointTorque<N, T> viscous;  ///< per joint [N m s/rad], >= 0
-  JointTorque<N, T> coulomb;  ///< per joint [N m], >= 0
-  JointTorque<N, T> inertia;  ///< per joint, like a rotor's inertia [kg m^2], >= 0
+  JointTorque<N, T> viscous;  ///< viscous friction per joint [N m s/rad], >= 0
+  JointTorque<N, T> coulomb;  ///< Coulomb friction per joint [N m], >= 0
+  JointTorque<N, T> inertia;  ///< inertia per joint, like a rotor's [kg m^2], >= 0
   T damping = T(0);           ///< [1/s], >= 0: free motion dies out as exp(-damping t) in every direction
 };
 

@@ -33,8 +33,8 @@ template <class S, std::size_t N, Real T>
   return p;
 }
 
-/// What a robot by torque adds to its model: the limits of its joints, and the inertia of its motors at the joints,
-/// which outweighs that of a wrist's links.
+/// The additions of a robot by torque to its model: the limits of its joints, and the inertia of its motors
+/// at the joints, which outweighs that of a wrist's links.
 template <std::size_t N, Real T = double>
 class RealMass {
  public:
@@ -57,9 +57,9 @@ class RealMass {
   const JointTorque<N, T>& motors_;
 };
 
-/// What a virtual robot's inertia has besides M(q) of its model: the virtual inertia of its joints, and the
-/// shape of its tool. With it `Quantities` gives laws the inertia of the robot that they move: projections
-/// into a null space, postures and dampers that used the bare M would disturb the task.
+/// The inertia of a virtual robot beside M(q) of its model: the virtual inertia of its joints, and the shape
+/// of its tool. With it `Quantities` gives laws the inertia of the robot that they move: projections into a
+/// null space, postures and dampers that used the bare M would disturb the task.
 ///
 /// @tparam S        the joints of the virtual robot; the others, by torque, have their model's inertia.
 /// @tparam Carries  whether laws may compute the virtual robot's bias beside their own recursion.

@@ -68,10 +68,10 @@ struct Row {
 /// The palm, in the frame of the hand, from the same description. It moves with the link that carries the
 /// hand (`Loaded`).
 ///
-/// The maker's descriptions (V4, V5 and V5 Sense alike) put its centre of mass at z = +0.0475, above the hand's
-/// frame and between the fingers: outside of the palm, whose own collision box reaches from z = -0.095 to 0. The number is
-/// half the height of that box; its sign is taken from the box. A payload with the maker's sign has its centre 41 mm
-/// further out: 0.39 N m at a wrist that holds the hand level.
+/// The maker's descriptions (V4, V5 and V5 Sense alike) put its centre of mass at z = +0.0475, above the
+/// hand's frame and between the fingers: outside of the palm, whose own collision box reaches from z = -0.095
+/// to 0. The number is half the height of that box; its sign is taken from the box. A payload with the
+/// maker's sign has its centre 41 mm further out: 0.39 N m at a wrist that holds the hand level.
 inline constexpr LinkInertia palm{0.4154, {0, 0, -0.0475}, 1e-4, 1e-4, 1e-4};
 
 /// The joints of finger `f` from the maker's description: allegro_right_hand.urdf and allegro_left_hand.urdf
@@ -154,7 +154,7 @@ template <Scalar T = double>
 template <std::size_t W, Real T = double>
 [[nodiscard]] auto fingers_of(Side side, std::size_t first = 0) {
   using L = std::conditional_t<W == 1, T, Lane<T, W>>;
-  std::array<CanonicalLinks<Chain<4>>, W> fingers;
+  std::array<TurnedLinks<Chain<4>>, W> fingers;
   for (std::size_t k = 0; k < W; ++k)
     fingers[k] = canonical_links<Chain<4>>(finger_links((first + k) % 4, side));
   typename CalibratedModel<Finger, L>::Links links;

@@ -24,7 +24,8 @@ struct UniversalRobot : Chain<6> {
   static constexpr double gravity[3] = {0, 0, -9.81};
   static constexpr std::array<LinkParameters<double>, 6> links =
       links_from_standard_dh<6>(Table::rows, Table::inertias);
-  static constexpr double flange[3] = {0, 0, Table::rows[5].d};  ///< in link 5's frame, axes alike [m]
+  /// Origin of the flange in link 5's frame, axes alike [m].
+  static constexpr double flange[3] = {0, 0, Table::rows[5].d};
 
   static constexpr std::array<double, 6> lower = {-6.283185307179586, -6.283185307179586, -3.141592653589793,
                                                   -6.283185307179586, -6.283185307179586, -6.283185307179586};
@@ -36,16 +37,6 @@ struct UniversalRobot : Chain<6> {
   static constexpr const std::array<DhRow, 6>& rows = Table::rows;
   static constexpr const std::array<LinkInertia, 6>& inertias = Table::inertias;
 };
-
-/// A Universal Robot with its own factory calibration, the `delta_*` of its calibration.conf. See
-/// `calibrated_dh`, which also gives the pose of its flange.
-template <class Description, Scalar T = double>
-[[nodiscard]] CalibratedModel<Description, T> calibrated_universal_robot(const DhDelta<6>& delta) {
-  const auto exact = calibrated_dh<6>(Description::rows, delta, Description::inertias).links;
-  typename CalibratedModel<Description, T>::Links links;
-  for (std::size_t i = 0; i < 6; ++i) links[i] = exact[i].template cast<T>();
-  return CalibratedModel<Description, T>(links);
-}
 
 namespace detail {
 inline constexpr double turn_per_second = 6.283185307179586;  // 360 degrees/s

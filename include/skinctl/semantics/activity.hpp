@@ -28,10 +28,10 @@ struct Facts {
 namespace fact {
 inline constexpr Facts none{};
 inline constexpr Facts seen{1u << 0};     ///< the place of the object is known
-inline constexpr Facts above{1u << 1};    ///< the hand stands above it
-inline constexpr Facts around{1u << 2};   ///< the open hand is around it
+inline constexpr Facts above{1u << 1};    ///< the hand stands above the object
+inline constexpr Facts around{1u << 2};   ///< the open hand is around the object
 inline constexpr Facts in_hand{1u << 3};  ///< the object is between the fingers
-inline constexpr Facts carried{1u << 4};  ///< and has been moved
+inline constexpr Facts carried{1u << 4};  ///< the object in hand has been moved
 inline constexpr Facts good{1u << 5};     ///< judged
 inline constexpr Facts bad{1u << 6};
 inline constexpr Facts there{1u << 7};   ///< the hand is where the object shall be put
@@ -42,12 +42,12 @@ template <unsigned K>
 inline constexpr Facts own{1u << (16 + K)};
 }  // namespace fact
 
-/// What is seen of the world at an instant, without asking a plan.
+/// The facts that are seen of the world at an instant, without asking a plan.
 struct Observed {
   Facts told{};  ///< the facts that the sensors tell, whether they hold or not
   Facts hold{};  ///< the told facts that hold
 };
-/// What features tell: `in_hand` and `carried`. Nothing where the signals do not suffice.
+/// The facts that features tell: `in_hand` and `carried`. Nothing where the signals do not suffice.
 [[nodiscard]] constexpr Observed observed(const Features& f) noexcept {
   if (!f.known) return {};
   const Facts held = f.in_hand ? fact::in_hand : fact::none, carried = f.carried ? fact::carried : fact::none;
@@ -58,21 +58,21 @@ struct Observed {
   return {seen.told | fact, holds ? seen.hold | fact : seen.hold - fact};
 }
 
-/// What an activity asks of the world and does to it.
+/// The conditions of an activity, and its effects on the facts.
 struct ActivityRule {
   const char* name = "";
-  Activity word = Activity::unknown;  ///< as it is recognised when somebody does it
-  Facts needs{};                      ///< hold when it begins; and until it ends, unless it removes them
-  Facts forbids{};                    ///< do not hold when it begins
-  Facts adds{};                       ///< hold when it is done
-  Facts removes{};                    ///< do not hold any more, done or not
-  Facts adds_if_no{};                 ///< hold instead of `adds` when it ends with the answer no
-  Nanoseconds timeout = 20s;          ///< then it has failed
-  std::uint8_t retries = 1;           ///< times that it begins anew before the plan goes back
+  Activity word = Activity::unknown;  ///< activity that a recogniser reports when somebody does it
+  Facts needs{};              ///< facts that hold when it begins, and until it ends, unless it removes them
+  Facts forbids{};            ///< facts that do not hold when it begins
+  Facts adds{};               ///< facts that hold when it is done
+  Facts removes{};            ///< facts that do not hold any more, done or not
+  Facts adds_if_no{};         ///< facts that hold instead of `adds` when it ends with the answer no
+  Nanoseconds timeout = 20s;  ///< time after which the activity has failed
+  std::uint8_t retries = 1;   ///< times that it begins anew before the plan goes back
 };
 
-/// The type of an activity: `struct Turn { static constexpr ActivityRule rule{...}; };`. It is a key of a robot's map
-/// to behaviours.
+/// The type of an activity: `struct Turn { static constexpr ActivityRule rule{...}; };`. It is a key of a
+/// robot's map to behaviours.
 template <class A>
 concept PlannedActivity = requires {
   { A::rule } -> std::same_as<const ActivityRule&>;
@@ -80,7 +80,7 @@ concept PlannedActivity = requires {
 
 /// The activities of section 6.
 namespace activity {
-struct Look {  ///< where is an object of this role; no: there is none
+struct Look {  ///< looks for an object of this role; no: there is none
   static constexpr ActivityRule rule{.name = "look", .adds = fact::seen, .timeout = 2s, .retries = 2};
 };
 struct ReachAbove {
@@ -109,7 +109,7 @@ struct Take {
                                      .removes = fact::seen | fact::around,
                                      .timeout = 4s};
 };
-struct Squeeze {  ///< is it good; no: it is bad
+struct Squeeze {  ///< squeezes the object to judge it; no: it is bad
   static constexpr ActivityRule rule{.name = "squeeze",
                                      .word = Activity::squeeze,
                                      .needs = fact::in_hand,
@@ -123,7 +123,7 @@ struct Put {  ///< carries the object to a place
   static constexpr ActivityRule rule{
       .name = "put", .word = Activity::put, .needs = fact::in_hand, .adds = fact::there, .timeout = 15s};
 };
-struct Find {  ///< where is the landmark of this place
+struct Find {  ///< looks for the landmark of this place
   static constexpr ActivityRule rule{.name = "find", .adds = fact::marked, .timeout = 2s, .retries = 2};
 };
 struct Carry {  ///< brings the object to where something is done with it
@@ -150,7 +150,7 @@ struct Release {
       .removes = fact::in_hand | fact::carried | fact::there | fact::good | fact::bad | fact::marked,
       .timeout = 4s};
 };
-struct Reverse {  ///< up, and open the hand: how a plan goes back
+struct Reverse {  ///< goes up and opens the hand: the way back of a plan
   static constexpr ActivityRule rule{.name = "reverse", .timeout = 10s, .retries = 0};
 };
 }  // namespace activity

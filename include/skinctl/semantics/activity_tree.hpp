@@ -9,9 +9,6 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The features as numbers: the six bits, and what is behind them.
 inline constexpr std::size_t feature_numbers = 12;
-inline constexpr std::array<const char*, feature_numbers> feature_names = {
-    "moving", "in_hand", "squeezed", "carried", "tool",    "left",
-    "speed",  "force",   "ratio",    "moved",   "elapsed", "near_distance"};
 [[nodiscard]] inline std::array<double, feature_numbers> numbers(const Features& f) noexcept {
   const auto bit = [](bool b) { return b ? 1.0 : 0.0; };
   return {bit(f.moving), bit(f.in_hand), bit(f.squeezed), bit(f.carried), bit(f.tool), bit(f.left),

@@ -8,12 +8,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A bit that rises when its signal has been at or above `on` for `on_after`, and falls when the signal has been
-/// below `off` for `off_after`.
+/// A bit that rises when its signal has been at or above `on` for `on_after`, and falls when the signal has
+/// been below `off` for `off_after`.
 ///
-/// The signal is taken as linear between its samples, so times do not depend on the rate: the instant at which
-/// it crosses a threshold is interpolated, and is the stamp of the event. A signal that returns through its
-/// threshold before the debounce time is over has not crossed it.
+/// The signal is taken as linear between its samples, so times do not depend on the rate: the instant at
+/// which it crosses a threshold is interpolated, and is the stamp of the event. A signal that returns through
+/// its threshold before the debounce time is over has not crossed it.
 ///
 /// The bit flips with the first sample at or after the end of the debounce time. Two flips fit between two
 /// samples: up and down again.
@@ -26,10 +26,10 @@ class Bit {
   };
   /// Trivially copyable; `Memory{}` is down and has seen no sample.
   struct Memory {
-    Nanoseconds time{};     ///< of the newest sample
-    Nanoseconds since{};    ///< when the signal crossed the threshold of the present value
-    Nanoseconds crossed{};  ///< while `pending`: when it crossed the other threshold
-    T value{};              ///< of the newest sample
+    Nanoseconds time{};     ///< time of the newest sample
+    Nanoseconds since{};    ///< time at which the signal crossed the threshold of the present value
+    Nanoseconds crossed{};  ///< while `pending`: time at which the signal crossed the other threshold
+    T value{};              ///< value of the newest sample
     bool on = false;
     bool pending = false;
     bool started = false;
@@ -47,8 +47,8 @@ class Bit {
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
   /// Takes a sample. The first one counts as if the signal had just reached it. A sample that is not finite
-  /// (`sample_not_finite`) or older than the last one (`time_backwards`) is ignored. Of two samples with one stamp
-  /// the second is a step of the signal.
+  /// (`sample_not_finite`) or older than the last one (`time_backwards`) is ignored. Of two samples with one
+  /// stamp the second is a step of the signal.
   Status step(Memory& m, Nanoseconds time, const T& x) const noexcept {
     if (!(x - x == T(0))) return Reason::sample_not_finite;
     if (m.started && time < m.time) return Reason::time_backwards;

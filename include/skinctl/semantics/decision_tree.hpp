@@ -14,7 +14,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `A` numbers, and the class that they shall give.
+/// `A` numbers, and the label of their class.
 template <std::size_t A>
 struct Example {
   std::array<double, A> x{};
@@ -23,19 +23,20 @@ struct Example {
 
 /// Numbers of the learning.
 struct TreeSettings {
-  double confidence = 0.25;  ///< of the pessimistic pruning; smaller: prunes more
+  double confidence = 0.25;  ///< confidence of the pessimistic pruning; smaller: prunes more
   std::size_t min_leaf = 0;  ///< examples on each side of a split; 0: max(5, n / 400)
   std::size_t deepest = 24;  ///< levels; `classify` visits no more
 };
 
 /// C4.5 (Quinlan 1993) for numbers: a node splits at the threshold with the largest ratio of gain to split
-/// information among those whose gain reaches the mean; the gain of a threshold pays `log2(distinct) / n` for its
-/// choice. A subtree whose pessimistic error (upper limit at `confidence`) is not below that of a leaf becomes one.
+/// information among those whose gain reaches the mean; the gain of a threshold pays `log2(distinct) / n` for
+/// its choice. A subtree whose pessimistic error (upper limit at `confidence`) is not below that of a leaf
+/// becomes one.
 ///
-/// Learning allocates, and throws `ConfigurationError` for examples that are none. Classifying does neither, and
-/// visits at most `deepest` nodes; a NaN goes where small numbers go.
+/// Learning allocates, and throws `ConfigurationError` for examples that are none. Classifying does neither,
+/// and visits at most `deepest` nodes; a NaN goes where small numbers go.
 ///
-/// @tparam A  how many numbers an example has.  @tparam Classes  how many labels there are, 0 to `Classes - 1`.
+/// @tparam A  how many numbers an example has. @tparam Classes how many labels there are, 0 to `Classes - 1`.
 template <std::size_t A, std::size_t Classes>
 class DecisionTree {
   static_assert(A > 0 && A < 255 && Classes > 1 && Classes <= 64);
@@ -46,7 +47,7 @@ class DecisionTree {
   struct Node {
     double threshold = 0;
     std::uint32_t above = 0;  ///< node where the number exceeds the threshold; the other one is the next node
-    float share = 1;          ///< of its examples with the node's label
+    float share = 1;          ///< share of the node's examples that have its label
     std::uint8_t attribute = 0;
     std::uint8_t label = 0;
   };

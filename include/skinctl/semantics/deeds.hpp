@@ -10,12 +10,12 @@ SKINCTL_BEGIN_NAMESPACE
 /// A demonstration as it was recorded.
 template <Frame W = World>
 struct Demonstration {
-  std::vector<ShownSample<W>> hand;  ///< in the order of time
-  std::vector<Detection<W>> seen;    ///< in the order of time; `object` is an index of `kinds`
+  std::vector<ShownSample<W>> hand;  ///< samples of the hand, in the order of time
+  std::vector<Detection<W>> seen;    ///< detections, in the order of time; `object` is an index of `kinds`
   std::vector<ObjectClass> kinds;    ///< class of each object, above 0
 };
 
-/// What changes facts.
+/// The actions of a hand that change facts.
 enum class Verb : std::uint8_t { take, squeeze, use, release };
 [[nodiscard]] constexpr const char* describe(Verb verb) noexcept {
   constexpr const char* texts[] = {"take", "squeeze", "use", "release"};
@@ -30,8 +30,8 @@ struct Deed {
   ObjectClass role = 0;             ///< class of the object in hand
   ObjectClass mark = 0;             ///< class of the landmark that it is done at; 0: the world
   Nanoseconds time{};               ///< begin
-  double sigma = 0;                 ///< deviation of the hand's position while it stood [m]
-  double felt = 0;                  ///< of a squeeze [N/m]; NaN: not known
+  double sigma = 0;                 ///< standard deviation of the hand's position while it stood [m]
+  double felt = 0;                  ///< stiffness that a squeeze felt [N/m]; NaN: not known
   std::vector<TaughtPlace> places;  ///< the hand in the world, then in each landmark's frame, nearest first
   [[nodiscard]] TaughtPlace at(ObjectClass wanted) const noexcept {
     for (const auto& p : places)
@@ -39,11 +39,11 @@ struct Deed {
     return places.front();
   }
 };
-/// From an empty hand to an empty hand.
+/// The deeds from an empty hand to an empty hand, in the order of time.
 template <Frame W = World>
 using Episode = std::vector<Deed<W>>;
 
-/// Why a demonstration is refused.
+/// The reason for which a demonstration is refused.
 enum class Refusal : std::uint8_t {
   none,
   not_a_recording,
@@ -59,7 +59,7 @@ enum class Refusal : std::uint8_t {
   too_long,
   not_proved
 };
-/// Why, and what to ask the person.
+/// The refusal in words, with the question to the person.
 [[nodiscard]] constexpr const char* describe(Refusal why) noexcept {
   constexpr const char* texts[] = {
       "not refused",
@@ -87,7 +87,7 @@ enum class Refusal : std::uint8_t {
 struct DeedSettings {
   std::uint64_t containers = ~std::uint64_t(0);  ///< bit k: things of class k < 64 are landmarks to put to
   double reach = 0.15;           ///< greatest distance from the hand of a thing that is taken [m]
-  double near_container = 0.15;  ///< a deed is relative to a container nearer than this [m]
+  double near_container = 0.15;  ///< a release is relative to a container nearer to the hand than this [m]
   double near_used = 0.25;       ///< a tool is used on a thing nearer than this [m]
   double ball = 0.25;            ///< radius of the ball of a use, as a share of how far it was carried
   double used = 3.5;             ///< way inside that ball, in its radii; passing through: 2
@@ -284,7 +284,7 @@ template <Frame W>
 }
 }  // namespace detail
 
-/// What was done in a demonstration. Throws `ConfigurationError` for settings out of range.
+/// The deeds of a demonstration. Throws `ConfigurationError` for settings out of range.
 ///
 /// - Each contact is an episode: take, squeezes and a use in the order of time, release.
 /// - The pose of a deed is the middle of the stand in which it was done, in the world and in the frame of every thing

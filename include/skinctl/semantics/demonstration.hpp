@@ -18,22 +18,22 @@ template <Frame W = World>
 struct LedSample {
   Nanoseconds time{};
   Transform<W, Tool> X_WH{};
-  double touch = 0;                   ///< all that touches the robot, as a sum of forces [N]
-  double force = 0;                   ///< of the fingers [N]
+  double touch = 0;                   ///< sum of the magnitudes of all forces that touch the robot [N]
+  double force = 0;                   ///< force of the fingers [N]
   bool closed = false;                ///< the switch by which the person closes and opens the hand
   Activity said = Activity::unknown;  ///< a recogniser's word, for force goals; `unknown`: none
-  double pressed = 0;  ///< of the hand, or what it holds, on something else, as a wrist sensor feels it [N]
+  double pressed = 0;  ///< force of the hand, or of the object in it, on a body, by a wrist sensor [N]
 };
 
-/// What was taught: a step for a plan.
+/// A taught step for a plan.
 template <Frame W = World>
 struct Taught {
   Activity activity = Activity::unknown;  ///< reach or put: a goal; take, release, squeeze: done there
   std::uint8_t object = no_object;        ///< the goal is relative to this object; `no_object`: to the world
   ObjectClass role = 0;                   ///< class of that object
   Transform<W, Tool> X_WH{};              ///< pose of the hand
-  Transform<ObjectFrame, Tool> X_OH{};    ///< in the object's frame, if it is relative to one
-  double force = 0;                       ///< to squeeze with [N]
+  Transform<ObjectFrame, Tool> X_OH{};    ///< pose of the hand in the frame of `object`, if there is one
+  double force = 0;                       ///< force of a squeeze [N]
   bool until_touched = false;  ///< the goal ends where something is touched, wherever that is then, ...
   Xyz<double> way{0, 0, 0};    ///< ... after a motion in this direction, of length 1, ...
   double pressed = 0;          ///< ... and was pressed on with this [N]
@@ -45,27 +45,28 @@ struct DemonstrationSettings {
   double still = 0.02;           ///< slower than this is at rest [m/s]
   double untouched = 0.5;        ///< touched with less than this is left alone [N]
   Nanoseconds min_rest = 200ms;  ///< shortest time at rest and left alone
-  Nanoseconds led = 300ms;    ///< after it was touched for this long in one go, since the last goal or switch
-  double apart = 0.05;        ///< from the last goal [m]
-  double near_object = 0.08;  ///< a goal nearer than this to an object is relative to it [m], ...
-  double at_rest = 0.01;      ///< ... unless it moved by more than this while the robot was left alone [m]
-  Bit<>::Settings touches{2, 1, 24ms, 24ms};  ///< of `pressed`: something is touched [N]
-  double came = 0.03;                         ///< the way to it is that of its last so many metres [m]
+  Nanoseconds led = 300ms;       ///< shortest touch in one go before a goal, since the last goal or switch
+  double apart = 0.05;           ///< smallest distance of a goal from the last one [m]
+  double near_object = 0.08;     ///< a goal nearer than this to an object is relative to it [m], ...
+  double at_rest = 0.01;         ///< ... unless it moved by more than this while the robot was left alone [m]
+  Bit<>::Settings touches{2, 1, 24ms, 24ms};  ///< thresholds of `pressed` for a touch [N]
+  double came = 0.03;  ///< length of the last part of the way to a touch, which gives its direction [m]
   SpeedEstimate<>::Settings speed{};
 };
 
 /// Reads a demonstration, cycle by cycle, into goals.
 ///
-/// - A goal is where the robot was led and then left alone: touched for `led` in one go (a push on a switch is shorter,
-///   and the arm may glide on from it), then at rest and untouched for `least`, at least `apart` from the last one.
-///   Its pose is the median of the positions, and the mean of the rotations, of the stretch, which ends when the robot
-///   is touched, moves, is switched or squeezes: the push on the switch moves the arm. A hand that waits on the robot makes no
-///   goal.
-/// - With the hand open it is one to reach, else one to put to. A switch after it is what was done there: take or
-///   release.
-/// - A goal near an object that rests, other than the one in hand when the robot was left, is relative to it: it moves with it.
-/// - A goal where the robot was led onto something, which it pressed on until it was left alone, ends with that touch: its
-///   height, say, is whatever it is the next time.
+/// - A goal is where the robot was led and then left alone: touched for `led` in one go (a push on a switch
+///   is shorter, and the arm may glide on from it), then at rest and untouched for `least`, at least `apart`
+///   from the last one. Its pose is the median of the positions, and the mean of the rotations, of the
+///   stretch, which ends when the robot is touched, moves, is switched or squeezes: the push on the switch
+///   moves the arm. A hand that waits on the robot makes no goal.
+/// - With the hand open it is one to reach, else one to put to. A switch after it is what was done there:
+///   take or release.
+/// - A goal near an object that rests, other than the one in hand when the robot was left, is relative to it:
+///   it moves with it.
+/// - A goal where the robot was led onto something, which it pressed on until it was left alone, ends with
+///   that touch: its height, say, is whatever it is the next time.
 /// - A stretch of the word squeeze gives its median force.
 ///
 /// It keeps the samples of a stretch: it allocates, and belongs beside the loop.
@@ -87,8 +88,8 @@ class DemonstrationReader {
     require(s.at_rest >= 0 && s.at_rest <= 10, "Demonstration: at_rest", s.at_rest, "0 to 10 m");
   }
 
-  /// Takes a sample, with the objects as they are known then (a range of `Object<W>`) and the number of the one in
-  /// hand. A sample that is not finite or not later than the last one is ignored.
+  /// Takes a sample, with the objects as they are known then (a range of `Object<W>`) and the number of the
+  /// one in hand. A sample that is not finite or not later than the last one is ignored.
   template <class Objects>
   void take(const LedSample<W>& x, const Objects& objects, std::uint8_t held = no_object) {
     if (speed_.step(m_, x.time, x.X_WH.origin()).any() || (started_ && x.time <= last_)) return;
@@ -234,7 +235,8 @@ class DemonstrationReader {
   bool led_ = false, any_ = false, closed_ = false, started_ = false;
 };
 
-/// What a recording teaches, among objects that stay where they are: a range of `LedSample<W>`, one of `Object<W>`.
+/// The steps that a recording teaches, among objects that stay where they are: a range of `LedSample<W>`, one
+/// of `Object<W>`.
 template <Frame W = World, class Samples, class Objects>
 [[nodiscard]] std::vector<Taught<W>> segment(const Samples& recording, const Objects& objects,
                                              const DemonstrationSettings& settings = {}) {

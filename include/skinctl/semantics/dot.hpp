@@ -11,8 +11,8 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The words of an application for the numbers in a task.
 struct TaskWords {
-  std::span<const char* const> roles{};   ///< of object classes
-  std::span<const char* const> places{};  ///< of places
+  std::span<const char* const> roles{};   ///< names of object classes
+  std::span<const char* const> places{};  ///< names of places
 };
 
 namespace detail {

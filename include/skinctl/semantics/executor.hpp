@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Why a step has failed.
+/// The reason for which a step has failed.
 enum class StepFailure : std::uint8_t {
   none,
   skill,         ///< the skill reported a failure, see `SkillReport::failure`
@@ -31,7 +31,7 @@ enum class StepFailure : std::uint8_t {
   return i < std::size(texts) ? texts[i] : "";
 }
 
-/// What an executor wants of a robot.
+/// A request of an executor to a robot.
 struct StepRequest {
   enum class Kind : std::uint8_t {
     wait,     ///< nothing, until the place is granted
@@ -49,12 +49,12 @@ struct StepRequest {
   const ActivityRule* does = nullptr;  ///< the activity; `activity::Reverse` on the way back
 };
 
-/// What an executor is told in a cycle.
+/// The input of an executor in a cycle.
 struct StepInput {
   Nanoseconds now{};
   Observed seen{};
   SkillReport skill{};
-  bool answer = true;   ///< of a finished skill that decides something: yes or no
+  bool answer = true;   ///< answer of a finished skill that decides something: yes or no
   bool granted = true;  ///< the place of the step is free for this robot
   bool resume = false;  ///< a person has looked: begin anew with the step that follows the failure
 };
@@ -64,28 +64,29 @@ struct ExecutorSettings {
   Nanoseconds lost = 50ms;  ///< a needed fact that is not seen to hold for this long is lost
   Nanoseconds confirm =
       300ms;  ///< longest time after the end of a skill until its added and removed facts are seen
-  Nanoseconds place = 30s;    ///< longest wait for a place
-  std::uint8_t reverses = 3;  ///< a task goes back this often; then it asks
+  Nanoseconds max_place_wait = 30s;  ///< longest wait for a place
+  std::uint8_t reverses = 3;         ///< a task goes back this often; then it asks
 };
 
-/// Executes a task. Immutable; `step` is a pure function from a memory of 24 bytes to a request and the next memory.
+/// Executes a task. Immutable; `step` is a pure function from a memory of 24 bytes to a request and the next
+/// memory.
 ///
-/// A step begins when the facts that it needs are proved (by the task) and, where sensors tell them, seen. They are
-/// watched while it runs: one that is gone for `lost` is a failure, whatever the skill reports. When the skill has
-/// ended, what the step adds and removes is confirmed by what is seen.
+/// A step begins when the facts that it needs are proved (by the task) and, where sensors tell them, seen.
+/// They are watched while it runs: one that is gone for `lost` is a failure, whatever the skill reports. When
+/// the skill has ended, what the step adds and removes is confirmed by what is seen.
 ///
-/// A step that fails begins anew `retries` times if its needs are still seen; then the robot goes back (the activity
-/// `Reverse`), and the task goes on with the step's `failed`. A task that has gone back `reverses` times, or that
-/// fails to go back, asks, and so does one whose `failed` says so.
+/// A step that fails begins anew `retries` times if its needs are still seen; then the robot goes back (the
+/// activity `Reverse`), and the task goes on with the step's `failed`. A task that has gone back `reverses`
+/// times, or that fails to go back, asks, and so does one whose `failed` says so.
 template <std::size_t N>
 class Executor {
  public:
   enum class Phase : std::uint8_t { begin, run, confirm, begin_reverse, reverse, ask, finished };
   struct Memory {
     Nanoseconds since{};       ///< start of the phase
-    Facts facts{};             ///< that hold by what has been done
-    std::uint32_t unseen = 0;  ///< how long a needed fact has not been seen [us]
-    std::uint16_t ticket = 0;  ///< of the last request
+    Facts facts{};             ///< facts that hold by what has been done
+    std::uint32_t unseen = 0;  ///< time for which a needed fact has not been seen [us]
+    std::uint16_t ticket = 0;  ///< number of the last request
     std::uint8_t step = 0;
     Phase phase : 4 = Phase::begin;
     StepFailure why : 4 = StepFailure::none;
@@ -106,7 +107,8 @@ class Executor {
     require(s.lost >= 0ns && s.lost <= 10s, "Executor: lost", milliseconds(s.lost), "0 to 1e4 ms");
     require(s.confirm >= 0ns && s.confirm <= 10s, "Executor: confirm", milliseconds(s.confirm),
             "0 to 1e4 ms");
-    require(s.place >= 0ns && s.place <= 1000s, "Executor: place", milliseconds(s.place), "0 to 1e6 ms");
+    require(s.max_place_wait >= 0ns && s.max_place_wait <= 1000s, "Executor: max_place_wait",
+            milliseconds(s.max_place_wait), "0 to 1e6 ms");
   }
   [[nodiscard]] const TaughtTask<N>& task() const noexcept { return task_; }
   /// The memory with which it begins, at the instant `now`. Tickets count on from `ticket`.
@@ -118,12 +120,12 @@ class Executor {
     return m;
   }
 
-  /// The same memory, its ways back counted from none: for a failure that the world has explained.
+  /// `m` with no ways back counted: for a failure that the world has explained.
   [[nodiscard]] static Memory forgiven(Memory m) noexcept {
     m.reverses = 0;
     return m;
   }
-  /// The same memory, calling a person from `now` on; the answer leads on as from a failure of its step.
+  /// `m` calling a person from `now` on; the answer leads on as from a failure of its step.
   [[nodiscard]] static Memory asking(Memory m, Nanoseconds now) noexcept {
     to(m, now, Phase::ask);
     return m;
@@ -190,7 +192,8 @@ class Executor {
   }
   /// Counts how long something has not been seen, in a phase that began at `since`.
   static bool unseen_for(Memory& m, const StepInput& in, bool seen, Nanoseconds limit) noexcept {
-    // The instant when it was last seen, relative to the start of the phase: 32 bits of microseconds last an hour.
+    // The instant when it was last seen, relative to the start of the phase: 32 bits of microseconds last an
+    // hour.
     const auto us = static_cast<std::uint64_t>((in.now - m.since).count()) / 1000;
     const auto now = static_cast<std::uint32_t>(us < 0xffffffffu ? us : 0xffffffffu);
     if (seen) m.unseen = now;
@@ -218,7 +221,7 @@ class Executor {
       return;
     }
     if (task_.steps[m.step].place != no_place && !in.granted) {
-      if (in.now - m.since >= s_.place) fail(m, in, StepFailure::place, false);
+      if (in.now - m.since >= s_.max_place_wait) fail(m, in, StepFailure::place, false);
       return;
     }
     number(m);

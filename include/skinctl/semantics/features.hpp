@@ -14,12 +14,12 @@ template <Frame W = World>
 struct HandSample {
   Nanoseconds time{};
   Transform<W, Tool> X_WH{};
-  double sigma =
-      0.0002;        ///< deviation of the position along each axis, independent from sample to sample [m]
-  double force = 0;  ///< of the fingers on what is between them [N]; NaN: nothing measures it
+  /// Standard deviation of the position along each axis, independent from sample to sample [m].
+  double sigma = 0.0002;
+  double force = 0;  ///< force of the fingers on the object [N]; NaN: nothing measures it
 };
 
-/// What holds at an instant. Sections 2.2 and 5 of the paper.
+/// The features at an instant. Sections 2.2 and 5 of the paper.
 struct Features {
   Nanoseconds time{};
   Nanoseconds event{};  ///< stamp of the newest change of a bit: when it happened, not when it was decided
@@ -37,33 +37,33 @@ struct Features {
   ObjectClass held_kind = 0, near_kind = 0;
 
   // The numbers behind the bits.
-  double speed = 0;          ///< [m/s]
+  double speed = 0;          ///< speed of the hand [m/s]
   double force = 0;          ///< filtered [N]
   double ratio = 0;          ///< force over holding force, while something is in hand
   double moved = 0;          ///< distance from where contact began, or ended [m]
-  double near_distance = 0;  ///< to `near`, from the hand [m]; 10 where there is none
-  double elapsed = 0;        ///< since contact began, or ended [s]; at most 10
-  double stood = 0;          ///< since the hand stopped; 0 while it moves [s]; at most 10
+  double near_distance = 0;  ///< distance of the hand from `near` [m]; 10 where there is none
+  double elapsed = 0;        ///< time since contact began, or ended [s]; at most 10
+  double stood = 0;          ///< time since the hand stopped [s]; 0 while it moves; at most 10
   double way = 0;            ///< distance from where the hand was slow last [m]
 };
 
 /// Numbers of the features.
 struct FeatureSettings {
   SpeedEstimate<>::Settings speed{};
-  Bit<>::Settings moving{0.035, 0.025, 10ms, 20ms};  ///< of the hand's speed [m/s]
+  Bit<>::Settings moving{0.035, 0.025, 10ms, 20ms};  ///< thresholds of the hand's speed [m/s]
   Nanoseconds force_filter = 4ms;                    ///< time constant of the force's low pass
-  Bit<>::Settings in_hand{0.5, 0.25, 8ms, 8ms};      ///< of the filtered force [N]
-  Bit<>::Settings squeezed{1.45, 1.33, 8ms, 8ms};    ///< of force over holding force
+  Bit<>::Settings in_hand{0.5, 0.25, 8ms, 8ms};      ///< thresholds of the filtered force [N]
+  Bit<>::Settings squeezed{1.45, 1.33, 8ms, 8ms};    ///< thresholds of force over holding force
   double carried = 0.015;                            ///< moved further than this since contact [m]
   double grasp_reach = 0.15;                         ///< an object in hand was at most this far from it [m]
   std::uint64_t tools = 0;                           ///< bit k: objects of class k < 64 are tools
   double tool_near = 0.15, tool_far = 0.16;          ///< another object is near a tool; is no longer [m]
-  double left_stopped = 0.02;                        ///< stopped, this far from what was released [m]
-  double left_heading = 0.06;                        ///< this far away, and on the way to another object [m]
-  double heading = 0.95;                             ///< on the way: cosine between velocity and direction
-  Nanoseconds left_after = 1500ms;                   ///< this long after a release, in any case
-  double slow = 0.04;                                ///< a way begins where the hand was not faster [m/s]
-  Nanoseconds longest = 100ms;                       ///< a hand that was not seen for longer is unknown
+  double left_stopped = 0.02;  ///< a hand that stopped this far from what it released has left it [m]
+  double left_heading = 0.06;  ///< a hand this far away, heading for another object, has left it [m]
+  double heading = 0.95;  ///< cosine between velocity and direction from which a hand heads for an object
+  Nanoseconds left_after = 1500ms;  ///< time after a release at which a hand has left it in any case
+  double slow = 0.04;               ///< a way begins where the hand was not faster [m/s]
+  Nanoseconds longest = 100ms;      ///< a hand that was not seen for longer is unknown
 };
 
 /// Features from samples of a hand and a world of objects.
@@ -77,9 +77,9 @@ struct FeatureSettings {
 /// | tool | what is held is a tool, and another object is nearer than 0.15 m |
 /// | left | after a release: stopped after 20 mm; or 60 mm away and heading for another object; or after 1.5 s |
 ///
-/// The object in hand is the nearest one when contact began. Whether the signals suffice: three deviations of the
-/// speed, as follow from those of the positions and their rate, are below the threshold at which a hand stands. A
-/// hand that only a camera sees is unknown, and so is one whose fingers do not feel.
+/// The object in hand is the nearest one when contact began. Whether the signals suffice: three deviations of
+/// the speed, as follow from those of the positions and their rate, are below the threshold at which a hand
+/// stands. A hand that only a camera sees is unknown, and so is one whose fingers do not feel.
 template <Frame W = World>
 class FeatureExtractor {
  public:
@@ -88,15 +88,15 @@ class FeatureExtractor {
     LowPass<double>::Memory force{};
     Bit<>::Memory moving{}, in_hand{}, squeezed{}, tool{};
     Features last{};
-    Xyz<double> begun{0, 0, 0};        ///< hand where contact began or ended
-    Xyz<double> p{0, 0, 0};            ///< hand
-    Xyz<double> touched{0, 0, 0};      ///< hand when the fingers began to press
-    Nanoseconds changed{};             ///< when contact began or ended
-    double period = 0;                 ///< of the samples, filtered [s]
-    double holding = 0;                ///< force [N]
+    Xyz<double> begun{0, 0, 0};        ///< place of the hand where contact began or ended [m]
+    Xyz<double> p{0, 0, 0};            ///< place of the hand [m]
+    Xyz<double> touched{0, 0, 0};      ///< place of the hand when the fingers began to press [m]
+    Nanoseconds changed{};             ///< time at which contact began or ended
+    double period = 0;                 ///< filtered period of the samples [s]
+    double holding = 0;                ///< largest force until the object was carried [N]
     std::uint8_t nearest = no_object;  ///< object when the fingers began to press
     std::uint8_t released = no_object;
-    Xyz<double> slow{0, 0, 0};  ///< hand where it was slow last
+    Xyz<double> slow{0, 0, 0};  ///< place of the hand where it was slow last [m]
     bool went = false;          ///< the hand moved since contact, squeezing or leaving last changed
     bool started = false;
   };
@@ -130,14 +130,14 @@ class FeatureExtractor {
   }
   [[nodiscard]] const FeatureSettings& settings() const noexcept { return s_; }
 
-  /// Whether positions of deviation `sigma` [m], one every `period`, suffice to tell a hand at rest from one that
-  /// moves.
+  /// Whether positions of deviation `sigma` [m], one every `period`, suffice to tell a hand at rest from one
+  /// that moves.
   [[nodiscard]] bool suffices(double sigma, Nanoseconds period) const noexcept {
     return 3 * speed_.noise(sigma, period) <= s_.moving.off;
   }
 
-  /// Takes a sample of the hand; the world's held object follows it. A sample that is not finite or older than the
-  /// last one changes nothing but `known`, which is false then.
+  /// Takes a sample of the hand; the world's held object follows it. A sample that is not finite or older
+  /// than the last one changes nothing but `known`, which is false then.
   template <std::size_t Capacity>
   Features step(Memory& m, const ObjectWorld<Capacity, W>& world,
                 typename ObjectWorld<Capacity, W>::Memory& objects,

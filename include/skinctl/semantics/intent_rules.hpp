@@ -11,8 +11,8 @@ struct IntentSettings {
   double pause_holding = 0.2;  ///< a hand that holds something and stands for less is on its way still [s]
   double pause_empty = 0.4;    ///< longest pause of an empty hand [s]
   double about = 0.1;          ///< a tool at work stays so near to where it was slow last [m]
-  double near = 0.25;          ///< and another object is nearer than this [m]
-  double brought = 0.2;        ///< and it is further than this from where it was taken [m]
+  double near = 0.25;          ///< another object is nearer to a tool at work than this [m]
+  double brought = 0.2;        ///< a tool at work is further than this from where it was taken [m]
 };
 
 /// What a person means by what the hand does: `Rules` say what it does now.
@@ -22,8 +22,8 @@ struct IntentSettings {
 /// | a hand that stops on its way | idle, hold | reach, put, until it has stood for a pause |
 /// | a tool that moves near another object | use | use while it stays about a place; put where it comes or goes |
 ///
-/// A pause is one only in a motion that began after contact, squeezing or leaving last changed. Whoever says by a
-/// definition what holds (`moving`: faster than 0.03 m/s) takes `Rules`.
+/// A pause is one only in a motion that began after contact, squeezing or leaving last changed. Whoever says
+/// by a definition what holds (`moving`: faster than 0.03 m/s) takes `Rules`.
 class IntentRules {
  public:
   IntentRules() noexcept = default;

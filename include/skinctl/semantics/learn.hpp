@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// Numbers of learning.
 struct LearnSettings {
   DeedSettings deeds{};
-  double min_gap = 1.25;     ///< between what was felt on both sides of a border, as a ratio
+  double min_gap = 1.25;     ///< smallest ratio of the stiffnesses that were felt on both sides of a border
   double same_place = 0.15;  ///< places in the world that are nearer than this are one [m]
   double closer = 3;         ///< another frame is taken if places lie closer in it by this factor, ...
   double unclear = 1.5;      ///< ... and the person is asked if by this one
@@ -35,7 +35,7 @@ struct Learnt {
   TaughtTask<C> task{};
   Refusal why = Refusal::none;
   Nanoseconds at{};               ///< instant of what is refused, in its demonstration
-  std::size_t demonstration = 0;  ///< number of that demonstration
+  std::size_t demonstration = 0;  ///< number of the demonstration that is refused
 };
 
 namespace detail {
@@ -213,8 +213,8 @@ class Learner {
     t.places[t.place_count] = at;
     return t.place_count++;
   }
-  /// The middle of where these were done. In the frame of the first one's landmark; from several demonstrations in
-  /// the one in which the places lie much closer.
+  /// The middle of where these were done. In the frame of the first one's landmark; from several
+  /// demonstrations in the one in which the places lie much closer.
   [[nodiscard]] TaughtPlace frame(const Way<W>& way, std::size_t k) {
     const Deed<W>& first = way.front()[k];
     const auto all = [&](ObjectClass mark) {
@@ -254,15 +254,16 @@ class Learner {
 };
 }  // namespace detail
 
-/// The task that demonstrations show, of at most `C` steps, proved by `check`; or why there is none, and what to ask.
-/// Throws `ConfigurationError` for settings out of range.
+/// The task that demonstrations show, of at most `C` steps, proved by `check`; or why there is none, and what
+/// to ask. Throws `ConfigurationError` for settings out of range.
 ///
-/// - Episodes of one kind of thing are one loop, "until none is left", if there are more of them than demonstrations.
-///   Kinds follow each other as they were shown.
-/// - Where episodes of a kind part, the last squeeze that separates them is the branch: its border is the geometric
-///   middle between the softest of one way and the hardest of the other.
+/// - Episodes of one kind of thing are one loop, "until none is left", if there are more of them than
+///   demonstrations. Kinds follow each other as they were shown.
+/// - Where episodes of a kind part, the last squeeze that separates them is the branch: its border is the
+///   geometric middle between the softest of one way and the hardest of the other.
 /// - With more than two demonstrations a sequence that occurs once is a slip.
-/// - Motions are not taught: a deed needs that something is seen, the hand above it, around it, the landmark found.
+/// - Motions are not taught: a deed needs that something is seen, the hand above it, around it, the landmark
+///   found.
 template <std::size_t C = 32, Frame W = World>
 [[nodiscard]] Learnt<C> learn(const std::vector<Demonstration<W>>& shown,
                               const LearnSettings& settings = {}) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the fingers of a hand were led: how they stood before they were closed, around an object, and after it was let go.
+// How the fingers of a hand were led: how they stood before they were closed, around an object, and after it
+// was let go.
 #pragma once
 
 #include <algorithm>
@@ -20,22 +21,22 @@ template <std::size_t N, std::size_t F>
 struct LedFingersSample {
   Nanoseconds time{};
   JointPosition<N> q;             ///< [rad]
-  std::array<double, F> touch{};  ///< of each fingertip on what is between them [N]
+  std::array<double, F> touch{};  ///< force of each fingertip on the object [N]
 };
 
-/// What the fingers were led to do.
+/// A step that the fingers were led through.
 template <std::size_t N, std::size_t F>
 struct TaughtFingers {
   Activity activity = Activity::unknown;  ///< take or release
-  Nanoseconds time{};                     ///< when they closed on it, or let it go
-  JointPosition<N> before;                ///< how they stood before that [rad]
-  JointPosition<N> q;                     ///< how they stood then [rad]
-  std::array<double, F> force{};          ///< of each fingertip, as they stood then [N]
+  Nanoseconds time{};                     ///< time at which the fingers closed, or opened
+  JointPosition<N> before;                ///< posture before `time` [rad]
+  JointPosition<N> q;                     ///< posture after `time` [rad]
+  std::array<double, F> force{};          ///< force of each fingertip in the posture `q` [N]
 };
 
 /// Numbers of a `LedFingersReader`.
 struct LedFingersSettings {
-  /// Of the force of the fingertip that presses second most [N]: above it, the hand holds something.
+  /// Thresholds of the second largest force of a fingertip [N]: above them the hand holds something.
   Bit<>::Settings holds{0.5, 0.25, 16ms, 32ms};
   double within = 0.02;          ///< fingers stand while no joint moves by more than this [rad], ...
   Nanoseconds min_rest = 200ms;  ///< ... for at least this long
@@ -43,14 +44,14 @@ struct LedFingersSettings {
 
 /// Reads how fingers are led, cycle by cycle.
 ///
-/// - The hand is closed while two fingertips press on what is between them: one that a person pushes against an object
-///   that lies there holds nothing. That bit is the switch of the arm's `DemonstrationReader`, so nobody has to reach for
-///   a button, and the two readers agree on when something was taken.
-/// - The fingers stand while no joint leaves `within` for `least`. Their posture is the median of that stretch, joint by
-///   joint.
-/// - Taking is taught by the first stand of the closed hand, with the median force of each fingertip; letting go by the
-///   first stand of the open hand. A hand that did not stand before it closed or opened, or does not stand afterwards,
-///   teaches nothing.
+/// - The hand is closed while two fingertips press on what is between them: one that a person pushes against
+///   an object that lies there holds nothing. That bit is the switch of the arm's `DemonstrationReader`, so
+///   nobody has to reach for a button, and the two readers agree on when something was taken.
+/// - The fingers stand while no joint leaves `within` for `least`. Their posture is the median of that
+///   stretch, joint by joint.
+/// - Taking is taught by the first stand of the closed hand, with the median force of each fingertip; letting
+///   go by the first stand of the open hand. A hand that did not stand before it closed or opened, or does
+///   not stand afterwards, teaches nothing.
 ///
 /// It keeps the samples of a stretch: it allocates, and belongs beside the loop.
 template <std::size_t N, std::size_t F>

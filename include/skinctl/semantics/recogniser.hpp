@@ -9,22 +9,23 @@ SKINCTL_BEGIN_NAMESPACE
 /// An activity as recognised.
 struct Recognised {
   Activity activity = Activity::unknown;
-  Nanoseconds
-      since{};        ///< when it began: the stamp of the change of a bit that decided, else of the decision
+  /// Beginning of the activity: the stamp of the change of a bit that decided, else of the decision.
+  Nanoseconds since{};
   bool sure = false;  ///< the activity has stood for `settle` since it was first said
   friend bool operator==(const Recognised&, const Recognised&) noexcept = default;
 };
 
-/// Says what a hand does: the word of a classifier of features, `Rules` or a `DecisionTree`, with its beginning.
+/// Says what a hand does: the word of a classifier of features, `Rules` or a `DecisionTree`, with its
+/// beginning.
 ///
-/// A word is said at once. `sure` follows after `settle`: a motion is known 40 to 60 ms after it began, and until
-/// then the word before it stands.
+/// A word is said at once. `sure` follows after `settle`: a motion is known 40 to 60 ms after it began, and
+/// until then the word before it stands.
 template <class Classifier = Rules>
 class Recogniser {
  public:
   struct Memory {
     Recognised said{};
-    Nanoseconds decided{};  ///< when the word was first said
+    Nanoseconds decided{};  ///< time at which the word was first said
     Nanoseconds event{};    ///< newest change of a bit
     bool started = false;
   };

@@ -12,23 +12,24 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a robot says about the shared places in a cycle.
+/// A robot's request for shared places in a cycle.
 struct PlaceRequest {
-  std::uint8_t wants = 255;  ///< the place that it needs next; 255: none
-  std::uint32_t leaves = 0;  ///< bit k: it does not need place k any more, and is away from it
+  std::uint8_t wants = 255;  ///< place that the robot needs next; 255: none
+  std::uint32_t leaves = 0;  ///< bit k: the robot does not need place k any more, and is away from it
   bool failed = false;  ///< the step failed, or asks: the robot leaves all that it is away from, see `away`
   std::uint32_t away = ~std::uint32_t(0);  ///< bit k: it is further than `Resources::clear` from place k
 };
 
 /// Shared places: `Places` of them, for `Robots` robots.
 ///
-/// - A place has one holder. It is granted to the one that has waited longest (robots that ask in the same cycle: the
-///   lower number), and stays granted until the holder leaves it and is away from it.
-/// - One order: a robot that holds a place may ask for places with higher numbers only; other requests are `refused`.
-///   So no circle of robots can wait for each other.
-/// - A robot that fails releases what it is away from; where it stands it keeps, so that nobody drives into it.
-/// - A place that has been held for longer than `timeout` is `overdue`: its holder's executor is to fail. It is not
-///   taken away.
+/// - A place has one holder. It is granted to the one that has waited longest (robots that ask in the same
+///   cycle: the lower number), and stays granted until the holder leaves it and is away from it.
+/// - One order: a robot that holds a place may ask for places with higher numbers only; other requests are
+///   `refused`. So no circle of robots can wait for each other.
+/// - A robot that fails releases what it is away from; where it stands it keeps, so that nobody drives into
+///   it.
+/// - A place that has been held for longer than `timeout` is `overdue`: its holder's executor is to fail. It
+///   is not taken away.
 template <std::size_t Places, std::size_t Robots>
 class Resources {
   static_assert(Places > 0 && Places <= 32 && Robots > 0 && Robots < 255);
@@ -36,14 +37,14 @@ class Resources {
  public:
   static constexpr std::uint8_t nobody = 255;
   struct Memory {
-    std::array<std::uint8_t, Places> holder{};  ///< `nobody`: free
-    std::array<Nanoseconds, Places> since{};    ///< of the grant
-    std::array<std::uint8_t, Robots> wants{};   ///< 255: nothing
+    std::array<std::uint8_t, Places> holder{};  ///< robot that holds each place; `nobody`: free
+    std::array<Nanoseconds, Places> since{};    ///< time at which each place was granted
+    std::array<std::uint8_t, Robots> wants{};   ///< place that each robot asks for; 255: none
     std::array<Nanoseconds, Robots> waits_since{};
   };
   struct Grant {
     bool granted = false;     ///< the robot holds the places that it wants
-    bool refused = false;     ///< against the order, or no such place
+    bool refused = false;     ///< the request is against the order, or there is no such place
     bool overdue = false;     ///< the robot holds a place for too long
     std::uint32_t holds = 0;  ///< bit k: it holds place k
   };

@@ -6,7 +6,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a hand does, in the words of the rules.
+/// The activity of a hand by the rules.
 enum class Activity : std::uint8_t { unknown, idle, reach, take, hold, put, squeeze, use, release };
 inline constexpr std::size_t activities = 9;
 
@@ -16,10 +16,11 @@ inline constexpr std::size_t activities = 9;
   return static_cast<std::size_t>(a) < activities ? words[static_cast<std::size_t>(a)] : words[0];
 }
 
-/// The rules, the first that applies; in hand: squeezed: squeeze; a tool that moves near another object: use; moving:
-/// put; carried: hold; else take. Not in hand: not left yet: release; moving: reach; else idle.
+/// The rules, the first that applies; in hand: squeezed: squeeze; a tool that moves near another object: use;
+/// moving: put; carried: hold; else take. Not in hand: not left yet: release; moving: reach; else idle.
 ///
-/// `carried` and `left` are the memory of the rules: without them take and hold, idle and release look the same.
+/// `carried` and `left` are the memory of the rules: without them take and hold, idle and release look the
+/// same.
 struct Rules {
   [[nodiscard]] constexpr Activity operator()(const Features& f) const noexcept {
     if (!f.known) return Activity::unknown;

@@ -16,12 +16,12 @@ template <Frame W = World>
 struct ShownSample {
   Nanoseconds time{};
   Transform<W, Tool> X_WH{};
-  double force = 0;  ///< of the fingers on what is between them [N]
-  double opening =
-      std::numeric_limits<double>::quiet_NaN();  ///< of the fingers [m]; NaN: nothing measures it
+  double force = 0;  ///< force of the fingers on the object [N]
+  /// Opening of the fingers [m]; NaN: nothing measures it.
+  double opening = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What is in hand is pressed harder for a while, and the hand stands.
+/// A squeeze: the object in hand is pressed harder for a while, and the hand stands.
 struct ShownSqueeze {
   Span span{};
   double felt =
@@ -39,7 +39,7 @@ struct Segments {
   std::vector<Xyz<double>> p;  ///< smoothed positions of the hand [m]; one per sample
   double smoothing = 0;        ///< deviation of the Gaussian [s]
   double fast = 0;             ///< 90 % quantile of the speed [m/s]
-  double noise = 0;            ///< of the speed [m/s]
+  double noise = 0;            ///< standard deviation of the speed [m/s]
   double grip = 0;             ///< typical force while something is in hand [N]
   double force_noise = 0;      ///< deviation of the force from sample to sample [N]
   double stands = 0;           ///< largest speed where fingers close or open, median [m/s]
@@ -199,14 +199,15 @@ class Cutter {
 
 /// Cuts a recording, in the order of its times, with finite numbers. An empty one has no segments.
 ///
-/// - Positions are smoothed by a Gaussian without delay, of 10 to 250 ms: the shortest at which the noise of the
-///   velocity is a fiftieth of the 90 % quantile of the speed; a longer one only if it cuts the noise to 60 %.
+/// - Positions are smoothed by a Gaussian without delay, of 10 to 250 ms: the shortest at which the noise of
+///   the velocity is a fiftieth of the 90 % quantile of the speed; a longer one only if it cuts the noise to
+///   60 %.
 /// - In hand: from 0.2 of the typical grip until below 0.1, at least 5 and 3 deviations of the force.
-/// - Moving: faster than 0.06 of the 90 % quantile, than 3 times the noise, and than 1.3 times the largest speed while
-///   fingers close or open, where the hand stands; until 0.67 of that, or 1.1 times the latter.
-/// - Squeezed: two levels of force in a contact, apart by more than 12 %, 5 deviations, and 1.3 times the range in
-///   which the force wanders while the hand is on its way (faster than a quarter of the quantile), where nobody
-///   squeezes; the hand stands for most of it.
+/// - Moving: faster than 0.06 of the 90 % quantile, than 3 times the noise, and than 1.3 times the largest
+///   speed while fingers close or open, where the hand stands; until 0.67 of that, or 1.1 times the latter.
+/// - Squeezed: two levels of force in a contact, apart by more than 12 %, 5 deviations, and 1.3 times the
+///   range in which the force wanders while the hand is on its way (faster than a quarter of the quantile),
+///   where nobody squeezes; the hand stands for most of it.
 template <Frame W = World>
 [[nodiscard]] Segments segments_of(const std::vector<ShownSample<W>>& recording) {
   return recording.empty() ? Segments{} : detail::Cutter(recording).take();

@@ -38,8 +38,8 @@ struct SkillMap {
   }
 };
 
-/// The map for a set of skills: `skill_map<decltype(skills)>(my_robot, my_task)`. A behaviour that the set lacks, or
-/// an activity of the task that the map lacks, does not compile.
+/// The map for a set of skills: `skill_map<decltype(skills)>(my_robot, my_task)`. A behaviour that the set
+/// lacks, or an activity of the task that the map lacks, does not compile.
 template <class Set, class Map, std::size_t N>
 [[nodiscard]] consteval auto skill_map(const Map&, const TaughtTask<N>& task) {
   namespace hana = boost::hana;

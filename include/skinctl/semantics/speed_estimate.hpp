@@ -23,13 +23,14 @@ class SpeedEstimate {
  public:
   struct Settings {
     Nanoseconds time_constant = 20ms;  ///< T_v
-    Nanoseconds longest = 200ms;       ///< after a longer gap it begins anew, with velocity 0
+    /// Longest gap between samples; after a longer one the velocity begins anew at 0.
+    Nanoseconds longest = 200ms;
   };
   /// Trivially copyable; `Memory{}` has seen no sample.
   struct Memory {
     Nanoseconds time{};
     Xyz<T> p{T(0), T(0), T(0)};  ///< filtered position [m]
-    Xyz<T> v{T(0), T(0), T(0)};  ///< [m/s]
+    Xyz<T> v{T(0), T(0), T(0)};  ///< velocity [m/s]
     bool started = false;
   };
 
@@ -43,8 +44,8 @@ class SpeedEstimate {
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
-  /// Takes a position [m] and its stamp. One that is not finite (`sample_not_finite`) or not later than the last
-  /// one (`time_backwards`; the same stamp: nothing is wrong) is ignored.
+  /// Takes a position [m] and its stamp. One that is not finite (`sample_not_finite`) or not later than the
+  /// last one (`time_backwards`; the same stamp: nothing is wrong) is ignored.
   Status step(Memory& m, Nanoseconds time, const Xyz<T>& measured) const noexcept {
     const T square = dot(measured, measured);
     if (!(square - square == T(0))) return Reason::sample_not_finite;
@@ -64,7 +65,8 @@ class SpeedEstimate {
   }
 
   /// Deviation of the velocity along each axis [m/s] for independent errors of the positions of deviation
-  /// `sigma` [m], one every `dt`: `sigma/dt sqrt(2 beta^2 / (alpha (4 - 2 alpha - beta)))`. Infinite for `dt <= 0`.
+  /// `sigma` [m], one every `dt`: `sigma/dt sqrt(2 beta^2 / (alpha (4 - 2 alpha - beta)))`. Infinite for `dt
+  /// <= 0`.
   [[nodiscard]] T noise(const T& sigma, Nanoseconds dt) const noexcept {
     if (!(dt > 0ns)) return std::numeric_limits<T>::infinity();
     using std::expm1;

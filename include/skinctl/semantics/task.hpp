@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where a step leads besides to another step.
+/// Targets of a step besides another step.
 inline constexpr std::uint8_t finish = 254;      ///< the task is done
 inline constexpr std::uint8_t ask_person = 253;  ///< somebody has to look
 inline constexpr std::uint8_t nowhere = 252;     ///< an answer no of this step is a failure
@@ -28,8 +28,8 @@ struct Step {
   std::uint8_t done = finish;     ///< next step
   std::uint8_t failed = 0;        ///< next step when it has failed, after going back: one that needs nothing
   std::uint8_t no = nowhere;      ///< next step when the answer is no
-  std::uint8_t border = no_border;  ///< the answer is yes if what is felt is at least this border
-  Facts needs{};                    ///< besides those of the activity
+  std::uint8_t border = no_border;  ///< index of a border: the answer is yes if the stiffness felt is no less
+  Facts needs{};                    ///< facts that the step needs besides those of the activity
 };
 template <PlannedActivity A>
 [[nodiscard]] constexpr Step step_of(Step step) noexcept {
@@ -56,11 +56,11 @@ struct TaughtTask {
   Facts begins{};                                ///< facts that hold when the task begins
   Facts ends{};                                  ///< facts that hold whenever it is finished; by `check`
   std::array<Step, C> steps{};                   ///< the task begins with the first
-  std::array<TaughtPlace, max_places> places{};  ///< where hands take, put and use
-  std::array<double, max_borders> borders{};     ///< of what a squeeze feels [N/m]
+  std::array<TaughtPlace, max_places> places{};  ///< places where hands take, put and use
+  std::array<double, max_borders> borders{};     ///< borders of the stiffness that a squeeze feels [N/m]
 };
 
-/// What is wrong with a task.
+/// The fault of a task.
 enum class TaskError : std::uint8_t {
   none,
   a_task_has_no_step_or_too_many,
@@ -95,7 +95,7 @@ struct TaskFault {
   [[nodiscard]] constexpr bool any() const noexcept { return error != TaskError::none; }
 };
 
-/// What is proved to hold when a step begins, and what may hold.
+/// The facts that are proved to hold when a step begins, and those that may hold.
 template <std::size_t C>
 struct StepFacts {
   std::array<Facts, C> holds{}, may_hold{};
@@ -153,9 +153,10 @@ template <std::size_t C>
 }
 }  // namespace detail
 
-/// What holds, and may hold, before each step of a task whose edges exist: the fixed point over all edges, which is
-/// reached after at most 64 rounds per step. What is left of facts after a failure is unknown: none is proved, so the
-/// step that follows needs none; what may hold then is for the sensors to tell.
+/// The facts that hold, and that may hold, before each step of a task whose edges exist: the fixed point over
+/// all edges, which is reached after at most 64 rounds per step. What is left of facts after a failure is
+/// unknown: none is proved, so the step that follows needs none; what may hold then is for the sensors to
+/// tell.
 template <std::size_t C>
 [[nodiscard]] constexpr StepFacts<C> facts_of(const TaughtTask<C>& t) noexcept {
   StepFacts<C> out{};
@@ -189,10 +190,10 @@ template <std::size_t C>
 
 /// The proof of a task, when it is compiled and at run time; sets `ends`.
 ///
-/// Proved for every way through the graph, over the edges done, no and failed: each step can be reached, has a way
-/// to the end, and begins with the facts that it needs. After a failure nothing is taken for granted: the step
-/// that follows needs no fact ("a failed step looks again"). Over done and no: no step can begin with a fact that it
-/// forbids.
+/// Proved for every way through the graph, over the edges done, no and failed: each step can be reached, has
+/// a way to the end, and begins with the facts that it needs. After a failure nothing is taken for granted:
+/// the step that follows needs no fact ("a failed step looks again"). Over done and no: no step can begin
+/// with a fact that it forbids.
 template <std::size_t C>
 [[nodiscard]] constexpr TaskFault check(TaughtTask<C>& t) noexcept {
   if (const TaskFault fault = detail::check_parts(t); fault.any()) return fault;
@@ -211,8 +212,8 @@ template <std::size_t C>
   return {};
 }
 
-/// The steps of `next` behind those of `t`, which then goes on where it finished; false if they have no room. To be
-/// checked again.
+/// The steps of `next` behind those of `t`, which then goes on where it finished; false if they have no room.
+/// To be checked again.
 template <std::size_t C, std::size_t M>
 [[nodiscard]] constexpr bool append(TaughtTask<C>& t, TaughtTask<M> next) noexcept {
   const std::size_t by = t.size, places = t.place_count, borders = t.border_count;

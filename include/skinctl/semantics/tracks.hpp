@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// A detector saw a thing of a class: which one of them it was, it cannot tell.
 template <Real T = double>
 struct ClassDetection {
-  Xyz<T> p_W{T(0), T(0), T(0)};  ///< [m]
+  Xyz<T> p_W{T(0), T(0), T(0)};  ///< place of the thing in the world [m]
   T sigma = T(0.005);            ///< deviation of the place along each axis [m], 1e-6 to 100
   ObjectClass kind = 0;          ///< class of the thing; 0: none
 };
@@ -22,8 +22,8 @@ struct ClassDetection {
 /// A place at which something was seen, and the belief that it is there: log odds `sight + touch`.
 template <Real T = double>
 struct Track {
-  Xyz<T> p{T(0), T(0), T(0)};        ///< [m, World]
-  Xyz<T> touched{T(0), T(0), T(0)};  ///< where it was when a hand found nothing [m]
+  Xyz<T> p{T(0), T(0), T(0)};        ///< place in the world [m]
+  Xyz<T> touched{T(0), T(0), T(0)};  ///< position of the track when a hand found nothing there [m]
   T sigma = T(0);                    ///< deviation of `p` along each axis [m]
   T sight = T(0);                    ///< log odds by pictures
   T touch = T(0);                    ///< log odds by failed takes, <= 0
@@ -80,17 +80,17 @@ class Tracks {
   static constexpr std::uint8_t no_trial = 0, trials = 5;
   struct Memory {
     std::array<Track<T>, Capacity> tracks{};
-    Xyz<T> bias{T(0), T(0), T(0)};    ///< from where things are seen to where they are [m]
-    Xyz<T> failed{T(0), T(0), T(0)};  ///< where a take failed last [m]
+    Xyz<T> bias{T(0), T(0), T(0)};    ///< offset from where things are seen to where they are [m]
+    Xyz<T> failed{T(0), T(0), T(0)};  ///< place at which a take failed last [m]
     T successes = T(0);               ///< s
     T failures = T(0);                ///< f
-    Nanoseconds time{};               ///< of the newest picture
+    Nanoseconds time{};               ///< time of the newest picture
     std::uint8_t trial = no_trial;    ///< number of the try of the search for the bias; 0: it does not search
     std::uint8_t places =
         0;  ///< places that failed, with fewer successes than `takes` of the settings in between
-    std::uint8_t since = 0;     ///< takes that succeeded since such a place failed
-    std::uint8_t takes = 0;     ///< that succeeded since the bias changed, at most `takes` of the settings
-    std::uint8_t searches = 0;  ///< rounds of tries beside
+    std::uint8_t since = 0;  ///< takes that succeeded since such a place failed
+    std::uint8_t takes = 0;  ///< takes that succeeded since the bias changed, at most `takes` of the settings
+    std::uint8_t searches = 0;           ///< rounds of tries beside
     bool asks = false, started = false;  ///< a person shall look at camera and hand; a picture was seen
   };
 
@@ -170,7 +170,7 @@ class Tracks {
   [[nodiscard]] static bool is_doubted(const Memory& m, const Track<T>& t) noexcept {
     return t.kind != 0 && t.sight > T(0) && !(belief(m, t) > T(0));
   }
-  /// Where a hand goes for what is seen at `p`: by the bias, and the try that is due.
+  /// The place to which a hand goes for a thing seen at `p`: by the bias, and the try that is due.
   [[nodiscard]] Xyz<T> aim(const Memory& m, const Xyz<T>& p_W) const noexcept {
     return p_W + m.bias + tried(m.trial);
   }

@@ -25,8 +25,8 @@ using ObjectClass = std::uint8_t;
 /// No object.
 inline constexpr std::uint8_t no_object = 255;
 
-/// An object was seen: a pose, the deviation of its position, and the instant at which the picture was taken (not
-/// when it arrived).
+/// An object was seen: a pose, the deviation of its position, and the instant at which the picture was taken
+/// (not when it arrived).
 template <Frame W = World>
 struct Detection {
   std::uint8_t object = no_object;  ///< number of the object in the world
@@ -35,12 +35,12 @@ struct Detection {
   Nanoseconds time{};
 };
 
-/// What is known of an object.
+/// The state of an object as far as it is known.
 template <Frame W = World>
 struct Object {
   ObjectPose<W> X_WO{};
   double sigma = 0;    ///< deviation of the position along each axis [m]
-  Nanoseconds time{};  ///< of the newest detection
+  Nanoseconds time{};  ///< time of the newest detection
   ObjectClass kind = 0;
   std::uint8_t misses = 0;  ///< detections in a row that were far from where it was thought to be
   bool known = false;       ///< the object has a place
@@ -57,8 +57,9 @@ struct ObjectWorldSettings {
 /// Objects of the world `W`, at most `Capacity` of them, numbered from 0.
 ///
 /// Each has the weighted mean of its detections (a Kalman filter of a place that wanders slowly). One that is
-/// moved is found at its new place after `believed` detections. An object that is not seen keeps its place. One
-/// that is held moves with the hand; the camera, late and half blind then, only decides whether it is still there.
+/// moved is found at its new place after `believed` detections. An object that is not seen keeps its place.
+/// One that is held moves with the hand; the camera, late and half blind then, only decides whether it is
+/// still there.
 ///
 /// Immutable; what changes is a `Memory`, trivially copyable.
 template <std::size_t Capacity, Frame W = World>
@@ -144,8 +145,8 @@ class ObjectWorld {
   void carry(Memory& m, const Transform<W, Tool>& X_WH) const noexcept {
     if (m.held < Capacity) m.objects[m.held].X_WO = (X_WH * m.X_HO).normalised();
   }
-  /// The hand lets go at `time`: the object stays where it is until a later picture shows it. `sigma` [m]: how well
-  /// that place is known.
+  /// The hand lets go at `time`: the object stays where it is until a later picture shows it. `sigma` [m]:
+  /// how well that place is known.
   void release(Memory& m, Nanoseconds time, double sigma = 0.01) const noexcept {
     if (m.held >= Capacity) return;
     Object<W>& o = m.objects[m.held];
@@ -155,10 +156,11 @@ class ObjectWorld {
     m.held = no_object;
   }
 
-  /// The known object nearest to the point `p_W` other than `except`; `no_object` if there is none within `reach` [m].
+  /// The known object nearest to the point `p_W` other than `except`; `no_object` if there is none within
+  /// `reach` [m].
   struct Near {
     std::uint8_t object = no_object;
-    double distance = 1e9;  ///< [m]
+    double distance = 1e9;  ///< distance of the object's origin from the point [m]
   };
   [[nodiscard]] Near nearest(const Memory& m, const Xyz<double>& p_W, double reach = 1e9,
                              std::uint8_t except = no_object) const noexcept {

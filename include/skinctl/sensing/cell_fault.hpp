@@ -13,13 +13,13 @@ SKINCTL_BEGIN_NAMESPACE
 /// The ways in which a cell lies about touch, or is silent.
 enum class CellFault : std::uint8_t {
   stuck,       ///< sends one reading again and again; dead where that is 0
-  saturated,   ///< at the top of its range without a touch
+  saturated,   ///< reads the top of its range without a touch
   blinking,    ///< jumps between readings
   noisy,       ///< reads far more noise than it should
   cross_talk,  ///< reads a share of what a cell elsewhere feels
   discharge,   ///< rest level that has jumped, as after an electrostatic discharge, and creeps back
   unheard,     ///< samples that come late, or not at all
-  quiet        ///< pushes and has no life, while its place gives way: see `LifeSettings`
+  quiet        ///< pushes without tremor or other life while the arm gives way: see `LifeSettings`
 };
 inline constexpr std::size_t cell_faults = 8;
 

@@ -79,7 +79,7 @@ class CellHealth {
              });
     }
   };
-  /// What others say of a cell.
+  /// The evidence of a cell's witnesses.
   struct Witness {
     bool moved = false;    ///< whether a neighbour has moved within the last 24 ms
     bool touched = false;  ///< whether a neighbour is touched, too
@@ -130,7 +130,7 @@ class CellHealth {
   SKINCTL_INLINE void take(Memory& m, std::size_t i, const CellSample& s) const noexcept {
     take(m, i, s, (s.force[0] + s.force[1] + s.force[2]) * per_step_, s.proximity);
   }
-  /// The same of any kind, with the sum of its pressures [steps] and what it sees, 0 to 1.
+  /// Takes a sample of a cell of any kind, with the sum of its pressures [steps] and its proximity, 0 to 1.
   SKINCTL_INLINE void take(Memory& m, std::size_t i, const SampleOf<Kind>& s, float force,
                            float proximity) const noexcept {
     Record& r = m.record[i];

@@ -16,7 +16,7 @@ struct CellSample {
   Nanoseconds time{};                   ///< time of the measurement
   std::uint32_t cell = 0;               ///< id of the cell
   std::array<float, 3> force{};         ///< three normal forces, each in [0, 1]
-  float proximity = 0;                  ///< in [0, 1]
+  float proximity = 0;                  ///< proximity reading, in [0, 1]
   std::array<float, 3> acceleration{};  ///< proper acceleration [m/s^2]: at rest g, upwards
   float temperature = 0;                ///< [C]
   std::uint16_t measured = unsaid;      ///< measurements since the last message of this cell; 0: old readings

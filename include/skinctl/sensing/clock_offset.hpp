@@ -12,11 +12,11 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Offset and rate of a robot's clock against a sender's, from messages that say when they were sent.
 ///
-/// `arrived - sent` is the offset plus the delay of a message, so the least of many is the offset plus the least
-/// delay, which is declared. Each second of the sender's clock gives one point: its least difference. Of the
-/// lower convex hull of 30 such points, the edge over their mean time is the line of offset and rate, within
-/// `max_rate`. Stamps follow that line at `slew`, so that the map from the sender's time to the robot's rises
-/// everywhere: no stamp runs back.
+/// `arrived - sent` is the offset plus the delay of a message, so the least of many is the offset plus the
+/// least delay, which is declared. Each second of the sender's clock gives one point: its least difference.
+/// Of the lower convex hull of 30 such points, the edge over their mean time is the line of offset and rate,
+/// within `max_rate`. Stamps follow that line at `slew`, so that the map from the sender's time to the
+/// robot's rises everywhere: no stamp runs back.
 ///
 /// Clocks within 200 ppm are followed for good; a minimum that is let rise at a fixed rate loses those that
 /// drift faster. A change of rate by r is followed after half a window, by r times 15 s meanwhile if the
@@ -34,13 +34,13 @@ class ClockOffset {
   struct Settings {
     Nanoseconds min_delay =
         0ns;  ///< the time that the fastest message takes; what is not declared stays in the stamps
-    Nanoseconds gather = 100ms;  ///< messages of this time are heard before the first stamp
+    Nanoseconds gather = 100ms;  ///< time for which messages are heard before the first stamp
     Nanoseconds ahead = 1ms, overtaken = 20ms, late = 5ms;  ///< see the class
   };
   static constexpr std::size_t window = 30;  ///< seconds
   static constexpr double max_rate = 200e-6, slew = 500e-6;
 
-  /// What became of a message.
+  /// The result of a message.
   enum class Heard : unsigned char {
     refused,    ///< a time beyond +-73 years: not taken
     gathering,  ///< no stamps yet
@@ -54,19 +54,19 @@ class ClockOffset {
   /// The map from `at` on: `offset + rate t + error`, whose error goes to 0 at `slew`.
   struct Piece {
     Nanoseconds at{}, offset{};
-    double rate = 0, error = 0;  ///< [s/s], [ns]
+    double rate = 0, error = 0;  ///< rate of the offset [s/s]; error at `at` [ns], which goes to 0
   };
   /// Trivially copyable; `Memory{}` has heard nothing.
   struct Memory {
     std::array<Point, window + 1> points{};  ///< one a second, the newest last, and the present second's
     std::size_t count = 0;
-    std::size_t messages = 0;       ///< in the present second
+    std::size_t messages = 0;       ///< messages in the present second
     std::array<Piece, 4> pieces{};  ///< the newest first
     std::size_t pieces_count = 0;   ///< 0: no stamps yet
-    Nanoseconds began{};            ///< of the present second
-    Nanoseconds newest{};           ///< sent last
-    bool near = false;              ///< whether one of this second came within `late`
-    std::size_t leaps = 0;          ///< since the start
+    Nanoseconds began{};            ///< beginning of the present second
+    Nanoseconds newest{};           ///< time at which the newest message was sent
+    bool near = false;              ///< a message of the present second came within `late` of the line
+    std::size_t leaps = 0;          ///< leaps since the start
   };
 
   ClockOffset() : ClockOffset(Settings{}) {}
@@ -117,8 +117,9 @@ class ClockOffset {
 
   /// Whether there are stamps.
   [[nodiscard]] static bool ready(const Memory& m) noexcept { return m.pieces_count != 0; }
-  /// The robot's time when the sender's clock shows `t`; asks for `ready`. For `t` up to the newest message and 0.3 s before it, it does not run back: neither from one `t` to a later one, nor to what was given before, a
-  /// leap of the clock excepted.
+  /// The robot's time when the sender's clock shows `t`; asks for `ready`. For `t` up to the newest message
+  /// and 0.3 s before it, it does not run back: neither from one `t` to a later one, nor to what was given
+  /// before, a leap of the clock excepted.
   [[nodiscard]] static Nanoseconds stamp(const Memory& m, Nanoseconds t) noexcept {
     SKINCTL_EXPECTS(ready(m), "a clock that is tied");
     return t + offset(m, t);
@@ -182,7 +183,8 @@ class ClockOffset {
   /// A new line, and the way to it from where the map is now.
   void revise(Memory& m) const noexcept {
     const Nanoseconds now = m.newest, old = offset(m, now);
-    // The present second has not seen its fastest message yet: it counts where it lies below the others' line.
+    // The present second has not seen its fastest message yet: it counts where it lies below the others'
+    // line.
     const Line line = lower_edge(m, now);
     for (std::size_t k = m.pieces.size() - 1; k > 0; --k) m.pieces[k] = m.pieces[k - 1];
     if (m.pieces_count < m.pieces.size()) ++m.pieces_count;

@@ -11,9 +11,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The last states of a robot, and its joints at times between them: a sample was measured where the robot was then,
-/// not where it is when the sample is read. Linear between two states: within `a h^2 / 8` for joints that accelerate
-/// by a, 0.12 mrad at 15 rad/s^2 and states h = 8 ms apart.
+/// The last states of a robot, and its joints at times between them: a sample was measured where the robot
+/// was then, not where it is when the sample is read. Linear between two states: within `a h^2 / 8` for
+/// joints that accelerate by a, 0.12 mrad at 15 rad/s^2 and states h = 8 ms apart.
 ///
 /// @tparam Size  states that are kept: 16 reach 120 ms back at 125 Hz.
 template <std::size_t N, Real T = double, std::size_t Size = 16>
@@ -28,8 +28,8 @@ class JointHistory {
   };
   /// The joints at a time.
   struct At {
-    State<N, T> state;   ///< with the time asked for, or the nearest for which the joints are known
-    bool known = false;  ///< whether that is the time asked for
+    State<N, T> state;  ///< state at the time asked for, or at the nearest one for which the joints are known
+    bool known = false;  ///< the state is of the time asked for
   };
 
   /// Throws `ConfigurationError` unless `period` is in (0, 1] s.
@@ -49,8 +49,8 @@ class JointHistory {
     return {};
   }
 
-  /// The joints at `t`: linear between two states; after the newest `q + dq t`, for at most a period; those of the
-  /// oldest state before it; zero without any.
+  /// The joints at `t`: linear between two states; after the newest `q + dq t`, for at most a period; those
+  /// of the oldest state before it; zero without any.
   [[nodiscard]] At at(const Memory& m, Nanoseconds t) const noexcept {
     if (m.count == 0) return {};
     const State<N, T>& last = m.states[m.newest];

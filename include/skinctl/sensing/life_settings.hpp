@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// place gives way to it.
 struct LifeSettings {
   /// Way of a place, in all, until a push on it counts nothing [m]; of a way that neighbours with life share
-  /// in, the part of its own force. An arm that stops within it meets nobody; a calm hand has shown its tremor
-  /// long before.
+  /// in, the part of its own force. An arm that stops within it meets nobody; a calm hand has shown its
+  /// tremor long before.
   double way = 0.008;
   /// Largest sum of pushes without life [N]: more than a blow of 2 kN/m at 0.5 m/s reaches in the 16 ms
   /// before its life shows, and what friction stops again within a few millimetres.
@@ -24,8 +24,9 @@ struct LifeSettings {
   /// Push up to which a cell lives if the sum of it and its pressed neighbours does [N]: at the rim of a
   /// touch the tremor of a hand is below the sensor's noise.
   double rim_force = 3;
-  Nanoseconds held = 250ms;  ///< duration of life after its last sign: two periods of a hand's tremor, 8 Hz
-  Nanoseconds calm = 10s;    ///< time without a push after which a quiet cell counts again
+  /// Time for which a push lives after its last sign of life: two periods of a hand's tremor, 8 Hz.
+  Nanoseconds held = 250ms;
+  Nanoseconds calm = 10s;  ///< time without a push after which a quiet cell counts again
 
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD void check() const {

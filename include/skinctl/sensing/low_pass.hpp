@@ -17,8 +17,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// so the output does not depend on the rate. A sensor that sends only changes calls `event`: its input was
 /// constant until `ramp` before the new sample, and linear from there.
 ///
-/// The first sample sets the output. A sample that is not finite (`sample_not_finite`) or not later than the last one
-/// (`time_backwards`) is ignored.
+/// The first sample sets the output. A sample that is not finite (`sample_not_finite`) or not later than the
+/// last one (`time_backwards`) is ignored.
 template <Real T = double>
 class LowPass {
  public:
@@ -49,7 +49,8 @@ class LowPass {
     if (distance(m.time, time) > seconds<T>(ramp_)) static_cast<void>(sample(m, time - ramp_, T(m.input)));
     return sample(m, time, x);
   }
-  /// The output at `time`, the input being constant since its last sample; at or before that sample, the output there.
+  /// The output at `time`, the input being constant since its last sample; at or before that sample, the
+  /// output there.
   [[nodiscard]] T value(const Memory& m, Nanoseconds time) const noexcept {
     return m.started && time > m.time ? after(m, distance(m.time, time), m.input) : m.output;
   }

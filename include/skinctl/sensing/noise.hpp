@@ -14,9 +14,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Why the noise of a cell was not taken, in the order in which they are looked for.
+/// Reasons for which the noise of a cell was not taken, in the order of their checks.
 enum class NoiseFinding : unsigned char {
-  good,    ///< taken
+  good,    ///< the noise was taken
   silent,  ///< no sample, or only one
   near,    ///< something was near: proximity above `NoiseSettings::near`, or NaN
   offset,  ///< pressed all the time: the mean is above the file's threshold
@@ -32,14 +32,14 @@ constexpr const char* describe(NoiseFinding f) noexcept {
 /// Rest level and threshold of a cell, in units of its reading.
 struct CellNoise {
   double rest = 0;    ///< reading of the untouched cell
-  double margin = 0;  ///< of a touch above it
-  double sigma = 0;   ///< standard deviation, that of rounding included
+  double margin = 0;  ///< margin of a touch above the rest level
+  double sigma = 0;   ///< standard deviation of the reading, rounding included
   NoiseFinding finding = NoiseFinding::good;
   [[nodiscard]] constexpr double threshold() const noexcept { return rest + margin; }
 };
 
 struct NoiseSettings {
-  double step = 1.0 / 1024;  ///< of the reading (LSB), > 0
+  double step = 1.0 / 1024;  ///< step of the reading (LSB), > 0
   double near = 0.05;        ///< proximity from which the cell is not alone, in (0, 1]
   /// Throws `ConfigurationError` for a number out of its range.
   void check() const {
@@ -54,15 +54,15 @@ struct NoiseReading {
   double value = 0, proximity = 0;
 };
 
-/// The noise of a cell from its readings, in the order of their times, of a time (2 s are usual) in which nothing
-/// touches it:
+/// The noise of a cell from its readings, in the order of their times, of a time (2 s are usual) in which
+/// nothing touches it:
 ///
 ///     margin = max(6 sigma, 1.5 (max - median), 2 steps),    sigma^2 = variance + step^2 / 12
 ///
-/// A reading counts for the time until the next one, so a cell that sends only changes has the same noise as one
-/// that sends all. Where something else than noise is found, or a value or its square is not finite, `file` stays, and the
-/// finding says why. The means of both halves differ by drift if by more than 6 of their standard errors, which
-/// successive differences give, and by a step.
+/// A reading counts for the time until the next one, so a cell that sends only changes has the same noise as
+/// one that sends all. Where something else than noise is found, or a value or its square is not finite,
+/// `file` stays, and the finding says why. The means of both halves differ by drift if by more than 6 of
+/// their standard errors, which successive differences give, and by a step.
 ///
 /// Throws `ConfigurationError` for settings out of range; not for the loop: it sorts. The order of `readings`
 /// is changed.
@@ -119,8 +119,8 @@ inline CellNoise cell_noise(std::span<NoiseReading> readings, const CellNoise& f
   return out;
 }
 
-/// Collects the samples of a skin's cells while nobody touches it, and gives the noise of each: of the sum of its
-/// three force readings.
+/// Collects the samples of a skin's cells while nobody touches it, and gives the noise of each: of the sum of
+/// its three force readings.
 class NoiseCalibration {
  public:
   /// Throws `ConfigurationError` for settings out of range.
@@ -155,8 +155,8 @@ class NoiseCalibration {
 /// Two samples in a row: what counts is the smaller one of the last two, so that a single peak of noise is no
 /// touch. A touch is felt one sample later, a release at once.
 ///
-/// A cell that sends only changes measures without sending: once it has been silent for two of its periods, its
-/// last sample has proved itself, and `settled` counts. For the front end of a skin, in the loop.
+/// A cell that sends only changes measures without sending: once it has been silent for two of its periods,
+/// its last sample has proved itself, and `settled` counts. For the front end of a skin, in the loop.
 class TwoInARow {
  public:
   struct Memory {

@@ -16,13 +16,13 @@ SKINCTL_BEGIN_NAMESPACE
 /// Times of a rest level. The defaults are for capacitive skins at room temperature.
 struct RestSettings {
   Nanoseconds smooth = 100ms;       ///< time constant of the smoothed reading m
-  Nanoseconds follow = 20s;         ///< of b within +-kappa
-  Nanoseconds fall = 500ms;         ///< of b when r has been below -kappa for `low_for`
+  Nanoseconds follow = 20s;         ///< time constant of b within +-kappa
+  Nanoseconds fall = 500ms;         ///< time constant of b when r has been below -kappa for `low_for`
   Nanoseconds low_for = 500ms;      ///< nothing pulls at a cell: then the rest level is wrong
   Nanoseconds quiet_for = 1s;       ///< r below kappa/2 for so long: not frozen any more
   Nanoseconds fast_within = 600ms;  ///< half the threshold so soon after freezing: rather a touch
-  Nanoseconds release = 5s;         ///< of b while evidence says that a frozen cell drifts
-  Nanoseconds weigh = 2s;           ///< of the evidence
+  Nanoseconds release = 5s;         ///< time constant of b while evidence says that a frozen cell drifts
+  Nanoseconds weigh = 2s;           ///< time constant of the evidence
   Nanoseconds ramp = 6ms;           ///< longest duration of a change of reading before its sample
   Nanoseconds longest = 1s;         ///< a longer gap between two readings counts as this
 };
@@ -62,18 +62,19 @@ struct alignas(64) RestLevelsRow {
 ///
 ///     L = -3 + 3t/(t + 32 s) + (r >= touch/2 within fast_within of freezing ? -2 : 2.2) + sum of evidence
 ///
-/// A touch so recognised is over when r falls below touch/2, and t begins anew. t is the time since freezing, up to
-/// 64 s, and the evidence (sensing/evidence.hpp) smoothed over `weigh`.
-/// So a cell is frozen by a contact, also one far below the threshold of a touch, and without evidence it stays
-/// so: `unexplained` names it after 60 s.
+/// A touch so recognised is over when r falls below touch/2, and t begins anew. t is the time since freezing,
+/// up to 64 s, and the evidence (sensing/evidence.hpp) smoothed over `weigh`. So a cell is frozen by a
+/// contact, also one far below the threshold of a touch, and without evidence it stays so: `is_unexplained`
+/// names it after 60 s.
 ///
-/// **Rates.** x is linear between samples, or held and then linear over the last `ramp`; a step of any duration
-/// is exact for the smoothing and, between changes of state, for b. Changes of state count within a step.
+/// **Rates.** x is linear between samples, or held and then linear over the last `ramp`; a step of any
+/// duration is exact for the smoothing and, between changes of state, for b. Changes of state count within a
+/// step.
 ///
-/// **Numbers.** `whole`, in steps, is what `corrected` takes off: sums of corrected readings stay whole. The rest
-/// of b is kept apart, below 0.75 steps: in float, at 1 kHz, b follows down to |r| = 6e-4 steps, after any time.
-/// A reading that is NaN, infinite or beyond 2^20 steps changes nothing; nor does a step of 0 or less. Evidence that is
-/// not finite or beyond +-100 counts as none.
+/// **Numbers.** `whole`, in steps, is what `corrected` takes off: sums of corrected readings stay whole. The
+/// rest of b is kept apart, below 0.75 steps: in float, at 1 kHz, b follows down to |r| = 6e-4 steps, after
+/// any time. A reading that is NaN, infinite or beyond 2^20 steps changes nothing; nor does a step of 0 or
+/// less. Evidence that is not finite or beyond +-100 counts as none.
 ///
 /// Two faces of one rule: `take` for a cell at its own times, `scan` for rows of 16 cells at a common rate.
 class RestLevel {
@@ -112,9 +113,9 @@ class RestLevel {
   }
   [[nodiscard]] const RestSettings& settings() const noexcept { return s_; }
 
-  /// kappa of a cell whose single readings have the standard deviation `sigma` [steps] and come every `period`:
-  /// four deviations of the smoothed reading, at least a step. Sensors that report at several rates take the
-  /// slowest one's.
+  /// kappa of a cell whose single readings have the standard deviation `sigma` [steps] and come every
+  /// `period`: four deviations of the smoothed reading, at least a step. Sensors that report at several rates
+  /// take the slowest one's.
   [[nodiscard]] double freeze_level(double sigma, Nanoseconds period) const {
     require(sigma >= 0 && sigma <= 1e4, "RestLevel: sigma", sigma, "0 to 1e4 steps");
     require(period > 0ns && period <= s_.longest, "RestLevel: period", milliseconds(period),
@@ -173,7 +174,8 @@ class RestLevel {
     return k;
   }
   /// Moves 16 cells on by one step, over which their readings go linearly from `x0` to `x1` [steps]. A lane
-  /// whose `x1` is NaN does not change: cells that were not heard. Its only branch: whether all cells of a register are calm.
+  /// whose `x1` is NaN does not change: cells that were not heard. Its only branch: whether all cells of a
+  /// register are calm.
   ///
   /// @param evidence  sums of evidence, one a cell.
   SKINCTL_INLINE static void scan(RestRow& row, const float* x0, const float* x1, const float* evidence,
@@ -234,10 +236,11 @@ template <Real T>
   const T r = reading - cell.whole;
   return r > T(0) ? r : T(0);
 }
-/// Whether a cell has been frozen for 60 s or more, is not being released, and nothing says that it is touched:
-/// a drift that nobody could tell from a contact, or a contact that nobody else sees. To be named in a report.
+/// Whether a cell has been frozen for 60 s or more, is not being released, and nothing says that it is
+/// touched: a drift that nobody could tell from a contact, or a contact that nobody else sees. To be named in
+/// a report.
 template <Real T>
-[[nodiscard]] constexpr bool unexplained(const RestCell<T>& cell) noexcept {
+[[nodiscard]] constexpr bool is_unexplained(const RestCell<T>& cell) noexcept {
   return (cell.frozen >= T(60) || cell.frozen <= T(-60)) && !(cell.below < T(0)) && cell.evidence > T(-1);
 }
 

@@ -13,8 +13,9 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// A `std::span<const S>` that cannot be made from a temporary container: with a plain span, `input.samples =
-/// skin.poll()` compiles for a `poll()` that returns a vector by value, and the cycle reads freed memory. From named
-/// containers and from spans it is made as a plain span is; what it looks at has to stay until the cycle has run.
+/// skin.poll()` compiles for a `poll()` that returns a vector by value, and the cycle reads freed memory.
+/// From named containers and from spans it is made as a plain span is; what it looks at has to stay until the
+/// cycle has run.
 template <class S>
 class SampleSpan : public std::span<const S> {
   template <class Samples>

@@ -14,8 +14,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// less than a delta, and an age of at most `keep_alive`.
 ///
 /// What was left unsaid below a delta stands until the next message: after a release it pushes on. With a
-/// `patience` a cell that has been silent for so long sends a smaller change of force too, from `fine` on: a fast
-/// change at once, a slow one at the rate of patience, the last bit of each soon after it.
+/// `patience` a cell that has been silent for so long sends a smaller change of force too, from `fine` on: a
+/// fast change at once, a slow one at the rate of patience, the last bit of each soon after it.
 class SendOnDelta {
  public:
   /// The smallest changes that trigger a message.
@@ -33,7 +33,8 @@ class SendOnDelta {
   };
 
   /// @param patience  of a cell that sends fine changes as well; none by default.
-  /// Throws `ConfigurationError` unless every delta, `keep_alive` and `patience` are > 0, and deltas at most 1e6.
+  /// Throws `ConfigurationError` unless every delta, `keep_alive` and `patience` are > 0, and deltas at most
+  /// 1e6.
   explicit SendOnDelta(const Deltas& deltas, Nanoseconds keep_alive = 100ms,
                        Nanoseconds patience = Nanoseconds::max())
       : deltas_(deltas), keep_alive_(keep_alive), patience_(patience) {

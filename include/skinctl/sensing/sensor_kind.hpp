@@ -23,19 +23,20 @@ struct Reading {
   static constexpr double any = std::numeric_limits<float>::max();
 };
 
-/// What the amount of a channel is to the robot.
+/// The meaning of a channel's amount to the robot.
 enum class ChannelUse : std::uint8_t {
   contact,  ///< the world pushes: a port of energy
   seen,     ///< something at a distance: the controller's own push, which an energy tank pays for
   told      ///< no force: an acceleration, a temperature
 };
 
-/// How far a channel counts beside the pressure of its own cell.
+/// The largest amount that counts of a channel beside the pressure of its own cell.
 struct Cone {
   double friction = 0;  ///< mu: up to mu times the cell's pressure; 0: on its own
 };
 /// Shear: a cell that nothing presses is not dragged, whatever it reads. With
-/// 0.8 a stuck channel pushes 1.6 N beside a pressure of 2 N; a cover that grips harder has a cone of its own.
+/// 0.8 a stuck channel pushes 1.6 N beside a pressure of 2 N; a cover that grips harder has a cone of its
+/// own.
 inline constexpr Cone with_normal{0.8};
 
 /// A sum of readings that acts along one direction at one place of its cell.
@@ -46,11 +47,10 @@ struct Channel {
   std::string_view name;
   ChannelUse use = ChannelUse::contact;
   std::uint32_t readings = 0;  ///< bit r: reading r belongs to the sum
-  double greatest =
-      1;  ///< amount, or its magnitude, from which on the sum is cut off; > 0, in the readings' unit
-  std::array<double, 3> direction{
-      0, 0, -1};                  ///< of the force on the cell for a positive amount, along the cell's axes
-  std::array<double, 3> place{};  ///< where it acts, from the cell's origin [m]
+  double greatest = 1;         ///< magnitude at which the sum is cut off, in the readings' unit, > 0
+  /// Direction of the force on the cell for a positive amount, along the cell's axes.
+  std::array<double, 3> direction{0, 0, -1};
+  std::array<double, 3> place{};  ///< point of application, from the cell's origin along its axes [m]
   Cone cone{};
 };
 
@@ -134,7 +134,7 @@ constexpr bool is_sound() {
 
 }  // namespace detail
 
-/// What is asked of a kind, as numbers.
+/// Numbers derived from a kind.
 template <SensorKind Kind>
 struct KindTable {
   static constexpr std::size_t readings = Kind::readings.size(), channels = Kind::channels.size();
@@ -232,8 +232,8 @@ struct KindTable {
 /// any order.
 template <SensorKind Kind>
 struct ChannelCounts {
-  std::array<std::uint16_t, KindTable<Kind>::pushing>
-      channel{};  ///< with a sign (two's complement) where there is a cone
+  /// Amount of each channel [steps]; with a sign (two's complement) where there is a cone.
+  std::array<std::uint16_t, KindTable<Kind>::pushing> channel{};
   friend constexpr bool operator==(const ChannelCounts&, const ChannelCounts&) noexcept = default;
 };
 

@@ -23,13 +23,13 @@ class Unrest {
   static constexpr std::size_t sensors = static_cast<std::size_t>(std::popcount(Table::pressed_readings));
 
  public:
-  static constexpr std::uint16_t most = 65534;  ///< of both numbers; above it stands `unsaid`
-  /// Of one cell; `Memory{}` has measured nothing.
+  static constexpr std::uint16_t most = 65534;  ///< largest value of both numbers; above it stands `unsaid`
+  /// The memory of one cell; `Memory{}` has measured nothing.
   struct Memory {
     std::array<float, sensors> last{};  ///< raw readings [steps]
-    float sum = 0;                      ///< of the squares [step^2]
-    std::uint32_t measured = 0;         ///< since the last message
-    std::uint32_t differences = 0;      ///< of these with a predecessor
+    float sum = 0;                      ///< sum of the squared differences [step^2]
+    std::uint32_t measured = 0;         ///< measurements since the last message
+    std::uint32_t differences = 0;      ///< measurements among `measured` that have a predecessor
     bool any = false;
   };
 
@@ -66,7 +66,7 @@ class Unrest {
   float per_step_;
 };
 
-/// How many measurements in a row a cell has said to be without unrest.
+/// The number of measurements in a row that a cell has said to be without unrest.
 struct Stillness {
   static constexpr double min_sigma = double(0.3f);  ///< [steps], as a `SensorNoise` holds it
   std::uint16_t measurements = 0;

@@ -26,8 +26,8 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 /// For a law by torque the lag is a delay: it belongs into the description's `delay`.
 ///
-/// The Allegro hand (333 Hz, steps of 0.089 mrad): K = 5, degree 1 lags by 6 ms and has 2.7 mrad/s of noise; the
-/// difference of two positions 1.5 ms and 12 mrad/s.
+/// The Allegro hand (333 Hz, steps of 0.089 mrad): K = 5, degree 1 lags by 6 ms and has 2.7 mrad/s of noise;
+/// the difference of two positions 1.5 ms and 12 mrad/s.
 template <std::size_t N, std::size_t K = 5, std::size_t Degree = 1, Real T = double>
 class VelocityEstimator {
   static_assert(Degree == 1 || Degree == 2, "a line (1) or a parabola (2)");
@@ -38,9 +38,10 @@ class VelocityEstimator {
   static constexpr std::size_t window = K;
   using scalar = T;
   struct Settings {
-    Nanoseconds period = 3ms;    ///< planned time between two samples
-    Nanoseconds longest = 50ms;  ///< after a longer gap the window begins anew, with velocity 0
-    T step = T(0);               ///< of the encoders [rad], for `noise`; 0: none
+    Nanoseconds period = 3ms;  ///< planned time between two samples
+    /// Longest gap between samples; after a longer one the velocity begins anew at 0.
+    Nanoseconds longest = 50ms;
+    T step = T(0);  ///< step of the encoders [rad], for `noise`; 0: none
   };
   struct Memory {
     std::size_t count = 0;  ///< samples in the window
@@ -71,8 +72,8 @@ class VelocityEstimator {
   /// sample has come.
   ///
   /// - A position that is not finite or absurd: `state_not_finite`, nothing changes.
-  /// - A stamp before the last one: `time_backwards`, nothing changes; one that goes back by more than `longest`
-  ///   is a clock that was set back, and the window begins anew.
+  /// - A stamp before the last one: `time_backwards`, nothing changes; one that goes back by more than
+  ///   `longest` is a clock that was set back, and the window begins anew.
   /// - The same stamp again: a repeated message, nothing changes and nothing is wrong.
   /// - Samples closer than a quarter of a period together leave the velocity as it is until the window is
   ///   longer than that.

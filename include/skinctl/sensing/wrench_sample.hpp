@@ -10,13 +10,13 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// One reading of a force-torque sensor: the wrench that the world exerts on the robot beyond the sensor,
-/// about the sensor's origin, along the sensor's axes. A hand that pushes the tool along the sensor's +x gives
-/// a positive `force[0]`. A device that reports the reaction (the robot's load on the world) has the opposite
-/// sign: negate all six numbers where the sample is made.
+/// about the sensor's origin, along the sensor's axes. A hand that pushes the tool along the sensor's +x
+/// gives a positive `force[0]`. A device that reports the reaction (the robot's load on the world) has the
+/// opposite sign: negate all six numbers where the sample is made.
 struct WrenchSample {
   Nanoseconds time{};              ///< time of the measurement
-  std::array<double, 3> force{};   ///< [N]
-  std::array<double, 3> moment{};  ///< [N m]
+  std::array<double, 3> force{};   ///< force on the robot, along the sensor's axes [N]
+  std::array<double, 3> moment{};  ///< moment on the robot about the sensor's origin, along its axes [N m]
 };
 
 /// Empty if the sample is valid; `sample_not_finite` if a number is NaN or infinite; `sample_out_of_range` if

@@ -105,7 +105,8 @@ template <class First, class Library, class... Name, class... L>
                              const SkillController<Name, L>&... controllers) {
   return detail::skill_set_with<First>(NoGripper{}, library, settings, controllers...);
 }
-/// The same with a gripper: `skill_set<First>(library, settings, OneGripper(range), skill_controller...)`.
+/// A `skill_set` with a gripper: `skill_set<First>(library, settings, OneGripper(range),
+/// skill_controller...)`.
 template <class First, class Library, class... Name, class... L>
 [[nodiscard]] auto skill_set(const Library& library, const SkillSettings& settings, const OneGripper& gripper,
                              const SkillController<Name, L>&... controllers) {

@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What skills with a gripper add to the input of a scene, and to its output.
+/// The additions of skills with a gripper to the input of a scene, and to its output.
 struct GripperInput {
   GripperState gripper{};  ///< last report of the gripper
 
@@ -26,9 +26,9 @@ class OneGripper {
   struct Memory {
     GripperCommand command{};
     GripperState state{};
-    Nanoseconds asked{};    ///< when the goal was first there
-    bool answered = false;  ///< the state is newer than the goal
-    bool dated = false;     ///< `asked` is known
+    Nanoseconds goal_time{};  ///< time at which the newest goal was first there
+    bool answered = false;    ///< the state is newer than the goal
+    bool dated = false;       ///< `goal_time` is known
   };
 
   /// Throws `ConfigurationError` for a range that is none.
@@ -51,11 +51,11 @@ class OneGripper {
   /// The state at `now`. One that was heard before the goal was there says nothing about it.
   static void hear(Memory& m, const GripperState& state, Nanoseconds now) noexcept {
     if (!m.dated) {
-      m.asked = now;
+      m.goal_time = now;
       m.dated = true;
     }
     m.state = state;
-    m.answered = state.heard && state.time > m.asked;
+    m.answered = state.heard && state.time > m.goal_time;
   }
   [[nodiscard]] static const GripperCommand& command(const Memory& m) noexcept { return m.command; }
   /// Whether something is between the fingers.

@@ -45,15 +45,15 @@ enum class SkillFinish : unsigned char {
   switched,  ///< the switches are reported in their new positions; without reports after `hold`
   touched,   ///< a contact as `touch` says presses
   released,  ///< one has pressed since the skill began to run, and none does any more
-  elapsed    ///< after `hold`
+  elapsed    ///< `hold` has passed
 };
 
 /// A contact of a `ContactSkin` for which a skill waits.
 struct TouchCondition {
-  std::uint32_t regions =
-      ~std::uint32_t(0);  ///< on one of these, `regions().mask("palm")`; all bits: anywhere
-  double force = 0;       ///< pushed with at least this [N]
-  Nanoseconds lasts{};    ///< shortest time that one contact is felt
+  /// Mask of regions, `regions().mask("palm")`, one of which is touched; all bits: anywhere.
+  std::uint32_t regions = ~std::uint32_t(0);
+  double force = 0;     ///< smallest push of the contact [N]
+  Nanoseconds lasts{};  ///< shortest time that one contact is felt
 
   /// Whether one of `contacts` is such a contact at `now`.
   template <class Contacts>
@@ -66,11 +66,12 @@ struct TouchCondition {
   }
 };
 
-/// How near to its goals a skill has to be to be finished; 0: not asked. See `SkillFinish::settled`.
+/// The largest distances from its goals at which a skill is finished; 0: not asked. See
+/// `SkillFinish::settled`.
 struct GoalTolerance {
-  double position = 0;     ///< of a pose [m]
-  double orientation = 0;  ///< of a pose [rad]
-  double joint = 0;        ///< of each joint [rad]
+  double position = 0;     ///< largest position error of a pose [m]
+  double orientation = 0;  ///< largest orientation error of a pose [rad]
+  double joint = 0;        ///< largest position error of a joint [rad]
 
   [[nodiscard]] constexpr bool any() const noexcept { return position > 0 || orientation > 0 || joint > 0; }
   template <class F>
@@ -85,10 +86,10 @@ struct SkillConditions {
   SkillSwitches needs{};   ///< starts only with these values, as reported or else as last commanded
   SkillFinish finish = SkillFinish::never;
   Nanoseconds hold = 100ms;   ///< the time for which the finish condition must hold
-  TouchCondition touch{};     ///< of `touched` and `released`
+  TouchCondition touch{};     ///< contact that `touched` and `released` wait for
   double still = 0.01;        ///< settled: largest speed of any joint and of its reference [rad/s]
   Nanoseconds timeout{};      ///< fails if it is not finished after this; 0: never
-  GoalTolerance tolerance{};  ///< of `settled`, unless a request has its own
+  GoalTolerance tolerance{};  ///< tolerance of `settled`, unless a request has its own
   double max_touch = 0;       ///< fails if the skin's joint torque exceeds this norm [N m]; 0: never
 };
 
@@ -99,8 +100,8 @@ struct Skill {
   std::array<double, Terms> weights{};      ///< 0: not loaded
   std::array<std::uint8_t, Terms> order{};  ///< indices of its controllers, in the order in which they load
   std::uint8_t controllers = 0;             ///< number of controllers
-  std::uint8_t next = 0;                    ///< index of the next skill when it is finished; its own: none
-  SkillSwitches switches{};                 ///< switched when it starts
+  std::uint8_t next = 0;     ///< index of the next skill when this one is finished; its own: none
+  SkillSwitches switches{};  ///< switches that are set when the skill starts
   SkillConditions conditions{};
   bool grips = false;  ///< the gripper gets a goal when it starts ...
   GripperGoal grip{};  ///< ... this one, unless a request has its own
@@ -137,12 +138,12 @@ enum class SkillPhase : unsigned char {
   failed     ///< a failure condition has been met: the fallback skill follows
 };
 
-/// Why a request for a skill has failed.
+/// The reason for which a request for a skill has failed.
 enum class SkillFailure : unsigned char {
   none,
   conditions,  ///< refused: the conditions under which the skill may start did not hold
   goal,        ///< refused: a controller did not take the goal
-  timeout,     ///< not finished in time
+  timeout,     ///< the skill did not finish in time
   touch,       ///< the skin's torque has exceeded `max_touch`
   empty,       ///< the gripper has closed on nothing, or lost what it held
   gripper,     ///< the gripper reports an error
@@ -170,9 +171,9 @@ enum class SkillFailure : unsigned char {
   return "";
 }
 
-/// What has become of a request, by the number that it carried (`SkillRequest::ticket`).
+/// The state of a request, by the number that it carried (`SkillRequest::ticket`).
 struct SkillReport {
-  std::uint16_t ticket = 0;  ///< of the request that the report is about; 0: of none
+  std::uint16_t ticket = 0;  ///< number of the request that the report is about; 0: none
   SkillPhase phase = SkillPhase::loading;
   SkillFailure failure = SkillFailure::none;  ///< if it has failed
   friend constexpr bool operator==(const SkillReport&, const SkillReport&) noexcept = default;

@@ -22,8 +22,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// - A request during a change waits for its end; of several the last counts.
 /// - A finished skill holds, or goes on to its `next`; a failed one falls back to the first of the set.
 ///
-/// - With a gripper (`OneGripper`) requests may bring it a goal, and `Input::gripper` its state: a skill can wait
-///   until it holds something.
+/// - With a gripper (`OneGripper`) requests may bring it a goal, and `Input::gripper` its state: a skill can
+///   wait until it holds something.
 ///
 /// @tparam Names  `Behaviours<...>`: the compile-time names of the skills, in the order of their indices.
 template <class Names, class Fusion, class Grip = NoGripper>
@@ -84,19 +84,19 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
   /// The commanded values of the discrete controls.
   [[nodiscard]] static const SkillSwitches& commanded(const Memory& m) noexcept { return m.commanded; }
 
-  /// What has become of the request with this number. One that nothing is known of (not received, waiting for the end
-  /// of a change, replaced by a later one) gives a report with the number 0.
+  /// The report on the request with this number. One that nothing is known of (not received, waiting for the
+  /// end of a change, replaced by a later one) gives a report with the number 0.
   ///
-  /// The numbers of a sequence of skills and of a fallback are those of the request that began them: a failure stays
-  /// reported, with its reason, while the fallback runs, until another request begins.
+  /// The numbers of a sequence of skills and of a fallback are those of the request that began them: a
+  /// failure stays reported, with its reason, while the fallback runs, until another request begins.
   [[nodiscard]] static SkillReport report_of(const Memory& m, std::uint16_t ticket) noexcept {
     if (ticket == 0) return {};
     if (m.told.ticket == ticket) return m.told;
     return m.refused.ticket == ticket ? m.refused : SkillReport{};
   }
 
-  /// What the scene says before each evaluation: the contacts of a touch that finds them, and the gripper's
-  /// state.
+  /// The input that skills read before each evaluation: the contacts of a touch that finds them, and the
+  /// gripper's state.
   using Input = detail::Together<std::conditional_t<has_gripper, GripperInput, NothingAdded>,
                                  typename Loop::Blend::Input>;
   using Output = detail::Together<std::conditional_t<has_gripper, GripperOutput, NothingAdded>,
@@ -117,8 +117,8 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
   }
 
   /// Whether a skill waits for contacts: its scene then needs a skin that has them.
-  [[nodiscard]] bool waits_for_contacts() const noexcept {
-    bool waits = blend_.waits_for_contacts();
+  [[nodiscard]] bool needs_contacts() const noexcept {
+    bool waits = blend_.needs_contacts();
     for (const auto& s : skills_)
       waits = waits || s.conditions.finish == SkillFinish::touched ||
               s.conditions.finish == SkillFinish::released;

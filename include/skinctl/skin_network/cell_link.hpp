@@ -11,14 +11,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// How long an end tries before it takes the link for cut.
+/// The numbers of tries and missed beacons before an end takes the link for cut.
 struct LinkSettings {
-  int tries = 12;  ///< of one message, 2 to 200
-  int missed = 3;  ///< beacons in a row, 2 to 200
+  int tries = 12;  ///< tries of one message, 2 to 200
+  int missed = 3;  ///< beacons missed in a row, 2 to 200
 
-  /// For links that lose this share of their frames, 0 to 0.5: so many tries and beacons that a healthy link is taken for
-  /// cut about once in 1e9 messages or beacons. Three beacons are right up to 0.1 % only: at 10 % a skin of 10 000 cells would
-  /// otherwise see 10 000 cuts a second.
+  /// For links that lose this share of their frames, 0 to 0.5: so many tries and beacons that a healthy link
+  /// is taken for cut about once in 1e9 messages or beacons. Three beacons are right up to 0.1 % only: at 10
+  /// % a skin of 10 000 cells would otherwise see 10 000 cuts a second.
   [[nodiscard]] static LinkSettings for_loss(double loss) {
     require(loss >= 0 && loss <= 0.5, "link: share of lost frames", loss, "0 to 0.5");
     const auto count = [](double miss, double least) {
@@ -28,10 +28,10 @@ struct LinkSettings {
   }
 };
 
-/// The memory of one end. Each call takes an event and gives what to send and what became of the port. Ends that
-/// disagree whether their link is up would lose messages: each time that an end goes down it takes a new
-/// session number, the other end sees that and goes down as well, and both are up again when each has heard the other's
-/// present number.
+/// The memory of one end. Each call takes an event and gives what to send and what became of the port. Ends
+/// that disagree whether their link is up would lose messages: each time that an end goes down it takes a new
+/// session number, the other end sees that and goes down as well, and both are up again when each has heard
+/// the other's present number.
 class LinkEnd {
  public:
   enum class Port : std::uint8_t { same, went_up, went_down, restarted };

@@ -12,8 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A cell has four ports, an id of 14 bits (0: none yet; 16383 addresses all) and a label, its place in a depth-first
-/// order of the tree.
+/// A cell has four ports, an id of 14 bits (0: none yet; 16383 addresses all) and a label, its place in a
+/// depth-first order of the tree.
 struct CellNet {
   static constexpr int ports = 4;
   static constexpr std::uint16_t highest_id = 16382;
@@ -43,12 +43,12 @@ struct CellMessage {
   friend bool operator==(const CellMessage&, const CellMessage&) = default;
 };
 
-/// What a link carries: a message with its number, its receipt, or a sign of life.
+/// A frame on a link: a message with its number, its receipt, or a sign of life.
 struct LinkFrame {
   enum class Kind : std::uint8_t { beacon, data, receipt, busy };
   Kind kind = Kind::beacon;
   bool number = false;
-  std::uint8_t session = 0;  ///< of the sender: another one each time that its port was down
+  std::uint8_t session = 0;  ///< session of the sender: another one each time that its port was down
   std::uint8_t peer = 0;     ///< the session that it last heard; 0: none
   CellMessage message{};
 

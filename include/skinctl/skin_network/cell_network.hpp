@@ -10,29 +10,29 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a cell remembers: 60 bytes, whatever the skin.
+/// The memory of a cell: 60 bytes, whatever the skin.
 struct CellMemory {
   static constexpr std::uint8_t nobody = 0xff;
   struct Span {
     std::uint16_t count = 0, fresh = 0, first_label = 0;
   };
-  std::uint32_t epoch = 0;    ///< of the tree it belongs to; 0: none since it was switched on
-  std::uint32_t changed = 0;  ///< one more than the epoch whose end it last passed on
+  std::uint32_t epoch = 0;  ///< epoch of the tree that the cell belongs to; 0: none since it was switched on
+  std::uint32_t changed = 0;  ///< one more than the last epoch whose end the cell passed on
   std::uint16_t hops = 0;
-  std::uint16_t count = 0;  ///< of cells from here down; 0: not all have answered yet
-  std::uint16_t fresh = 0;  ///< of these without an id
-  std::uint16_t id = 0;     ///< kept over epochs
+  std::uint16_t count = 0;  ///< cells from here down; 0: not all have answered yet
+  std::uint16_t fresh = 0;  ///< cells from here down without an id
+  std::uint16_t id = 0;     ///< id of the cell, kept over epochs
   std::uint16_t label = 0;
-  std::array<Span, CellNet::ports> spans{};                ///< of the children
+  std::array<Span, CellNet::ports> spans{};                ///< counts and labels of the children, by port
   std::array<std::uint16_t, CellNet::ports> neighbours{};  ///< id << 2 | port
-  std::uint16_t highest = 0;                               ///< id from here down
+  std::uint16_t highest = 0;                               ///< largest id from here down
   std::uint8_t parent = nobody;
   std::uint8_t live = 0, waiting = 0, children = 0, named = 0;  ///< sets of ports
   std::uint8_t reported = 0;
   std::array<std::uint8_t, 2> spare{};  ///< no padding: `check_word` is over all bytes
 };
 
-/// What happens to a cell.
+/// An event at a cell.
 struct CellEvent {
   enum class Kind : std::uint8_t { received, port_up, port_down };
   Kind kind = Kind::received;
@@ -40,7 +40,7 @@ struct CellEvent {
   CellMessage message{};
 };
 
-/// What a cell sends upon an event: at most two to each port.
+/// The messages of a cell upon an event: at most two to each port.
 class CellOutput {
  public:
   struct Item {
@@ -194,13 +194,15 @@ struct CellAtWork {
 
 }  // namespace detail
 
-/// What a cell does: a pure function, with nothing unbounded in it, for a firmware of any kind. A port beyond the
-/// fourth and a message that makes no sense change nothing.
+/// The behaviour of a cell: a pure function, with nothing unbounded in it, for a firmware of any kind. A port
+/// beyond the fourth and a message that makes no sense change nothing.
 ///
-/// - The flood (`explore`) of a new epoch makes a tree of shortest times; the echo counts what is below each port; `assign`
-///   comes down with labels and ids from these counts; neighbours tell each other their names, and each cell
-///   reports its own to the PC. 4 links + cells - 1 messages, three times the depth, then the reports.
-/// - Whatever ends or joins, anywhere, floods `changed`: the PC begins the next epoch, and that is the whole repair.
+/// - The flood (`explore`) of a new epoch makes a tree of shortest times; the echo counts what is below each
+///   port; `assign` comes down with labels and ids from these counts; neighbours tell each other their names,
+///   and each cell reports its own to the PC. 4 links + cells - 1 messages, three times the depth, then the
+///   reports.
+/// - Whatever ends or joins, anywhere, floods `changed`: the PC begins the next epoch, and that is the whole
+///   repair.
 [[nodiscard]] inline CellStep step(const CellMemory& memory, const CellEvent& event) noexcept {
   detail::CellAtWork cell{memory};
   if (event.port < CellNet::ports) {
@@ -214,8 +216,9 @@ struct CellAtWork {
   return {cell.m, cell.out};
 }
 
-/// Whether the cell would keep this report for its parent, so that it needs room for it. One of another epoch, or in a cell that
-/// has lost its parent, is accepted and dropped: refused, it would hold up its link, and with it the next epoch.
+/// Whether the cell would keep this report for its parent, so that it needs room for it. One of another
+/// epoch, or in a cell that has lost its parent, is accepted and dropped: refused, it would hold up its link,
+/// and with it the next epoch.
 [[nodiscard]] inline bool keeps(const CellMemory& m, const CellMessage& report) noexcept {
   return report.epoch == m.epoch && m.parent < CellNet::ports;
 }

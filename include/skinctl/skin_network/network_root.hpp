@@ -24,8 +24,8 @@ struct CellNames {
   friend bool operator==(const CellNames&, const CellNames&) = default;
 };
 
-/// The root of the tree, with the ports of the interface boxes. Feed it what arrives and the time; it gives what
-/// to send.
+/// The root of the tree, with the ports of the interface boxes. Feed it what arrives and the time; it gives
+/// what to send.
 class NetworkRoot {
  public:
   struct Send {
@@ -105,8 +105,8 @@ class NetworkRoot {
         return report(m, now);
     }
   }
-  static constexpr Nanoseconds patience =
-      std::chrono::seconds(5);  ///< without a message of the present epoch
+  /// Longest time without a message of the present epoch.
+  static constexpr Nanoseconds patience = std::chrono::seconds(5);
   /// Begins the next epoch where one is due.
   void tick(Nanoseconds now, std::vector<Send>& out) {
     if ((state_ == State::exploring || state_ == State::reporting) && now - heard_ > patience)
@@ -132,7 +132,7 @@ class NetworkRoot {
     forgot_ = forget_;
     forget_ = false;
   }
-  /// When `tick` has something to do.
+  /// The time at which `tick` has something to do.
   [[nodiscard]] std::optional<Nanoseconds> due() const noexcept { return due_; }
   /// Two cells keep saying that they have one id, although all ids were given anew: one of them lies.
   [[nodiscard]] bool ids_twice() const noexcept { return twice_; }
@@ -187,7 +187,8 @@ class NetworkRoot {
     if (m.a > 0 && m.a <= CellNet::highest_id) {
       if (seen_[m.a]) {
         twice_ = true;
-        // Skins of two PCs that were joined: one epoch in which all ids are given anew. Not two: it would never end.
+        // Skins of two PCs that were joined: one epoch in which all ids are given anew. Not two: it would
+        // never end.
         if (!forgot_) forget_ = true, begin_later(now);
       }
       seen_[m.a] = true;

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "skinctl/dynamics/operational_inertia.hpp"
+#include "skinctl/dynamics/operational_mobility.hpp"
 #include "skinctl/tactile/cell_place.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -63,9 +63,9 @@ class CellMasses {
     T* to = out.data();
     for (std::size_t i = 0; i < size(); ++i) to[i] = u.mobility(A, i);
   }
-  /// The largest `v^2 / (1/body + u' A u)` of the cells that move outwards, at the link's twist `(v, w)` about
-  /// its origin along its axes: twice the energy of the hardest collision with a free mass `body` [kg]. With a
-  /// spring of stiffness k between the two, its force peaks at `sqrt(k)` times the root of this.
+  /// The largest `v^2 / (1/body + u' A u)` of the cells that move outwards, at the link's twist `(v, w)`
+  /// about its origin along its axes: twice the energy of the hardest collision with a free mass `body` [kg].
+  /// With a spring of stiffness k between the two, its force peaks at `sqrt(k)` times the root of this.
   [[nodiscard]] SKINCTL_NOINLINE T hardest(const LinkMobility<T>& A, const Xyz<T>& v, const Xyz<T>& w,
                                            const T& body) const noexcept {
     const Rows u(row_);

@@ -9,8 +9,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Where a cell of a skin is: its link, the number of its patch, its origin [m] and its outward normal along
-/// the link's axes.
+/// The place of a cell of a skin: its link, the number of its patch, its origin [m] and its outward normal
+/// along the link's axes.
 struct CellPlace {
   std::size_t link = 0, patch = 0;
   Xyz<double> place{0.0, 0.0, 0.0}, normal{0.0, 0.0, 1.0};
@@ -29,7 +29,7 @@ template <std::size_t... Ix, std::size_t... N, class Kind>
   (add(Ix, patch.any()), ...);
   return all;
 }
-/// The same for patches in a tuple, such as those of `ur5::skin_patches`.
+/// The places of patches in a tuple, such as those of `ur5::skin_patches`.
 template <std::size_t... Ix, std::size_t... N, class Kind>
 [[nodiscard]] SKINCTL_COLD std::vector<CellPlace> cell_places(
     const std::tuple<Patch<Ix, N, Kind>...>& patches) {

@@ -19,8 +19,8 @@ struct Contact {
   std::size_t link = 0;
   T force = T(0);
   T row[N] = {};
-  Xyz<T> place = {T(0), T(0), T(0)};   ///< on the link, from its origin along its axes [m]
-  Xyz<T> normal = {T(0), T(0), T(0)};  ///< of the push, of unit length, along the link's axes
+  Xyz<T> place = {T(0), T(0), T(0)};   ///< touched point, from the link's origin along its axes [m]
+  Xyz<T> normal = {T(0), T(0), T(0)};  ///< unit vector of the push, along the link's axes
 
   /// `row . dq` [m]; of a velocity [m/s].
   template <class Q>

@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// The skin `S` with the contacts of its pressed cells, for a `Cycle` in place of `S`: `ContactSkin(skin)`.
 /// Contact limits and passivity then see each of them, apart by sides, and skills can wait for them.
 ///
-/// **Regions.** The force of a region is the sum of the pushes on its cells. If weight times force exceeds the
-/// region's limit, the guard stops with `contact_force`.
+/// **Regions.** The force of a region is the sum of the pushes on its cells. If weight times force exceeds
+/// the region's limit, the guard stops with `contact_force`.
 ///
 /// @tparam Most  room for contacts; the weakest beyond it are counted in `left_out`, and still count for
 ///               wrenches, limits and regions.
@@ -25,7 +25,7 @@ class ContactSkin : public WrappedTouch<ContactSkin<S, Most>, S> {
   using scalar = typename Base::scalar;
   using Found = SkinContact<scalar>;
 
-  /// That of the skin, the contacts, and the pressed areas. Trivially copyable.
+  /// The skin's memory, the contacts, and the pressed areas. Trivially copyable.
   struct Memory : S::Memory {
     SkinContactMemory<S::cells, Most, scalar> contacts;
     typename S::Pressed areas;
@@ -35,7 +35,7 @@ class ContactSkin : public WrappedTouch<ContactSkin<S, Most>, S> {
   /// that the skin does not have.
   SKINCTL_COLD explicit ContactSkin(const S& skin, Regions regions = {})
       : ContactSkin(skin, CellGraph(skin.places()), std::move(regions)) {}
-  /// The same for a graph that is given: throws as well if it has other cells, or joins those of two links.
+  /// With the neighbours of `graph`. Throws also if the graph has other cells, or joins cells of two links.
   SKINCTL_COLD ContactSkin(const S& skin, CellGraph graph, Regions regions = {})
       : Base(skin), finder_(skin.places(), std::move(graph)), regions_(std::move(regions)) {
     for (std::size_t k = 0; k < regions_.size(); ++k) {

@@ -21,8 +21,8 @@ struct HexagonalCell {
   double scale = 1;  ///< 1: size of TUM's cell
 
   static constexpr double edge = 0.014;                ///< [m], at scale 1
-  static constexpr double port_x = 0.012;              ///< [m]
-  static constexpr double port_y = 0.007;              ///< [m]
+  static constexpr double port_x = 0.012;              ///< distance of a port from the centre along x [m]
+  static constexpr double port_y = 0.007;              ///< distance of a port from the centre along y [m]
   static constexpr double flat_pitch = 0.02778488798;  ///< [m], 2 sqrt(port_x^2 + port_y^2)
 };
 
@@ -31,7 +31,8 @@ struct CylinderSurface {
   double radius;
   double length;
 };
-/// The same with a half sphere at both ends; `length` is the length of the cylinder between them.
+/// A cylinder's lateral surface with a half sphere at both ends; `length` is that of the cylinder between
+/// them [m].
 struct CapsuleSurface {
   double radius;
   double length;
@@ -45,8 +46,8 @@ SKINCTL_COLD inline void require_cover(double radius, double length, const Hexag
   require(length > 0 && length <= 100, "cover: length", length, "> 0, <= 100 m");
 }
 
-/// Adds rings on the half sphere around the z axis on the side of `sign`, from the latitude `first` on. Cells of
-/// two rings have no joints, so the wider of the two distances is kept.
+/// Adds rings on the half sphere around the z axis on the side of `sign`, from the latitude `first` on. Cells
+/// of two rings have no joints, so the wider of the two distances is kept.
 SKINCTL_COLD inline void cover_half_sphere(double radius, double centre, double sign, double first,
                                            double apart, std::vector<Transform<Surface, Cell>>& cells) {
   if (apart > radius) return;

@@ -8,7 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The cells of a skin whose readings count, of all that it has: what tells a blind skin from an untouched one.
+/// The cells of a skin whose readings count, of all that it has: what tells a blind skin from an untouched
+/// one.
 struct Coverage {
   std::size_t usable = 0, cells = 0;
   std::size_t blind_patches = 0;  ///< number of patches none of whose cells is usable

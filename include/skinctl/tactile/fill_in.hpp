@@ -10,6 +10,7 @@
 #include <span>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "skinctl/core/contract.hpp"
@@ -39,27 +40,10 @@ class FillIn {
       end();
     }
   }
-  /// With these weights, cell by cell in the order of its neighbours: >= 0, of a sum of 1 at most for each cell. They
-  /// are rounded down to multiples of 2^-24. See `learnt_fill_in`.
-  SKINCTL_COLD FillIn(const CellGraph& graph, std::span<const double> weights) : graph_(graph) {
-    require(weights.size() == 2 * graph.edges(), "FillIn: number of weights", double(weights.size()),
-            "one for each neighbour of each cell");
-    auto w = weights.begin();
-    for (std::size_t i = 0; i < graph.size(); ++i) {
-      double sum = 0;
-      for (const CellGraph::Index j : graph.neighbours(i)) {
-        require(*w >= 0 && *w <= 1, "FillIn: weight", *w, "0 to 1");
-        sum += *w;
-        add(j, *w++);
-      }
-      require(sum <= 1 + 1e-9, "FillIn: sum of a cell's weights", sum, "at most 1");
-      end();
-    }
-  }
-  /// From the neighbours and theirs that face to the same side, the best linear guess for a random field with the
-  /// correlation `(1 + x) exp(-x)`, `x = sqrt(3) d / 2p` (Matern 3/2), where readings are off by a tenth of it:
-  /// `(K + 0.01 I) w_i = k_i`. d is the distance of two cells, p the mean distance of cell i from its neighbours.
-  /// Pressure is curved: weights of the second ring are negative.
+  /// From the neighbours and theirs that face to the same side, the best linear guess for a random field with
+  /// the correlation `(1 + x) exp(-x)`, `x = sqrt(3) d / 2p` (Matern 3/2), where readings are off by a tenth
+  /// of it: `(K + 0.01 I) w_i = k_i`. d is the distance of two cells, p the mean distance of cell i from its
+  /// neighbours. Pressure is curved: weights of the second ring are negative.
   ///
   /// @param places  of the graph's cells.
   SKINCTL_COLD FillIn(const CellGraph& graph, std::span<const CellPlace> places) : graph_(graph) {
@@ -109,8 +93,8 @@ class FillIn {
     const auto one = [&](std::size_t j) { return std::array{static_cast<double>(reading(j))}; };
     return filled_with(i, counts, [&](std::size_t j) { return read_as(j, one, counts); })[0];
   }
-  /// The same of `K` readings of each cell at once. `value(j)` is `read_as(j, ...)`, which a caller may keep: it is asked
-  /// for from each cell that j is around of.
+  /// `s_i` of `K` readings of each cell at once. `value(j)` is `read_as(j, ...)`, which a caller may keep: it
+  /// is asked for from each cell that j is around of.
   template <class Counts, class Value>
   [[nodiscard]] auto filled_with(std::size_t i, const Counts& counts, const Value& value) const noexcept {
     using Values = std::remove_cvref_t<decltype(value(i))>;
@@ -140,8 +124,8 @@ class FillIn {
     }
     return out;
   }
-  /// What cell `j` is taken to read while others are filled in: its readings, an array, if it counts, else the means of those of
-  /// its neighbours that count, NaN if none does.
+  /// The readings by which cell `j` fills in others: its own, an array, if it counts, else the means of those
+  /// of its neighbours that count, NaN if none does.
   template <class Readings, class Counts>
   [[nodiscard]] auto read_as(std::size_t j, const Readings& readings, const Counts& counts) const noexcept {
     using Values = std::remove_cvref_t<decltype(readings(j))>;
@@ -181,10 +165,10 @@ class FillIn {
     if (from.size() > max_around) {
       const auto far = [&](CellGraph::Index j) {
         const Xyz<double> way = places[j].place - places[i].place;
-        return dot(way, way);
+        return std::pair(dot(way, way), j);
       };
-      std::stable_sort(from.begin(), from.end(),
-                       [&](CellGraph::Index a, CellGraph::Index b) { return far(a) < far(b); });
+      std::sort(from.begin(), from.end(),
+                [&](CellGraph::Index a, CellGraph::Index b) { return far(a) < far(b); });
       from.resize(max_around);
       std::sort(from.begin(), from.end());
     }

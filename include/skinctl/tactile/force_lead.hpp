@@ -32,16 +32,16 @@ template <Topology M, Scalar T>
 template <class W>
 inline constexpr bool can_be_led = !std::same_as<W, NoTouch>;
 
-/// Force lead. A robot answers a touch a time T later: by its delay, its lag and its period. Against a contact of
-/// stiffness k that takes a damping of `k T` away. A law therefore gets
+/// Force lead. A robot answers a touch a time T later: by its delay, its lag and its period. Against a
+/// contact of stiffness k that takes a damping of `k T` away. A law therefore gets
 ///
 ///     w + T dw/dt
 ///
-/// with w [N, N m] the mean touch of a sub-step and dw/dt its change since the last one, by the length of a sub-step:
-/// a force that changes with the motion tells the stiffness, and gives the damping back. It is signed, and of the
-/// wrenches on links: of single cells, or cut off at zero, it would pump. A touch that stays is felt as it is; over
-/// any time the lead gives the impulse `T (w_end - w_begin)`. A virtual robot that dry friction holds gets the touch
-/// as it is: there is no motion to damp.
+/// with w [N, N m] the mean touch of a sub-step and dw/dt its change since the last one, by the length of a
+/// sub-step: a force that changes with the motion tells the stiffness, and gives the damping back. It is
+/// signed, and of the wrenches on links: of single cells, or cut off at zero, it would pump. A touch that
+/// stays is felt as it is; over any time the lead gives the impulse `T (w_end - w_begin)`. A virtual robot
+/// that dry friction holds gets the touch as it is: there is no motion to damp.
 ///
 /// @tparam W  the touch that laws read.
 template <class W>

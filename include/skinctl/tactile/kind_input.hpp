@@ -12,8 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a skin of a kind adds to the input of a cycle: `input.sensed.taxels = batch`, in a scene with two
-/// such kinds `taxels_of<Uskin>(input.sensed) = batch`. The samples of a cell are in the order of their
+/// The addition of a skin of a kind to the input of a cycle: `input.sensed.taxels = batch`, in a scene with
+/// two such kinds `taxels_of<Uskin>(input.sensed) = batch`. The samples of a cell are in the order of their
 /// stamps.
 template <SensorKind Kind>
 struct KindInput {
@@ -27,7 +27,7 @@ template <SensorKind Kind>
 /// The samples of an input's other kinds, kept: vectors of each.
 template <class Sensed>
 struct TaxelStore {
-  static constexpr std::uint32_t fingerprint = 0;  ///< of its kinds; 0: none
+  static constexpr std::uint32_t fingerprint = 0;  ///< fingerprint of the other kinds; 0: none
   template <class S, class F>
   void each(S&, F&&) {}
   template <class S, class F>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -13,18 +14,20 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// F_1 of each cell [N]: a push up to it, along the cell's normal, moves no joint in any pose, because it gives no
-/// joint more than `share` of its Coulomb friction:
+/// F_1 of each cell [N]: a push up to it, along the cell's normal, moves no joint in any pose, because it
+/// gives no joint more than `share` of its Coulomb friction:
 ///
 ///     F_1 = share min_j tau_c,j / lever_j
 ///
-/// over the joints that carry the cell. The lever of the link's own joint is exact; those before it have upper
-/// bounds over all poses, the sum of the distances between the joints' origins from the axis to the cell. 0 where a
-/// joint has no friction.
+/// over the joints that carry the cell. The lever of the link's own joint is exact; those before it have
+/// upper bounds over all poses, the sum of the distances between the joints' origins from the axis to the
+/// cell. A joint that slides, such as those of a base on wheels, has the lever 1: its friction is a force. 0
+/// where a joint has no friction.
 ///
-/// @param coulomb  tau_c [N m]: of the virtual robot (`coulomb_friction` of its configuration), or, by torque, the
-///   joints' own friction as far as nobody compensates it.
-/// Throws `ConfigurationError` for friction below 0, a `share` outside (0, 1], and a prismatic joint before a cell.
+/// @param coulomb  tau_c [N m], [N]: of the virtual robot (`coulomb_friction` of its configuration), or, by
+///   torque, the joints' own friction as far as nobody compensates it.
+/// Throws `ConfigurationError` for friction below 0, a `share` outside (0, 1], and a cell before which a
+/// prismatic joint follows a revolute one: how far it slides away from that axis is not known.
 template <RobotModel M, Real T>
 [[nodiscard]] SKINCTL_COLD std::vector<double> lone_forces(const M& model,
                                                            const JointTorque<M::joints, T>& coulomb,
@@ -47,27 +50,26 @@ template <RobotModel M, Real T>
     require(c.link < n, "lone_forces: link of a cell", double(c.link), "a link of the model");
     const Xyz<double> moment = cross(c.place, c.normal);
     double far = std::sqrt(dot(c.place, c.place)), most = 1e300;
+    const auto turns = [](std::size_t joint) { return M::kinds[joint] == JointKind::revolute; };
     const auto hold = [&](std::size_t joint, double lever) {
       const double force = share * double(coulomb[joint]) / (lever > 1e-9 ? lever : 1e-9);
       most = force < most ? force : most;
     };
-    hold(c.link, moment.z < 0 ? -moment.z : moment.z);
+    hold(c.link, turns(c.link) ? std::abs(moment.z) : std::abs(c.normal.z));
     for (std::size_t child = c.link; M::parents[child] >= 0;) {
-      require(M::kinds[child] == JointKind::revolute, "lone_forces: prismatic joint", double(child),
-              "revolute joints before a cell");
       const auto joint = static_cast<std::size_t>(M::parents[child]);
       const Xyz<double> way = origin[child] - origin[joint], across = cross(axis[joint], way);
-      hold(joint, std::sqrt(dot(across, across)) + far);
+      require(turns(child) || !turns(joint), "lone_forces: prismatic joint", double(child),
+              "before every revolute one on the way to a cell");
+      hold(joint, turns(joint) ? std::sqrt(dot(across, across)) + far : 1);
       far += std::sqrt(dot(way, way));
       child = joint;
     }
-    require(M::kinds[c.link] == JointKind::revolute, "lone_forces: prismatic joint", double(c.link),
-            "revolute joints before a cell");
     out.push_back(most);
   }
   return out;
 }
-/// The same for a described robot, by the Coulomb friction of its configuration.
+/// F_1 of each cell [N] on a described robot: tau_c is the `coulomb_friction` of its configuration.
 template <class R>
 [[nodiscard]] SKINCTL_COLD std::vector<double> lone_forces(const R& robot, std::span<const CellPlace> cells,
                                                            double share = 0.9) {

@@ -16,7 +16,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The time for which a motor torque is reported.
 enum class MotorSampling : unsigned char {
-  instant,  ///< at the time of the state
+  instant,  ///< torque at the time of the state
   mean      ///< the mean since the state before: what a servo does between two samples is not missed
 };
 
@@ -27,12 +27,13 @@ enum class MotorSampling : unsigned char {
 /// The residual `r` is the torque of everything that is not in the model: contacts, but also a wrong payload
 /// and friction that is not declared. No acceleration is measured, no matrix inverted.
 ///
-/// **Sampled.** Between two samples, `e = (p1 - p0)/dt - (b0 + b1)/2` with `b = tau_motor - friction + C' dq -
-/// G` is the mean external torque over dt but for the trapezoid's error, and `r += (1 - exp(-rate dt)) (e - r)`:
-/// the filter is exact for a constant e, and stable for any rate and dt. Samples may be lost or irregular. With
-/// `MotorSampling::mean` the motors' torque enters e as it is. A stiff servo that follows held commands is
-/// faster than an 8 ms cycle, so its torque at one instant says little of the interval: an arm in MuJoCo then
-/// felt its own motion and did not come to rest. A driver that sees more samples than cycles averages them.
+/// **Sampled.** Between two samples, `e = (p1 - p0)/dt - (b0 + b1)/2` with `b = tau_motor - friction + C'
+/// dq - G` is the mean external torque over dt but for the trapezoid's error, and `r += (1 - exp(-rate dt))
+/// (e - r)`: the filter is exact for a constant e, and stable for any rate and dt. Samples may be lost or
+/// irregular. With `MotorSampling::mean` the motors' torque enters e as it is. A stiff servo that follows
+/// held commands is faster than an 8 ms cycle, so its torque at one instant says little of the interval: an
+/// arm in MuJoCo then felt its own motion and did not come to rest. A driver that sees more samples than
+/// cycles averages them.
 ///
 /// **Lag and noise.** A step shows to 63 % after `1/rate`. Noise sigma of dq gives r a deviation of about
 /// `M_ii sigma rate` (dt rate small), at most `sqrt(2) M_ii sigma / dt`.
@@ -44,16 +45,16 @@ class MomentumObserver {
   struct Settings {
     T rate = T(25);                         ///< K [1/s], > 0, <= 1e4
     RotorInertia<joints, T> rotors = {};    ///< reflected inertia of the motors
-    std::optional<Friction> friction = {};  ///< taken off the motor torques
+    std::optional<Friction> friction = {};  ///< friction that is taken off the motor torques
     MotorSampling motors = MotorSampling::instant;
     Nanoseconds longest = 100ms;  ///< a longer gap between samples starts anew, with r = 0
   };
   struct Memory {
     bool started = false;
-    Nanoseconds stamp{};                ///< of the last sample
-    JointMomentum<joints, T> momentum;  ///< at it
-    JointTorque<joints, T> drive;       ///< b at it, without motors where they are a mean
-    JointTorque<joints, T> residual;    ///< r
+    Nanoseconds stamp{};                ///< stamp of the last sample
+    JointMomentum<joints, T> momentum;  ///< generalised momentum at `stamp`
+    JointTorque<joints, T> drive;       ///< b at `stamp`, without motors where they are a mean [N m]
+    JointTorque<joints, T> residual;    ///< r, the residual [N m]
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
@@ -66,6 +67,12 @@ class MomentumObserver {
             "> 0 ms, <= 10 s");
   }
   [[nodiscard]] const M& model() const noexcept { return model_; }
+  /// The torque that the motors would need on a base at rest [N m].
+  /// @param adds  what they bear of the motion of the base, see `base_torque` [N m].
+  [[nodiscard]] static JointTorque<joints, T> at_rest(const JointTorque<joints, T>& motor,
+                                                      const JointTorque<joints, T>& adds) noexcept {
+    return motor - adds;
+  }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
   /// Takes a measured state and the motors' torque at the joints at that time (current times torque constant

@@ -7,6 +7,7 @@
 
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/event_gate.hpp"
+#include "skinctl/tactile/detail/base_seen.hpp"
 #include "skinctl/tactile/detail/sampled_row.hpp"
 #include "skinctl/tactile/detail/touch_rows.hpp"
 #include "skinctl/tactile/joint_touch.hpp"
@@ -16,7 +17,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What `MotorTouch` adds to the input of a cycle: the motors' torque at the joints at the time of the
+/// The addition of `MotorTouch` to the input of a cycle: the motors' torque at the joints at the time of the
 /// measured state [N m], `current * torque constant * gear ratio`. For a robot that finds the torque of the
 /// world itself (`RobotObserver`) that torque stands here.
 template <std::size_t N, Scalar T = double>
@@ -41,17 +42,18 @@ struct MotorTouchSettings {
   typename Observer::Settings observer = {};
   /// Per joint, on |residual| [N m]: above what friction and the model leave. No default suits two robots.
   std::array<EventGate<T>, M::joints> gates;
-  /// Per joint, torque that its motor, or a contact, never has [N m], at most 1e4: a sample beyond was garbled and
-  /// is refused. By default 1e4, of which one sample leads an arm by a radian. Twice the joint's rating
-  /// leaves room for peaks: a motor that is refused while somebody pushes does not give way.
+  /// Per joint, torque that its motor, or a contact, never has [N m], at most 1e4: a sample beyond was
+  /// garbled and is refused. By default 1e4, of which one sample leads an arm by a radian. Twice the joint's
+  /// rating leaves room for peaks: a motor that is refused while somebody pushes does not give way.
   std::array<double, M::joints> max_torque = detail::joints_of_any_robot<M::joints>();
   T gain = T(1);  ///< torque that the laws see per torque found, > 0
-  /// Per joint, standard deviation of the residual's mean over 8 ms [N m]: with all of them known, what friction
-  /// or a payload that is told wrong leaves does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
+  /// Per joint, standard deviation of the residual's mean over 8 ms [N m]: with all of them known, what
+  /// friction or a payload that is told wrong leaves does not lead the arm (`PushWatch`); 0: unknown, and
+  /// nothing watches.
   std::array<double, M::joints> noise = {};
-  LifeSettings life = {};       ///< of the contact that stands for the unknown one: see `assumed_lever`
+  LifeSettings life = {};       ///< life of the contact that stands for the unknown one: see `assumed_lever`
   Nanoseconds max_age = 100ms;  ///< age of the last state from which nothing is felt
-  Nanoseconds fade = 50ms;      ///< in the last part of `max_age` the torque goes linearly to 0
+  Nanoseconds fade = 50ms;      ///< last part of `max_age`, in which the torque goes linearly to 0
 };
 
 /// The momentum observer's residual as touch, in place of a skin or beside one:
@@ -65,8 +67,8 @@ struct MotorTouchSettings {
 ///
 /// A stiff contact is felt late by the filter: `StiffestContact::skin_delay` is `1/rate` and a period here.
 ///
-/// **Bias.** With `noise` declared a residual has to live, as a hand's does: see `WristSensor`. Below the gates
-/// nothing is followed: a joint at rest hides up to its dry friction in either direction.
+/// **Bias.** With `noise` declared a residual has to live, as a hand's does: see `WristSensor`. Below the
+/// gates nothing is followed: a joint at rest hides up to its dry friction in either direction.
 ///
 /// **Observer.** One with `joints`, `Settings`, `Memory` (`started`, `stamp`, `residual`), `model()` and
 /// `observe(memory, state, torque)`: `MomentumObserver`, or `RobotObserver` for robots that observe
@@ -82,15 +84,18 @@ class MotorTouch : public sensor_sums::Summand {
   using Wrenches = JointTouch<M, T>;
   using Sensed = MotorInput<joints, T>;
   using Settings = MotorTouchSettings<M, T, Observer>;
-  static constexpr std::size_t sizes = joints < 16 ? joints : 16;  ///< that are looked at for life
+  /// Number of the push's sizes that are looked at for life.
+  static constexpr std::size_t sizes = joints < 16 ? joints : 16;
   using Watch = PushWatch<joints, sizes>;
   static constexpr LinkMask links = 0;
+  using OnBase = detail::BaseSeen<M, T>;
   struct Memory {
     typename Observer::Memory observer;
     detail::SampledRow<joints, T> row;  ///< the torque behind the gates [N m]
-    typename Watch::Memory watch;       ///< of residuals
-    State<joints, T> followed;          ///< how the robot stood when its way was last counted
+    typename Watch::Memory watch;       ///< watch for residuals without life
+    State<joints, T> followed;          ///< robot's state when its way was last counted
     LinkMask open = 0;                  ///< joints whose gates are open
+    [[no_unique_address]] OnBase base;  ///< motion of a base that moves
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
@@ -110,12 +115,14 @@ class MotorTouch : public sensor_sums::Summand {
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
     Memory memory;
     memory.row.begin = now;
+    memory.base = OnBase::start(observer_.model());
     return memory;
   }
 
   /// Counts the way that the arm gives to a push; called by a scene.
   template <class Model, class State>
-  void follow_robot(Memory& m, const Model&, const State& state) const noexcept {
+  void follow_robot(Memory& m, const Model& model, const State& state) const noexcept {
+    m.base.take(model);
     watch_.follow_robot(m.watch, m.followed, state, [&] {
       const double force = force_of(m.row.held);
       double work = 0;
@@ -125,8 +132,8 @@ class MotorTouch : public sensor_sums::Summand {
   }
 
   /// Takes a measured state and gives the mean torque over each of `parts` >= 1 equal parts of `(from, to]`.
-  /// A repeated state is no sample; one that is not finite is refused (`sample_not_finite`), and so is one whose
-  /// torque no joint has (`sample_out_of_range`).
+  /// A repeated state is no sample; one that is not finite is refused (`sample_not_finite`), and so is one
+  /// whose torque no joint has (`sample_out_of_range`).
   Status receive(Memory& memory, std::span<const CellSample> cells, const MotorInput<joints, T>& input,
                  const State<joints, T>& measured, Nanoseconds from, Nanoseconds to, std::size_t parts,
                  Wrenches* means) const noexcept {
@@ -139,9 +146,10 @@ class MotorTouch : public sensor_sums::Summand {
     if (memory.observer.started && memory.observer.stamp > to)
       memory.observer = {};  // the clock was set back
     if (!memory.observer.started || now.time != memory.observer.stamp) {
-      const Status seen = can_be(input.motor_torque)
-                              ? observer_.observe(memory.observer, now, input.motor_torque)
-                              : Status{Reason::sample_out_of_range};
+      const Status seen =
+          can_be(input.motor_torque)
+              ? observer_.observe(memory.observer, now, at_rest(memory, now, input.motor_torque))
+              : Status{Reason::sample_out_of_range};
       status |= seen;
       if (!seen.any() && !interval.admits(to).any()) {
         T value[joints];
@@ -162,9 +170,9 @@ class MotorTouch : public sensor_sums::Summand {
   /// Newtons that laws see per newton anywhere on the robot: the motors feel all links.
   [[nodiscard]] double gain_everywhere() const noexcept { return static_cast<double>(s_.gain); }
 
-  /// What of `found` is not explained by the contacts that another source feels: per joint, the rest in the
-  /// direction of `found`. So a push on the skin counts once, with the larger of the two torques, and what the
-  /// skin overstates does not turn the residual round.
+  /// The part of `found` that is not explained by the contacts that another source feels: per joint, the rest
+  /// in the direction of `found`. So a push on the skin counts once, with the larger of the two torques, and
+  /// what the skin overstates does not turn the residual round.
   template <class Contact>
   [[nodiscard]] Wrenches beyond(Wrenches found, const JointPosition<joints, T>& q,
                                 const Contact& contact) const noexcept {
@@ -186,6 +194,17 @@ class MotorTouch : public sensor_sums::Summand {
     for (std::size_t i = 0; i < joints; ++i)
       if (torque[i] > T(s_.max_torque[i]) || torque[i] < T(-s_.max_torque[i])) return false;
     return true;
+  }
+  /// `torque` without what the motion of the base adds.
+  [[nodiscard]] JointTorque<joints, T> at_rest([[maybe_unused]] const Memory& m,
+                                               [[maybe_unused]] const State<joints, T>& now,
+                                               const JointTorque<joints, T>& torque) const noexcept {
+    if constexpr (base_moves<M>) {
+      return Observer::at_rest(torque,
+                               base_torque(observer_.model().at_rest(), now.q, now.dq, m.base.motion));
+    } else {
+      return torque;
+    }
   }
   /// Of the contact that stands for the unknown one [N].
   [[nodiscard]] static double force_of(const T (&torque)[joints]) noexcept {
@@ -224,7 +243,7 @@ class MotorTouch : public sensor_sums::Summand {
   Watch watch_;
 };
 
-/// The same gate for all joints of a model.
+/// `gate` for each joint of a model.
 template <RobotModel M, Real T = double>
 [[nodiscard]] std::array<EventGate<T>, M::joints> same_gate(const M&, const EventGate<T>& gate) {
   std::array<EventGate<T>, M::joints> all;

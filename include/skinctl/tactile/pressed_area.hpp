@@ -11,9 +11,9 @@ template <Real T = double>
 struct PressedArea {
   std::size_t link = 0;
   T pushed = T(0);                     ///< sum of the cells' pushes [N]; at least |force|
-  Xyz<T> force = {T(0), T(0), T(0)};   ///< [N]
-  Xyz<T> moment = {T(0), T(0), T(0)};  ///< [N m]
-  Xyz<T> place = {T(0), T(0), T(0)};   ///< centre of pressure [m]
+  Xyz<T> force = {T(0), T(0), T(0)};   ///< force on the link [N], along the link's axes
+  Xyz<T> moment = {T(0), T(0), T(0)};  ///< moment about the link's origin [N m], along the link's axes
+  Xyz<T> place = {T(0), T(0), T(0)};   ///< centre of pressure, from the link's origin along its axes [m]
 
   /// Adds a push of `push` > 0 [N] at `p` along `n`, with the moment `m` per newton.
   SKINCTL_INLINE void add(const Xyz<T>& p, const Xyz<T>& n, const Xyz<T>& m, const T& push) noexcept {
@@ -31,7 +31,7 @@ struct PressedArea {
   }
   /// Whether a push along `n`, of unit length, is within 60 degrees of this area's.
   [[nodiscard]] SKINCTL_INLINE bool same_side(const Xyz<T>& n) const noexcept { return same_side(force, n); }
-  /// The same of an area that pushes with `force`.
+  /// Whether a push along `n`, of unit length, is within 60 degrees of `force`.
   [[nodiscard]] static SKINCTL_INLINE bool same_side(const Xyz<T>& force, const Xyz<T>& n) noexcept {
     const T along = dot(n, force);
     return (along > T(0)) & (along * along >= T(0.25) * dot(force, force));
@@ -56,7 +56,7 @@ class PressedAreas {
     const std::size_t full = skinned == 0 ? 1 : max_per_link * skinned;
     return skinned + max_extra < full ? skinned + max_extra : full;
   }();
-  static constexpr double patch_size = 0.1;  ///< [m]
+  static constexpr double patch_size = 0.1;  ///< largest distance of a cell from its area's centre [m]
 
   [[nodiscard]] const PressedArea<T>* begin() const noexcept { return list_; }
   [[nodiscard]] const PressedArea<T>* end() const noexcept { return list_ + count_; }

@@ -13,16 +13,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The rule of `LifeSettings` for a sensor that feels one push as few numbers (a wrench, joint torques), without
-/// neighbours to ask: a bias is no hand. The push lives as `detail::CellLife` says of one of its sizes, in means
-/// of 8 ms over windows of 8 to 96 ms, or, for a slow hand, in the change over 0.48 s of means of 80 ms, over
-/// windows of 80 to 960 ms: a bias creeps along a line, a hand does not. Sizes do not change with the axes in
-/// which a constant wrench is read: neither the sensor's bias nor a payload that is told wrong lives while the
-/// arm turns.
+/// The rule of `LifeSettings` for a sensor that feels one push as few numbers (a wrench, joint torques),
+/// without neighbours to ask: a bias is no hand. The push lives as `detail::CellLife` says of one of its
+/// sizes, in means of 8 ms over windows of 8 to 96 ms, or, for a slow hand, in the change over 0.48 s of
+/// means of 80 ms, over windows of 80 to 960 ms: a bias creeps along a line, a hand does not. Sizes do not
+/// change with the axes in which a constant wrench is read: neither the sensor's bias nor a payload that is
+/// told wrong lives while the arm turns.
 ///
-/// - **Without life** it counts `1 - s/way`, s the way that the arm has given to it, up to `force` and less its
-///   damping. After 0.9 `way`, or `calm` of pushing, it is *quiet* and counts nothing (`push_without_life`),
-///   until it lives.
+/// - **Without life** it counts `1 - s/way`, s the way that the arm has given to it, up to `force` and less
+///   its damping. After 0.9 `way`, or `calm` of pushing, it is *quiet* and counts nothing
+///   (`push_without_life`), until it lives.
 /// - **Tare while running.** At rest for 0.5 s, what a quiet push reads becomes the reading of rest. What the
 ///   gates hold back is followed at rest by `creep`: slower than a hand comes.
 ///
@@ -34,8 +34,8 @@ class PushWatch {
   static_assert(Sizes >= 1 && Sizes <= 16, "one row of sizes");
 
  public:
-  static constexpr double min_push = 1e-9;  ///< of which a way is counted [N]
-  static constexpr std::uint32_t span = 6;  ///< over which a mean of 80 ms changes: 0.48 s
+  static constexpr double min_push = 1e-9;  ///< smallest push of which a way is counted [N]
+  static constexpr std::uint32_t span = 6;  ///< 80 ms means over which a change is taken: 0.48 s
   using Values = std::array<double, N>;
   /// `Memory{}`: nothing has been read.
   struct Memory {
@@ -45,13 +45,13 @@ class PushWatch {
     Values bias{};  ///< reading of rest, beyond the one declared
     std::uint32_t fast_count = 0, slow_count = 0;
     std::array<std::array<double, Sizes>, span + 1> past{};  ///< the last means of 80 ms
-    std::uint32_t slot = 0;                                  ///< of the newest of them
-    std::uint32_t pushing = 0;                               ///< number of them since the push began
-    std::uint16_t pressed = 0;                               ///< sizes that push
+    std::uint32_t slot = 0;                                  ///< index of the newest mean in `past`
+    std::uint32_t pushing = 0;                               ///< means since the push began
+    std::uint16_t pressed = 0;                               ///< bit k: size k pushes
     bool alive = false, quiet = false;
     std::uint32_t tares = 0;  ///< number of quiet pushes that became the reading of rest
-    double way = 0;           ///< that the arm has given to the push without life [m]
-    double speed = 0;         ///< of the arm along the push [m/s]
+    double way = 0;           ///< way that the arm has given to the push without life [m]
+    double speed = 0;         ///< speed of the arm along the push [m/s]
     double lifeless = 0;      ///< time of pushing without life [s]
     double unpressed = 0;     ///< time without a push [s]
     double rested = 0;        ///< time for which the arm has stood still [s]

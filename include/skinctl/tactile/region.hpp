@@ -17,7 +17,7 @@ struct Region {
   std::string name;
   std::vector<std::uint32_t> cells;  ///< ids
   double weight = 1;  ///< > 0: multiplies the region's force, to count a delicate place for more
-  double force_limit = std::numeric_limits<double>::infinity();  ///< of weight times force [N], > 0
+  double force_limit = std::numeric_limits<double>::infinity();  ///< largest weight times force [N], > 0
 };
 
 /// A set of regions, bit `k` for the k-th.

@@ -18,13 +18,19 @@ class RobotObserver {
   struct Settings {};
   struct Memory {
     bool started = false;
-    Nanoseconds stamp{};              ///< of the last sample
-    JointTorque<joints, T> residual;  ///< torque of contacts at it [N m]
+    Nanoseconds stamp{};              ///< stamp of the last sample
+    JointTorque<joints, T> residual;  ///< torque of contacts at `stamp` [N m]
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
   SKINCTL_COLD explicit RobotObserver(const M& model, const Settings& = {}) : model_(model) {}
   [[nodiscard]] const M& model() const noexcept { return model_; }
+  /// The torque of contacts that the robot would tell on a base at rest [N m]: what its base's motion adds is
+  /// a contact to it.
+  [[nodiscard]] static JointTorque<joints, T> at_rest(const JointTorque<joints, T>& external,
+                                                      const JointTorque<joints, T>& adds) noexcept {
+    return external + adds;
+  }
 
   /// Takes the torque that the robot tells with a measured state [N m].
   ///

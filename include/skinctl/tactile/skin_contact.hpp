@@ -13,28 +13,28 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Pressed cells of one link that hang together over the cell graph, as one area. Along the link's axes, about
-/// the link's origin.
+/// Pressed cells of one link that hang together over the cell graph, as one area. Along the link's axes,
+/// about the link's origin.
 template <Real T = double>
 struct SkinContact : PressedArea<T> {
-  std::uint32_t id = 0;       ///< identity in time, from 1; that of no other contact of the skin
+  std::uint32_t id = 0;       ///< identity of the contact while it lasts, from 1, unique in the skin
   std::size_t cells = 0;      ///< number of cells
   std::size_t strongest = 0;  ///< index of the cell with the largest push
   RegionMask regions = 0;     ///< regions with a cell in this contact
   T peak = T(0);              ///< push on the strongest cell [N]
   T area = T(0);              ///< surface of the pressed cells [m^2]
-  Xyz<T> normal = {T(0), T(0),
-                   T(0)};  ///< outwards: against the force; of the strongest cell if grasped around
-  Nanoseconds began{};     ///< end of the interval in which it was first felt
+  /// Outward unit vector along the link's axes: against the force; of the strongest cell if grasped around.
+  Xyz<T> normal = {T(0), T(0), T(0)};
+  Nanoseconds began{};  ///< end of the interval in which it was first felt
 };
 
 /// A cell's part of the memory of a `ContactFinder`.
 struct ContactRow {
   static constexpr std::uint32_t none = ~std::uint32_t(0);
-  std::uint32_t frame = 0;     ///< in which the cell was last pressed; one more once it has been visited
-  std::uint32_t label = none;  ///< of its contact in that frame
+  std::uint32_t frame = 0;  ///< frame in which the cell was last pressed; one more once it has been visited
+  std::uint32_t label = none;  ///< label of its contact in the frame `frame`
   std::uint32_t next = none;   ///< the cell below it on the stack
-  float push = 0;              ///< in that frame [N]
+  float push = 0;              ///< push in the frame `frame` [N]
 };
 
 /// The memory of a `ContactFinder` for `Cells` cells and up to `Most` contacts: 16 bytes a cell. Trivially
@@ -43,7 +43,7 @@ template <std::size_t Cells, std::size_t Most, Real T = double>
 struct SkinContactMemory {
   std::array<ContactRow, Cells> rows{};
   std::array<SkinContact<T>, Most> list{};
-  std::array<std::uint32_t, Most> label{};     ///< of the contact's cells
+  std::array<std::uint32_t, Most> label{};     ///< label of each contact's cells
   std::array<T, Regions::most> region_push{};  ///< sum of the pushes on each region's cells [N]
   std::size_t count = 0;
   std::size_t left_out = 0;  ///< contacts beyond `Most`: the weakest
@@ -54,13 +54,13 @@ struct SkinContactMemory {
 
 /// Finds the contacts of a skin, frame by frame. Immutable.
 ///
-/// **Clusters.** Depth first over the cell graph. Cells are stamped with the number of the frame, an even one, and
-/// the stack is a chain through their rows, so nothing is cleared or allocated: time is bounded by the pressed
-/// cells and their edges.
+/// **Clusters.** Depth first over the cell graph. Cells are stamped with the number of the frame, an even
+/// one, and the stack is a chain through their rows, so nothing is cleared or allocated: time is bounded by
+/// the pressed cells and their edges.
 ///
-/// **Identity.** A contact is the one that its strongest cell belonged to a frame before; if that cell was not
-/// pressed then, the strongest one that was; else a neighbour of the strongest. Of two heirs the one with more
-/// push keeps the identity, the other one begins. Contacts that merge keep that of the strongest cell.
+/// **Identity.** A contact is the one that its strongest cell belonged to a frame before; if that cell was
+/// not pressed then, the strongest one that was; else a neighbour of the strongest. Of two heirs the one with
+/// more push keeps the identity, the other one begins. Contacts that merge keep that of the strongest cell.
 template <Real T = double>
 class ContactFinder {
  public:

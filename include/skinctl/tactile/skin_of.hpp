@@ -12,16 +12,17 @@ SKINCTL_BEGIN_NAMESPACE
 /// The link of a cell where it is known at run time only.
 using SomeLink = detail::AnyLink;
 
-/// A cell of a `ChannelPatch`: its id in the samples, its pose on the link, and what it has of its own.
+/// A cell of a `ChannelPatch`: its id in the samples, its pose on the link, and gains, gates and a mask of
+/// its own where they differ from those of patch and skin.
 template <SensorKind Kind = Hexagon>
 struct ChannelCell {
   std::uint32_t id = 0;
   Transform<SomeLink, Cell> X_LC;        ///< z is the outward normal
-  std::optional<GainsOf<Kind>> gains{};  ///< none: those of its patch
-  /// Of each channel that pushes, in its order: of a hexagon the sum of its forces, and its proximity. None: that
-  /// of the skin's settings.
+  std::optional<GainsOf<Kind>> gains{};  ///< gains of the cell; none: those of its patch
+  /// Gate of each channel that pushes, in its order: of a hexagon the sum of its forces, and its proximity.
+  /// None: the gate of the skin's settings.
   std::array<std::optional<EventGate<>>, KindTable<Kind>::pushing> gate{};
-  bool masked = false;  ///< cells that are no part of what feels, whatever they send
+  bool masked = false;  ///< the cell is no part of what feels, whatever it sends
 
   /// The gates in the order of the channels.
   [[nodiscard]] auto gates(const SettingsOf<Kind>& s) const {
@@ -69,17 +70,17 @@ SKINCTL_COLD void add_patches(SkinTables<Kind, T>& tables, const SettingsOf<Kind
 }
 }  // namespace detail
 
-/// A `Skin` of up to `Capacity` cells in up to `Patches` patches on
-/// links of `Links`, all known at run time: from a file, say. What one cell reads is the same to the bit as in
-/// a `Skin`, and a scene takes it in its place.
+/// A `Skin` of up to `Capacity` cells in up to `Patches` patches on links of `Links`, all known at run time:
+/// from a file, say. What one cell reads is the same to the bit as in a `Skin`, and a scene takes it in its
+/// place.
 ///
 /// **Of each cell.** A threshold of its own, counted as in `EventGate::counted`; and gains of its own, as
-/// shares of the largest gain in its patch, in steps of 2^-15. A share that is no whole step is off by at most
-/// 2^-16, and a shared reading by half a count more. Where all cells of a patch have one gain nothing is
+/// shares of the largest gain in its patch, in steps of 2^-15. A share that is no whole step is off by at
+/// most 2^-16, and a shared reading by half a count more. Where all cells of a patch have one gain nothing is
 /// rounded. One that is masked, or has no gain, neither pushes nor counts as `usable`: it does not feel.
 ///
 /// The memory is sized for `Capacity`, 17 bytes a cell, and 96 bytes a patch, whatever is used of it. A
-/// robot's link without cells has a wrench of zero, and `nearest` on it is 1: nothing is known of it.
+/// robot's link without cells has a wrench of zero, and `max_proximity` on it is 1: nothing is known of it.
 template <Topology M, Real T, std::size_t Capacity, std::size_t Patches = 32,
           LinkMask Links = all_links(M::joints), SensorKind Kind = Hexagon>
 class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, Kind> {
@@ -92,8 +93,8 @@ class SkinOf : public detail::SkinCore<M, T, Links, Capacity, Patches, Kind> {
   using typename Core::Settings;
   using typename Core::Wrenches;
 
-  /// Throws `ConfigurationError` for more cells or patches than there is room for, a patch without cells or on
-  /// a link that is not in `Links`, and for what `Patch`, `Skin` and `EventGate::counted` refuse.
+  /// Throws `ConfigurationError` for more cells or patches than there is room for, a patch without cells or
+  /// on a link that is not in `Links`, and for what `Patch`, `Skin` and `EventGate::counted` refuse.
   SKINCTL_COLD explicit SkinOf(const std::vector<ChannelPatch<Kind>>& placed, const Settings& settings = {})
       : Core(settings) {
     std::size_t count = 0;

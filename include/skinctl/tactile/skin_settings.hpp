@@ -25,10 +25,10 @@ SKINCTL_COLD void check_times(const Settings& s) {
 /// Thresholds and times that all cells of a skin share. The defaults suit TUM's cells at 250 Hz with a
 /// keep-alive of at most 100 ms.
 struct SkinSettings {
-  EventGate<> force = EventGate<>::dead_band(0.08);      ///< on the sum of the three force readings
-  EventGate<> proximity = EventGate<>::dead_band(0.05);  ///< on the proximity reading
+  EventGate<> force = EventGate<>::dead_band(0.08);      ///< gate of the sum of the three force readings
+  EventGate<> proximity = EventGate<>::dead_band(0.05);  ///< gate of the proximity reading
   Nanoseconds max_age = 250ms;  ///< age of the last sample from which a cell does not push
-  Nanoseconds fade = 50ms;      ///< in the last part of `max_age` its force goes linearly to 0
+  Nanoseconds fade = 50ms;      ///< last part of `max_age`, in which the force goes linearly to 0
   Nanoseconds ramp = 6ms;       ///< longest duration of a change of reading before its sample
   Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
   Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end

@@ -34,8 +34,8 @@ SKINCTL_INLINE constexpr auto own_load(const LinkWrenches<M, Skinned, T>& wrench
   }
 }
 
-/// Writes `tau[Ix]` from the skin's wrench on the subtree of link `Ix`, and returns that wrench about the parent's
-/// origin along the parent's axes.
+/// Writes `tau[Ix]` from the skin's wrench on the subtree of link `Ix`, and returns that wrench about the
+/// parent's origin along the parent's axes.
 template <std::size_t Ix, RobotModel M, class T, LinkMask A, class F, class N>
 SKINCTL_INLINE constexpr auto hand_down_load(const M& model, const JointAngles<M, T, A>& angles,
                                              const Load<F, N>& load, T* tau) noexcept {

@@ -35,7 +35,7 @@ class Slip {
  public:
   struct Settings {
     T friction = T(0.25);     ///< mu of a new contact, > 0: moist plastic on silicone
-    T max_friction = T(0.8);  ///< up to which it grows: what the cone of a kind (`with_normal`) reads
+    T max_friction = T(0.8);  ///< limit of the growth of mu: the cone of a kind (`with_normal`)
     T probe = T(0);           ///< growth of mu while nothing slips, 0: none [1/s]
     T reserve = T(1.4);       ///< normal force over the least one that holds, > 1
     T noise = T(0.05);        ///< standard deviation of a sample's sum, each axis, > 0 [N]
@@ -47,15 +47,15 @@ class Slip {
   };
   /// Trivially copyable; `Memory{}` touches nothing.
   struct Memory {
-    Xyz<T> force = {T(0), T(0), T(0)};                  ///< low-passed [N]
-    T normal = T(0), shear = T(0);                      ///< parts of it [N]
+    Xyz<T> force = {T(0), T(0), T(0)};                  ///< low-passed force [N]
+    T normal = T(0), shear = T(0);                      ///< normal and tangential part of `force` [N]
     T unrest = T(0);                                    ///< u^2 [N^2]
     T peak = T(0), peak_demand = T(0), highest = T(0);  ///< P [N], D, H
-    T friction = T(0);                                  ///< 0: that of the settings
+    T friction = T(0);                                  ///< learnt mu; 0: that of the settings
     T from = T(0), pressed = T(0), before = T(0);       ///< shear, normal force, friction before the slip
     T slide = T(0);                                     ///< shear at `pressed` while it slid [N]
     T since = T(1e9);                                   ///< time since the last drop [s]
-    bool touches = false, slipped = false;              ///< slipped: its friction has been told
+    bool touches = false, slipped = false;  ///< slipped: the friction of this contact has been told
   };
   /// Zeros where nothing is touched.
   struct Result {

@@ -43,7 +43,7 @@ struct NoSensors {};
 /// | `contacts(memory)` | the contacts that skills wait for, each a `Found` | none are found | both |
 /// | `coverage(memory)` | how much of it feels | no cells | together |
 /// | `noticed(memory, i)` | least reading of a push on its `i`-th cell that somebody notices | infinite | b's behind a's |
-/// | `nearest<Ix>(memory)` | bound of proximity on link `Ix` | 1: somebody may be there | greatest of those that tell |
+/// | `max_proximity<Ix>(memory)` | bound of proximity on link `Ix` | 1: somebody may be there | greatest of those that tell |
 /// | `index(id)`, `size()` | place of a cell; `size()`: not its own | no cells | b's behind a's |
 /// | `each_cell(f, most)` | unit wrenches of cells, for checks of stability | none | both |
 /// | `each_point(f)` | the same for a sensor | none | both |
@@ -56,10 +56,10 @@ concept TouchSource = detail::HasTouchTypes<S> && requires(const S& s, const typ
   { s.wrenches(m) } -> std::convertible_to<typename S::Wrenches>;
 };
 
-/// What a touch receives in a cycle.
+/// The input of a touch in a cycle.
 template <class Sensed, class State>
 struct TouchGiven {
-  std::span<const CellSample> samples;  ///< of cells
+  std::span<const CellSample> samples;  ///< samples of cells
   const Sensed& sensed;                 ///< readings of other sensors
   const State& measured;                ///< newest good state of the robot
   Nanoseconds from, to;                 ///< interval
@@ -80,7 +80,8 @@ struct TouchTable {
   static constexpr bool tells_apart = detail::HasTouch<S>;
   static constexpr bool finds_contacts = detail::HasContacts<S>;
   static constexpr bool has_cells = detail::HasCells<S>;
-  /// It takes the samples of a cycle's input: its cells are hexagons, or do not say what they are.
+  /// Whether the touch takes the `CellSample`s of a cycle's input: its cells are hexagons, or their kind is
+  /// not stated.
   static constexpr bool takes_hexagons = detail::TakesHexagons<S>::value;
   static constexpr bool has_coverage = detail::HasCoverage<S>;
   static constexpr bool has_noticed = detail::HasNoticed<S>;
@@ -90,7 +91,7 @@ struct TouchTable {
   template <class T>
   static constexpr bool knows_pressed = detail::HasPressed<S, T>;
   template <std::size_t Ix>
-  static constexpr bool tells_nearest = detail::TellsNearest<S, Ix>;
+  static constexpr bool tells_max_proximity = detail::TellsMaxProximity<S, Ix>;
 
   /// See `Skin::receive`; what comes behind `means` are front ends.
   template <class Given, class Means, class... Front>
@@ -145,9 +146,9 @@ struct TouchTable {
     }
   }
   template <std::size_t Ix, class W = typename S::Wrenches>
-  [[nodiscard]] static SKINCTL_INLINE typename W::scalar nearest(const S& s, const Memory& m) noexcept {
-    if constexpr (tells_nearest<Ix>) {
-      return s.template nearest<Ix>(m);
+  [[nodiscard]] static SKINCTL_INLINE typename W::scalar max_proximity(const S& s, const Memory& m) noexcept {
+    if constexpr (tells_max_proximity<Ix>) {
+      return s.template max_proximity<Ix>(m);
     } else {
       return typename W::scalar(1);
     }
@@ -211,7 +212,8 @@ struct TouchTable {
   }
 };
 
-/// What the input of a scene holds beside cells, by the `Sensed` of its touch.
+/// Readings in the input of a scene beside those of cells, by the `Sensed` of its touch: wrenches, torques of
+/// motors, weights of patches.
 template <class Sensed>
 concept SensesWrenches = requires(const Sensed& sensed) { sensed.wrenches; };
 template <class Sensed>

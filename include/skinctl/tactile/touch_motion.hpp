@@ -10,8 +10,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The proper acceleration of a cell at `X_LC` on link `Ix`, along its own axes [m/s^2], as an ideal accelerometer
-/// reads it: that of its place, less gravity. At rest it points upwards.
+/// The proper acceleration of a cell at `X_LC` on link `Ix`, along its own axes [m/s^2], as an ideal
+/// accelerometer reads it: that of its place, less gravity. At rest it points upwards.
 ///
 /// @param ddq  of the joints, for example from differences of their speeds.
 /// @param up   minus gravity, along the base's axes.
@@ -29,33 +29,35 @@ template <std::size_t Ix, RobotModel M, Real T>
 /// Impacts and slips at one cell, from its accelerometer.
 ///
 /// - **Impact**: the reading differs from the link's predicted acceleration by more than `impact`.
-/// - **Slip**: the squared second differences of what is left of the readings, over `window`, exceed `slip` times
-///   what they are when nothing happens. The motion of an arm is smooth: its second differences are as small as
-///   those of noise. The calm level is learnt over `learn`; a slip raises it by a third of its own at most, so that
-///   one that lasts is not forgotten.
+/// - **Slip**: the squared second differences of what is left of the readings, over `window`, exceed `slip`
+///   times what they are when nothing happens. The motion of an arm is smooth: its second differences are as
+///   small as those of noise. The calm level is learnt over `learn`; a slip raises it by a third of its own
+///   at most, so that one that lasts is not forgotten.
 ///
-/// The defaults are for an arm that stands still, or whose motion is known at the rate of the cells. On a real one that
-/// moves at 0.3 m/s, predicted from poses at 15 Hz, up to 10 m/s^2 are left and it vibrates 290 times as much as at
-/// rest (`touch_motion_test`): ask at rest, or set `impact` and `slip` from a recording of the arm (`MotionThresholds`).
+/// The defaults are for an arm that stands still, or whose motion is known at the rate of the cells. On a
+/// real one that moves at 0.3 m/s, predicted from poses at 15 Hz, up to 10 m/s^2 are left and it vibrates 290
+/// times as much as at rest (`touch_motion_test`): ask at rest, or set `impact` and `slip` from a recording
+/// of the arm (`MotionThresholds`).
 ///
 /// Second differences allow for samples that come irregularly; a gap of more than `window` begins anew.
 template <Real T = double>
 class TouchMotion {
  public:
   struct Settings {
-    T impact = T(1);            ///< [m/s^2], > 0
-    T slip = T(6);              ///< > 1
-    Nanoseconds window = 40ms;  ///< > 0
-    Nanoseconds learn = 10s;    ///< > window
+    T impact = T(1);            ///< difference from the predicted acceleration that is an impact [m/s^2], > 0
+    T slip = T(6);              ///< squared second differences, over their calm level, that are a slip, > 1
+    Nanoseconds window = 40ms;  ///< time constant of the mean of squared second differences, > 0
+    Nanoseconds learn = 10s;    ///< time constant of the calm level, > `window`
     T noise = T(0.05);  ///< expected standard deviation of an axis, where learning begins [m/s^2], > 0
   };
   /// Trivially copyable; `Memory{}` has heard nothing.
   struct Memory {
-    Xyz<T> last = {T(0), T(0), T(0)}, before = {T(0), T(0), T(0)};  ///< residuals
+    /// Residual accelerations of the last sample and of the one before [m/s^2].
+    Xyz<T> last = {T(0), T(0), T(0)}, before = {T(0), T(0), T(0)};
     Nanoseconds time = Nanoseconds::min();
-    T step = T(0);                 ///< between the last two [s]
+    T step = T(0);                 ///< time between the last two samples [s]
     T energy = T(0), calm = T(0);  ///< mean squares of second differences: of the window, when calm
-    int samples = 0;               ///< since the last gap, at most 3
+    int samples = 0;               ///< samples since the last gap, at most 3
     bool slipping = false;
   };
   struct Felt {
@@ -77,8 +79,8 @@ class TouchMotion {
     require(s.noise > T(0) && s.noise <= T(100), "TouchMotion: noise", number(s.noise), "> 0 m/s^2");
   }
 
-  /// A reading of the cell, and what the link's motion predicts there. A reading or prediction that is not finite,
-  /// or not later than the last one, is ignored.
+  /// A reading of the cell, and what the link's motion predicts there. A reading or prediction that is not
+  /// finite, or not later than the last one, is ignored.
   Felt take(Memory& m, Nanoseconds time, const Xyz<T>& reading, const Xyz<T>& predicted) const noexcept {
     using std::exp;
     using std::sqrt;
@@ -117,8 +119,8 @@ class TouchMotion {
   T window_, learn_;
 };
 
-/// Thresholds of `TouchMotion` for an arm that shakes or whose motion is predicted late: what nobody touched, times
-/// a margin. Fed with a recording of the arm's own motion (a minute of all that it will do, untouched).
+/// Thresholds of `TouchMotion` for an arm that shakes or whose motion is predicted late: what nobody touched,
+/// times a margin. Fed with a recording of the arm's own motion (a minute of all that it will do, untouched).
 template <Real T = double>
 class MotionThresholds {
  public:

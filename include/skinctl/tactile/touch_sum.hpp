@@ -244,15 +244,16 @@ class TouchSources : public detail::ApartOfSum<A, B>,
                         : Second::noticed(b_, memory.second, i - of_first);
   }
   template <std::size_t Ix>
-  [[nodiscard]] scalar nearest(const Memory& memory) const noexcept
-    requires(First::template tells_nearest<Ix> || Second::template tells_nearest<Ix>)
+  [[nodiscard]] scalar max_proximity(const Memory& memory) const noexcept
+    requires(First::template tells_max_proximity<Ix> || Second::template tells_max_proximity<Ix>)
   {
-    if constexpr (!Second::template tells_nearest<Ix>) {
-      return a_.template nearest<Ix>(memory.first);
-    } else if constexpr (!First::template tells_nearest<Ix>) {
-      return b_.template nearest<Ix>(memory.second);
+    if constexpr (!Second::template tells_max_proximity<Ix>) {
+      return a_.template max_proximity<Ix>(memory.first);
+    } else if constexpr (!First::template tells_max_proximity<Ix>) {
+      return b_.template max_proximity<Ix>(memory.second);
     } else {
-      const scalar a = a_.template nearest<Ix>(memory.first), b = b_.template nearest<Ix>(memory.second);
+      const scalar a = a_.template max_proximity<Ix>(memory.first),
+                   b = b_.template max_proximity<Ix>(memory.second);
       return a > b ? a : b;
     }
   }

@@ -17,8 +17,8 @@ struct TouchWrenches {
   using model_type = typename W::model_type;
   using scalar = typename W::scalar;
   static constexpr LinkMask links = W::links;
-  W force;      ///< of the force readings
-  W proximity;  ///< of the proximity readings
+  W force;      ///< wrenches by force readings
+  W proximity;  ///< wrenches by proximity readings
 
   [[nodiscard]] SKINCTL_INLINE constexpr W total() const noexcept { return force + proximity; }
   friend SKINCTL_INLINE constexpr bool operator==(const TouchWrenches& a, const TouchWrenches& b) noexcept {

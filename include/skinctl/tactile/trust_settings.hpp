@@ -17,8 +17,9 @@ struct TrustSettings {
   /// `lone_forces` gives what the arm's Coulomb friction holds. Required: 0 mutes a lone cell, infinity
   /// trusts it.
   std::vector<double> lone_force;
-  std::vector<SensorNoise> noise{SensorNoise{}};  ///< of each cell, or one for all
-  Nanoseconds period = 4ms;  ///< of a cell that sends all readings; shortest of one that sends changes
+  std::vector<SensorNoise> noise{SensorNoise{}};  ///< noise of each cell, or one for all
+  /// Period of a cell that sends all readings; the shortest of one that sends changes.
+  Nanoseconds period = 4ms;
   /// The cells have a proximity sensor: it is a witness, and evidence that a frozen cell drifts. False: its
   /// readings count, but say nothing of forces.
   bool proximity = true;

@@ -15,8 +15,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// - **One cell alone.** A cell that no witness is touched with counts up to its `lone_force`: found or not,
 ///   one faulty cell does not move an arm whose dry friction holds that force. Witnesses are its own
 ///   proximity, if it has come up without a jump, and a neighbour that is not masked and feels `answer` of
-///   its force, or sees something. A cell that has lost its witness fades to `lone_force` within 0.1 s, unless
-///   it lives (`CellLife`): a finger that slides to a rim of the skin is the finger that was witnessed.
+///   its force, or sees something. A cell that has lost its witness fades to `lone_force` within 0.1 s,
+///   unless it lives (`CellLife`): a finger that slides to a rim of the skin is the finger that was
+///   witnessed.
 /// - **Many at once.** All cells without a witness share one lone force: the sum of their pushes, each as a
 ///   share of its own F_1, is at most 1, so that however many there are give no joint more than one alone
 ///   may.
@@ -48,7 +49,7 @@ class TrustedSkin : public detail::TrustCore<S> {
   static constexpr std::size_t patches = Core::patches, cells = Core::cells;
 
   /// Of a `Skin`, a `SkinOf`, or a skin that wraps one.
-  /// @param fill  from `FillIn(graph, places)` or learnt; its graph says which cells are neighbours.
+  /// @param fill  from `FillIn(graph, places)`; its graph says which cells are neighbours.
   /// Throws `ConfigurationError` for settings out of their range, and a graph of another number of cells.
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill)
       : Core(skin, settings, fill) {}
@@ -129,10 +130,10 @@ class TrustedSkin : public detail::TrustCore<S> {
       if (const T push = filled_in(i, share); push > T(0)) f(i, push);
     });
   }
-  /// See `Skin::nearest`. What a masked cell sees is left to its neighbours, if one of them is heard and not
-  /// masked.
+  /// See `Skin::max_proximity`. What a masked cell sees is left to its neighbours, if one of them is heard
+  /// and not masked.
   template <std::size_t Ix>
-  [[nodiscard]] T nearest(const Memory& m) const noexcept {
+  [[nodiscard]] T max_proximity(const Memory& m) const noexcept {
     if constexpr (!Table::sees) return T(1);
     float most = static_cast<float>(this->wrapped().settings().gates()[this->seen_].opens_at() /
                                     Kind::channels[this->seen_].greatest);
@@ -148,7 +149,7 @@ class TrustedSkin : public detail::TrustCore<S> {
     }
     return T(most < 1 ? most : 1.0f);
   }
-  /// How much of the skin feels: cells that are heard and not masked.
+  /// The share of the skin that feels: cells that are heard and not masked.
   [[nodiscard]] Coverage coverage(const Memory& m) const noexcept {
     Coverage out;
     for (std::size_t k = 0; k + 1 < this->first_.size(); ++k) {
@@ -159,8 +160,8 @@ class TrustedSkin : public detail::TrustCore<S> {
     }
     return out;
   }
-  /// See `Skin::noticed`: by cell `i`, or by a neighbour, which feels `TrustSettings::spread` of the push. One
-  /// that needs a witness notices what its witness notices, too.
+  /// See `Skin::noticed`: by cell `i`, or by a neighbour, which feels `TrustSettings::spread` of the push.
+  /// One that needs a witness notices what its witness notices, too.
   [[nodiscard]] double noticed(const Memory& m, std::size_t i) const noexcept {
     double least = this->noticed_by(m, i, i);
     for (const std::size_t j : this->near(i)) least = std::min(least, this->noticed_by(m, j, i));
@@ -171,7 +172,7 @@ class TrustedSkin : public detail::TrustCore<S> {
   [[nodiscard]] float mask(const Memory& m, std::size_t i) const noexcept {
     return cell_[i].masked ? 1.0f : Health::mask(m.health, i);
   }
-  /// What is found of cell `i`, silence included; empty: healthy.
+  /// The faults found of cell `i`, silence included; empty: healthy.
   [[nodiscard]] CellFaults faults(const Memory& m, std::size_t i) const noexcept {
     CellFaults f = Health::faults(m.health, i);
     if (!m.hears(i)) f |= CellFault::unheard;
@@ -179,16 +180,18 @@ class TrustedSkin : public detail::TrustCore<S> {
       if (RestLevel::cell(rest[i / 16], i % 16).below < 0) f |= CellFault::discharge;
     return f;
   }
-  /// The rest level of the `p`-th pressure of cell `i`: what it reads while untouched, of a hexagon the sum
-  /// of three forces.
+  /// Rest level of the `p`-th pressure of cell `i` of the skin: its reading while untouched, in the reading's
+  /// unit. Of a hexagon (p = 0) it is the sum of three forces.
   [[nodiscard]] double rest(const Memory& m, std::size_t i, std::size_t p = 0) const noexcept {
     return this->s_.health.step * Table::full(this->pressure_[p]) *
            static_cast<double>(m.rest[p][i / 16].whole[i % 16]);
   }
-  /// Whether cell `i` has read something for a minute that nobody can tell from a contact: see `unexplained`.
+  /// Whether cell `i` has read something for a minute that nobody can tell from a contact: see the
+  /// function of that name in `sensing/rest_level.hpp`.
   [[nodiscard]] bool is_unexplained(const Memory& m, std::size_t i) const noexcept {
-    return std::any_of(m.rest.begin(), m.rest.end(),
-                       [&](const auto& rest) { return unexplained(RestLevel::cell(rest[i / 16], i % 16)); });
+    return std::any_of(m.rest.begin(), m.rest.end(), [&](const auto& rest) {
+      return skinctl::is_unexplained(RestLevel::cell(rest[i / 16], i % 16));
+    });
   }
   /// The id, link and place of each cell, for reports.
   [[nodiscard]] std::span<const detail::TrustCell<Kind>> table() const noexcept { return cell_; }

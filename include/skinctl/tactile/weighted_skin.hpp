@@ -9,7 +9,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Weights of the patches on `Count` links, in the order of the links: 1: a patch counts as it is, 0: it does not.
+/// Weights of the patches on `Count` links, in the order of the links: 1: a patch counts as it is, 0: it does
+/// not.
 template <std::size_t Count>
 struct PatchWeights {
   std::array<float, Count> force = filled(1), proximity = filled(1);
@@ -26,22 +27,23 @@ struct PatchWeights {
   }
 };
 
-/// What a `WeightedSkin` adds to the input of a cycle.
+/// The addition of a `WeightedSkin` to the input of a cycle.
 template <std::size_t Count>
 struct WeightInput {
   PatchWeights<Count> patch_weights;
 };
 
-/// The skin `S`, for a `Cycle` in place of `S`, with a weight of force and one of proximity for each link with skin:
+/// The skin `S`, for a `Cycle` in place of `S`, with a weight of force and one of proximity for each link
+/// with skin:
 ///
 ///     input.sensed.patch_weights.proximity[skin.slot(5)] = 0;   // the hand nears what it shall grasp
 ///
-/// Weights are inputs: they belong to a skill or an instant, and are recorded and replayed. They lie in [0, 1]; others
-/// are cut off, and one that is not finite leaves the last (`sample_not_finite`). A weight moves to its new value in
-/// `ramp` at the earliest, so a change is no step.
+/// Weights are inputs: they belong to a skill or an instant, and are recorded and replayed. They lie in [0,
+/// 1]; others are cut off, and one that is not finite leaves the last (`sample_not_finite`). A weight moves
+/// to its new value in `ramp` at the earliest, so a change is no step.
 ///
-/// Laws, and an energy tank, see the weighted touch. What is pressed stays pressed: contacts, limits of contact and
-/// skills that wait for a contact read the cells themselves.
+/// Laws, and an energy tank, see the weighted touch. What is pressed stays pressed: contacts, limits of
+/// contact and skills that wait for a contact read the cells themselves.
 template <class S>
 class WeightedSkin : public WrappedTouch<WeightedSkin<S>, S, WeightInput<S::Wrenches::count>> {
   using Base = WrappedTouch<WeightedSkin, S, WeightInput<S::Wrenches::count>>;

@@ -12,6 +12,7 @@
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/sample_span.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
+#include "skinctl/tactile/detail/base_seen.hpp"
 #include "skinctl/tactile/detail/sampled_row.hpp"
 #include "skinctl/tactile/detail/touch_rows.hpp"
 #include "skinctl/tactile/link_wrenches.hpp"
@@ -22,7 +23,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a wrist sensor adds to the input of a cycle.
+/// The addition of a wrist sensor to the input of a cycle.
 struct WristInput {
   SampleSpan<WrenchSample> wrenches;  ///< arrived since the last cycle, in the order of their stamps
 };
@@ -35,9 +36,9 @@ struct WristInput {
 /// Laws see its wrench as they see that of a skin on link `Ix`: an arm without skin gives way at its tool.
 ///
 /// **Reading.** `w = gain gate(sample - bias - weight)`. `weight` is the gravity of `mass` at `centre` at the
-/// measured pose; the inertial force of an accelerated tool is not taken off (1 N for 1 kg at 1 m/s^2: choose
-/// the thresholds above it). The gates act on the magnitudes of force and moment and keep their directions;
-/// with the default ones 2 N and 0.2 N m are subtracted, so that a push ends without a step.
+/// measured pose, and what a moving base (`OnMovingBase`) does to it; the inertial force of an accelerated arm
+/// is not taken off (1 N for 1 kg at 1 m/s^2: choose the thresholds above it). The gates act on the sizes of
+/// force and moment; with the default ones 2 N and 0.2 N m are subtracted, so that a push ends without a step.
 ///
 /// **Time.** The wrench is linear in time through its stamped samples, or constant until `ramp` before the
 /// next one where they are further apart. After the last sample it is held; from `max_age - fade` on it goes
@@ -61,13 +62,14 @@ class WristSensor : public sensor_sums::Summand {
   using Watch = PushWatch<6, 2>;
   static constexpr std::size_t link = Ix;
   static constexpr LinkMask links = Wrenches::links;
-
+  using OnBase = detail::BaseSeen<M, T>;
   /// Trivially copyable; only the sensor reads and writes its members.
   struct Memory {
-    detail::SampledRow<6, T> row;         ///< on the link, about its origin [N], [N m]
+    detail::SampledRow<6, T> row;         ///< wrench on the link, about the link's origin [N], [N m]
     bool pushed = false, turned = false;  ///< whether the gates of force and moment are open
-    typename Watch::Memory watch;         ///< of forces, then moments, along the sensor's axes
-    State<M::joints, T> followed;         ///< how the robot stood when its way was last counted
+    typename Watch::Memory watch;         ///< watch for pushes without life, along the sensor's axes
+    State<M::joints, T> followed;         ///< robot's state when the way given to a push was last counted
+    [[no_unique_address]] OnBase base;    ///< motion of a base that moves
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
@@ -130,7 +132,7 @@ class WristSensor : public sensor_sums::Summand {
               "<= half of its threshold [N m]");
     }
     Settings settings = s_;
-    settings.bias = mean - weight(q);
+    settings.bias = mean - weight(q, OnBase::start(model_));
     return WristSensor(model_, settings);
   }
 
@@ -148,6 +150,7 @@ class WristSensor : public sensor_sums::Summand {
   [[nodiscard]] Memory start(Nanoseconds now) const noexcept {
     Memory memory;
     memory.row.begin = now;
+    memory.base = OnBase::start(model_);
     return memory;
   }
   /// The reading of rest that was found while running, beyond `Settings::bias`.
@@ -157,7 +160,8 @@ class WristSensor : public sensor_sums::Summand {
   }
   /// Counts the way that the arm gives to a push; called by a scene.
   template <class Model, class State>
-  void follow_robot(Memory& m, const Model&, const State& state) const noexcept {
+  void follow_robot(Memory& m, const Model& model, const State& state) const noexcept {
+    m.base.take(model);
     watch_.follow_robot(m.watch, m.followed, state, [&] {
       if (!m.pushed && !m.turned) return 0.0;
       const T* w = m.row.held;
@@ -188,7 +192,7 @@ class WristSensor : public sensor_sums::Summand {
     detail::SampledInterval<6, T, decltype(row)> interval(times, memory.row, from, to, parts, row);
     Status status = cells.empty() ? Status{} : Status{Reason::sample_unknown};
     if (!input.wrenches.empty()) {
-      const Wrench<ForceSensor> load = weight(measured.q);
+      const Wrench<ForceSensor> load = weight(measured.q, memory.base);
       for (const WrenchSample& sample : input.wrenches) {
         Status bad = check(sample, s_.max_force, s_.max_moment);
         if (!bad.any()) bad = interval.admits(sample.time);
@@ -236,10 +240,15 @@ class WristSensor : public sensor_sums::Summand {
     const Poses<M, link_bit<Ix>, T> poses(model_, angles);
     return poses.template get<Ix>().template cast<double>().axes() * s_.X_LS.axes();
   }
-  /// Gravity of the load along the sensor's axes, about its origin [N], [N m].
-  [[nodiscard]] Wrench<ForceSensor> weight(const JointPosition<M::joints, T>& q) const noexcept {
+  /// Gravity of the load, and the base's motion, along the sensor's axes, about its origin [N], [N m].
+  [[nodiscard]] Wrench<ForceSensor> weight(const JointPosition<M::joints, T>& q,
+                                           [[maybe_unused]] const OnBase& base) const noexcept {
     if (s_.mass == 0) return {};
-    const Xyz<T> g = dense<T>(model_.template gravity<T>());
+    Xyz<T> g = dense<T>(model_.template gravity<T>());
+    if constexpr (base_moves<M>) {
+      const auto X_BS = link_poses<link_bit<Ix>>(model_, q).template get<Ix>() * s_.X_LS.template cast<T>();
+      g = -acceleration_at(base.motion, Xyz<T>(X_BS.origin() + X_BS.axes() * skinctl::cast<T>(s_.centre)));
+    }
     const Xyz<double> force = s_.mass * (axes_in_base(q).transpose() * skinctl::cast<double>(g));
     return {force, cross(s_.centre, force)};
   }

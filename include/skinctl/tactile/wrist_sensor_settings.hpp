@@ -16,23 +16,24 @@ struct ForceSensor : FrameTag {};
 template <std::size_t Ix>
 struct WristSensorSettings {
   Transform<Link<Ix>, ForceSensor> X_LS = {};  ///< pose of the sensor on the link
-  double mass = 0;                 ///< of what the sensor carries [kg]; 0 if it takes that off itself
+  double mass = 0;                 ///< mass that the sensor carries [kg]; 0 if the sensor takes it off itself
   Xyz<double> centre = {0, 0, 0};  ///< centre of that mass, along the sensor's axes [m]
-  double reach = 0.2;              ///< of the tool from the sensor's origin [m], for checks of stability
+  double reach = 0.2;  ///< reach of the tool from the sensor's origin [m], for checks of stability
   /// Reading without load and without weight: see `WristSensor::tared`.
   Wrench<ForceSensor> bias = {};
-  EventGate<> force = EventGate<>(3.0, 2.0, 2.0);   ///< on |force| [N]
-  EventGate<> moment = EventGate<>(0.3, 0.2, 0.2);  ///< on |moment| about the sensor's origin [N m]
+  EventGate<> force = EventGate<>(3.0, 2.0, 2.0);   ///< gate of |force| [N]
+  EventGate<> moment = EventGate<>(0.3, 0.2, 0.2);  ///< gate of |moment| about the sensor's origin [N m]
   double gain = 1;                                  ///< newtons that the laws see per newton measured, > 0
-  double max_force = 1000, max_moment = 100;        ///< greatest component that it can measure [N], [N m]
-  /// Standard deviation of the mean of 8 ms of a component of force [N], and of moment [N m]: with both known, a
-  /// bias does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
+  /// Largest component of force and moment that the sensor measures [N], [N m].
+  double max_force = 1000, max_moment = 100;
+  /// Standard deviation of the mean of 8 ms of a component of force [N], and of moment [N m]: with both
+  /// known, a bias does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
   double noise = 0, moment_noise = 0;
   double creep =
       0.02;  ///< greatest speed at which the force of rest is followed [N/s]; of the moment, by `reach`
   LifeSettings life = {};       ///< `life.mass`: the mass with which the arm is felt at the tool
   Nanoseconds max_age = 50ms;   ///< age of the last sample from which the sensor does not push
-  Nanoseconds fade = 25ms;      ///< in the last part of `max_age` its wrench goes linearly to 0
+  Nanoseconds fade = 25ms;      ///< last part of `max_age`, in which the wrench goes linearly to 0
   Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample
   Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
   Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end

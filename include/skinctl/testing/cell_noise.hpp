@@ -13,10 +13,10 @@ namespace skinctl::testing {
 class NoisyCell {
  public:
   struct Settings {
-    double rest = 0.012, sigma = 0.001;  ///< of the reading
-    double step = 1.0 / 1024;            ///< to which it is rounded
+    double rest = 0.012, sigma = 0.001;  ///< mean and standard deviation of the reading
+    double step = 1.0 / 1024;            ///< step to which the reading is rounded
     double tail = 0, tail_sigma = 3;     ///< share of samples that have so many times sigma
-    double drift = 0;                    ///< [1/s]
+    double drift = 0;                    ///< drift of the reading [1/s]
   };
   NoisyCell(const Settings& settings, std::uint64_t seed) : s_(settings), random_(seeded(seed)) {}
 

@@ -49,16 +49,16 @@ struct AlongLine {
   double x = 0, v = 0;
 };
 
-/// One hand as a plant: `m dv/dt = K (goal - x) + D (goal' - v) + push + tremor - F`, and on the robot the force
-/// `F = k (x - robot) + d (v - robot')` of the cover, 0 where it would pull and the hand does not hold. By the
-/// midpoint rule, which neither makes nor loses energy: steps of a tenth of a millisecond are fine.
+/// One hand as a plant: `m dv/dt = K (goal - x) + D (goal' - v) + push + tremor - F`, and on the robot the
+/// force `F = k (x - robot) + d (v - robot')` of the cover, 0 where it would pull and the hand does not hold.
+/// By the midpoint rule, which neither makes nor loses energy: steps of a tenth of a millisecond are fine.
 class Hand {
  public:
   /// @param x  where it begins, at rest; the robot's surface is at `robot.x`.
   explicit Hand(const HandSettings& settings, double x = 0) noexcept : s_(settings), x_(x) {}
 
-  /// Runs for `dt` [s], during which robot and goal move to these places, at constant speeds. Returns the mean
-  /// force on the robot [N].
+  /// Runs for `dt` [s], during which robot and goal move to these places, at constant speeds. Returns the
+  /// mean force on the robot [N].
   double advance(double dt, double goal, double robot) noexcept {
     if (!started_) goal_ = goal, robot_ = robot, started_ = true;
     const AlongLine g{0.5 * (goal_ + goal), (goal - goal_) / dt},

@@ -30,10 +30,10 @@ class HeldCup {
   static constexpr std::array<Xyz<double>, fingers> tips = {Xyz<double>{0.03, 0, 0}, Xyz<double>{0.03, 0, 0},
                                                             Xyz<double>{0.03, 0.01, 0}};
   struct Touch {
-    Xyz<double> place, normal;   ///< on the cup [m], into the cup
-    Xyz<double> bend{0, 0, 0};   ///< of the bristles [m]
+    Xyz<double> place, normal;   ///< point on the cup [m], unit normal into the cup
+    Xyz<double> bend{0, 0, 0};   ///< deflection of the bristles [m]
     Xyz<double> slid{0, 0, 0};   ///< way of the fingertip on the cup [m]
-    Xyz<double> force{0, 0, 0};  ///< on the fingertip [N]
+    Xyz<double> force{0, 0, 0};  ///< force on the fingertip [N]
   };
 
   /// @param friction  of the cup at rest; a slide has 0.8 of it.
@@ -66,7 +66,7 @@ class HeldCup {
     const Xyz<double> z = turn_back(R, touch_[f].normal), y = turn_back(R, down_);
     return {cross(y, z), y, z};
   }
-  /// What a cell of fingertip `f` feels along its axes, a pressure positive [N].
+  /// The force on a cell of fingertip `f` along its axes, a pressure positive [N].
   [[nodiscard]] Xyz<double> felt(std::size_t f) const {
     const auto R = axes(f);
     const Xyz<double> F = (1.0 / cells) * turn_back(at_link(x_, f).axes(), touch_[f].force);
@@ -125,7 +125,7 @@ class HeldCup {
   [[nodiscard]] double slid() const {
     return std::max({norm(touch_[0].slid), norm(touch_[1].slid), norm(touch_[2].slid)});
   }
-  /// Where the fingertips are [m].
+  /// The places of the fingertips [m].
   [[nodiscard]] std::array<Xyz<double>, fingers> places() const {
     const Poses<Hand, all_links(16)> poses(hand_, x_.q);
     return {(poses.template get<3>() * tip<3>(0)).origin(), (poses.template get<7>() * tip<7>(1)).origin(),

@@ -13,14 +13,14 @@
 
 namespace skinctl::testing {
 
-/// What a robot by joint impedance is in truth.
+/// The true parameters of a robot by joint impedance.
 template <std::size_t N>
 struct ImpedanceTruth {
   JointTorque<N> stiffness;    ///< k of each joint [N m/rad]
-  double damping_ratio = 0.7;  ///< of the springs and the links' inertia at the start
+  double damping_ratio = 0.7;  ///< damping ratio of the springs with the links' inertia at the start
   JointTorque<N> rotors = {};  ///< inertia of the motors behind their gears [kg m^2]
-  double delay = 0;            ///< from sending a command until the robot takes it [s]
-  double period = 0.001;       ///< in which the robot moves its reference to a new command [s]
+  double delay = 0;            ///< time from sending a command until the robot takes it [s]
+  double period = 0.001;       ///< time in which the robot moves its reference to a new command [s]
 };
 
 /// `(M + I) ddq + C dq = k (r - q) + d (dr - dq) + tau + pushed`: the reference r goes to each commanded

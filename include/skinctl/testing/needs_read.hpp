@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which of the quantities that a law asks for it reads: what it asks for and nobody reads costs time in every cycle.
+// Which of the quantities that a law asks for it reads: what it asks for and nobody reads costs time in every
+// cycle.
 #pragma once
 
 #include <string>
@@ -35,29 +36,12 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
   [[nodiscard]] auto jacobian(const X&... X_LP) const noexcept {
     return read_.jacobians |= link_bit<Ix>, Of::template jacobian<Ix>(X_LP...);
   }
-  template <std::size_t Ix, class... X>
-  [[nodiscard]] auto jacobian_rate(const X&... X_LP) const noexcept {
-    read_.jacobians |= link_bit<Ix>;
-    return read_.jacobian_rates |= link_bit<Ix>, Of::template jacobian_rate<Ix>(X_LP...);
-  }
-  template <std::size_t Ix, class... X>
-  [[nodiscard]] auto mobility(const X&... X_LP) const noexcept {
-    read_.jacobians |= link_bit<Ix>;
-    return read_.mass_factors = true, Of::template mobility<Ix>(X_LP...);
-  }
   [[nodiscard]] decltype(auto) gravity() const noexcept { return read_.gravity = true, Of::gravity(); }
   [[nodiscard]] decltype(auto) mass() const noexcept { return read_.mass = true, Of::mass(); }
   [[nodiscard]] decltype(auto) mass_factors() const noexcept {
     return read_.mass_factors = true, Of::mass_factors();
   }
   [[nodiscard]] decltype(auto) coriolis() const noexcept { return read_.coriolis = true, Of::coriolis(); }
-  [[nodiscard]] decltype(auto) momentum() const noexcept { return read_.momentum = true, Of::momentum(); }
-  [[nodiscard]] decltype(auto) kinetic_energy() const noexcept {
-    return read_.kinetic_energy = true, Of::kinetic_energy();
-  }
-  [[nodiscard]] decltype(auto) centre_of_mass() const noexcept {
-    return read_.centre_of_mass = true, Of::centre_of_mass();
-  }
 
  private:
   Needs& read_;
@@ -73,15 +57,12 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
       if ((mask >> i & 1u) != 0) out += " " + std::to_string(i + 1);
     out += ", ";
   };
-  links("poses", n.poses), links("Jacobians", n.jacobians), links("their rates", n.jacobian_rates);
+  links("poses", n.poses), links("Jacobians", n.jacobians);
   const std::pair<bool, const char*> flags[] = {{n.angles, "angles"},
                                                 {n.gravity, "G"},
                                                 {n.mass, "M"},
                                                 {n.mass_factors, "factors of M"},
                                                 {n.coriolis, "C dq"},
-                                                {n.momentum, "M dq"},
-                                                {n.kinetic_energy, "kinetic energy"},
-                                                {n.centre_of_mass, "centre of mass"},
                                                 {n.touch, "touch"},
                                                 {n.middle, "angles half a step ahead"}};
   for (const auto& [wanted, name] : flags)
@@ -89,28 +70,25 @@ class NotingQuantities : public Quantities<M, Asked, T, Touch> {
   return out.empty() ? "-" : out.substr(0, out.size() - 2);
 }
 
-/// The members of `asked` that are not in `read`. A pose is read with the Jacobian of its link, a Jacobian with its rate,
-/// M with its factors, and any of them with the angles.
+/// The members of `asked` that are not in `read`. A pose is read with the Jacobian of its link, M with
+/// its factors, and any of them with the angles.
 [[nodiscard]] constexpr Needs unread(const Needs& asked, const Needs& read) noexcept {
   const bool by_angles = read.angles || read.any_mass() || read.poses != 0 || read.jacobians != 0;
-  return {.poses = asked.poses & ~(read.poses | read.jacobians | (read.centre_of_mass ? ~LinkMask(0) : 0)),
+  return {.poses = asked.poses & ~(read.poses | read.jacobians),
           .jacobians = asked.jacobians & ~read.jacobians,
-          .jacobian_rates = asked.jacobian_rates & ~read.jacobian_rates,
           .angles = asked.angles && !by_angles,
           .gravity = asked.gravity && !read.gravity,
           .mass = asked.mass && !read.mass && !read.mass_factors,
           .mass_factors = asked.mass_factors && !read.mass_factors,
           .coriolis = asked.coriolis && !read.coriolis,
-          .momentum = asked.momentum && !read.momentum,
-          .kinetic_energy = asked.kinetic_energy && !read.kinetic_energy,
-          .centre_of_mass = asked.centre_of_mass && !read.centre_of_mass,
           .touch = asked.touch && !read.touch,
           .middle = asked.middle && !read.middle};
 }
 
-/// What `law` reads of the quantities it asks for, while it runs so many cycles from each of so many random states of a robot
-/// that is touched on all links, goes to `goal`s (if the law takes them and some are given), and is opposed now and then.
-/// A tracking law asks for G only where it is alone: the scene that adds it reads it.
+/// The quantities that `law` reads of those it asks for, while it runs so many cycles from each of so many
+/// random states of a robot that is touched on all links, goes to `goal`s (if the law takes them and some are
+/// given), and is opposed now and then. A tracking law asks for G only where it is alone: the scene that adds
+/// it reads it.
 template <RobotModel M, class L, class... Goal>
 [[nodiscard]] Needs needs_read(const M& model, const L& law, int states, int cycles, const Goal&... goal) {
   constexpr LinkMask all = (LinkMask(2) << (M::joints - 1)) - 1;

@@ -10,8 +10,8 @@
 
 namespace skinctl::testing {
 
-/// A body whose mass, moments and their axes are off by a tenth to a quarter: the factor of its pseudo-inertia is disturbed, lengths
-/// in 0.15 m and mass first.
+/// A body whose mass, moments and their axes are off by a tenth to a quarter: the factor of its
+/// pseudo-inertia is disturbed, lengths in 0.15 m and mass first.
 inline detail::fit::Inertia10 other_body(const detail::fit::Inertia10& body, Random& rng) {
   Eigen::Matrix4d turned = Eigen::Matrix4d::Zero();  // lengths of 0.15 m, mass first
   for (int i = 0; i < 3; ++i) turned(3 - i, i) = 1 / 0.15;

@@ -14,14 +14,16 @@ namespace skinctl::testing {
 /// A round body that presses on a link: Hertz's pressure `sqrt(1 - (r/R)^2)` about `place`.
 struct Pressing {
   std::size_t link = 0;
-  Xyz<double> place{0.0, 0.0, 0.0};   ///< centre of the true pressure, along the link's axes [m]
-  Xyz<double> normal{0.0, 0.0, 1.0};  ///< of the surface there; cells that face away are not touched
-  double radius = 0.03;               ///< R [m]
-  double force = 10;                  ///< sum over the cells [N]
+  Xyz<double> place{0.0, 0.0, 0.0};  ///< centre of the true pressure, along the link's axes [m]
+  /// Outward normal of the surface there; cells that face away are not touched.
+  Xyz<double> normal{0.0, 0.0, 1.0};
+  double radius = 0.03;  ///< R [m]
+  double force = 10;     ///< sum over the cells [N]
 };
 
-/// The push on each cell [N], in the order of `cells`: each takes the pressure at its centre, scaled such that
-/// the pushes of one body add up to its force. A body between cells, farther than R from any, is not felt.
+/// The push on each cell [N], in the order of `cells`: each takes the pressure at its centre, scaled such
+/// that the pushes of one body add up to its force. A body between cells, farther than R from any, is not
+/// felt.
 [[nodiscard]] inline std::vector<double> pushes(std::span<const CellPlace> cells,
                                                 std::span<const Pressing> bodies) {
   std::vector<double> push(cells.size()), one(cells.size());

@@ -7,7 +7,8 @@
 
 namespace skinctl::testing {
 
-/// Friction of a contact per newton of normal force: LuGre, elasto-plastic, so that what sticks does not creep:
+/// Friction of a contact per newton of normal force: LuGre, elasto-plastic, so that what sticks does not
+/// creep:
 ///
 ///     g(v) = mu_k + (mu - mu_k) exp(-(v/v_s)^2),   z' = v - a k |v| z / g,   f_t = f_n (k z + c z'),
 ///     a = 0 for |k z| <= 0.7 g or z v < 0, to 1 at |k z| = g
@@ -22,7 +23,8 @@ struct Bristle {
   double c = 5;              ///< damping of the fingertip's skin [s/m]
   double z = 0, z_rate = 0;  ///< bend of the skin [m], its rate [m/s]
 
-  /// The force against the speed `v` of what is dragged [N], after `dt`. Implicit in z: stiff ones do not ring.
+  /// The force against the speed `v` of what is dragged [N], after `dt`. Implicit in z: stiff ones do not
+  /// ring.
   double step(double dt, double v, double f_n) {
     const double g = mu * (share + (1 - share) * std::exp(-v * v / (v_s * v_s)));
     const double a = z * v < 0 ? 0 : std::clamp((k * std::abs(z) / g - 0.7) / 0.3, 0.0, 1.0);
@@ -34,9 +36,9 @@ struct Bristle {
 
 /// A block of `mass` on one contact, pulled along it by a load.
 struct RubbedBlock {
-  double mass = 0.25;  ///< [kg]
+  double mass = 0.25;  ///< mass of the block [kg]
   Bristle bristle{};
-  double x = 0, v = 0, friction = 0;  ///< [m], [m/s], [N]
+  double x = 0, v = 0, friction = 0;  ///< position [m], velocity [m/s], and friction that acts against it [N]
 
   /// `dt` [s] in steps of 20 us at most.
   void advance(double dt, double load, double f_n) {
@@ -48,9 +50,9 @@ struct RubbedBlock {
       x += h * v;
     }
   }
-  /// How fast it slides on the skin [m/s].
+  /// The block's speed on the skin [m/s].
   [[nodiscard]] double sliding() const { return v - bristle.z_rate; }
-  /// How far it has slid [m].
+  /// The block's way on the skin [m].
   [[nodiscard]] double slid() const { return x - bristle.z; }
 };
 

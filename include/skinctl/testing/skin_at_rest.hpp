@@ -27,7 +27,7 @@ namespace skinctl::testing {
   return deviation * Eigen::Vector3d(x, y, z);
 }
 
-/// Where a cell truly is, and its accelerometer.
+/// The true pose of a cell, and its accelerometer.
 struct CellAtRest {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
@@ -36,12 +36,12 @@ struct CellAtRest {
 };
 struct PatchAtRest {
   PatchGraph graph;
-  std::vector<CellAtRest> cells;  ///< in the order of `graph.ids`
+  std::vector<CellAtRest> cells;  ///< cells in the order of `graph.ids`
 };
 
 /// The accelerometer of a BMA250, as it is in a cell.
 struct SimulatedAccelerometer {
-  double noise = 9e-3;  ///< of a sample [g]
+  double noise = 9e-3;  ///< standard deviation of a sample [g]
   double step = 1.0 / 256;
   double cross_axis = 3e-3;
   AccelerometerPrior prior{};
@@ -66,8 +66,8 @@ struct SimulatedAccelerometer {
   }
 };
 
-/// A patch of cells with these poses, joined where their ports meet to within half a millimetre, by ids from 1 in another
-/// order than the cells'. Only the piece that the first cell is in.
+/// A patch of cells with these poses, joined where their ports meet to within half a millimetre, by ids from
+/// 1 in another order than the cells'. Only the piece that the first cell is in.
 [[nodiscard]] inline PatchAtRest joined(const std::vector<CellAtRest>& cells, const CellPorts& ports,
                                         Random& rng) {
   std::vector<CellNames> names(cells.size());
@@ -106,7 +106,8 @@ struct SimulatedAccelerometer {
   return joined(cells, hexagonal_ports(), rng);
 }
 
-/// Directions of up that are the corners of a cube, each off by up to `off` [rad], in an order that any three span space.
+/// Directions of up that are the corners of a cube, each off by up to `off` [rad], in an order that any three
+/// span space.
 [[nodiscard]] inline std::vector<Eigen::Vector3d> cube_corners(Random& rng, double off = 0.1) {
   std::vector<Eigen::Vector3d> up;
   const Eigen::Matrix3d R = turn(normal3(rng, 1));
@@ -127,7 +128,7 @@ struct SimulatedAccelerometer {
   return out;
 }
 
-/// How far a reconstruction is from the truth once it is aligned as a whole, over the cells that it says it knows.
+/// The errors of a reconstruction once it is aligned as a whole, over the cells that it says it knows.
 struct ShapeError {
   double place = 0, turn = 0;  ///< rms [m], [rad]
   double worst_place = 0, worst_turn = 0;

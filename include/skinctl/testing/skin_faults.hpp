@@ -52,7 +52,7 @@ struct FaultyCell {
 /// within 0 to 1: the faults that `check` cannot see.
 class SkinFaults {
  public:
-  /// @param step  of the sensors' readings
+  /// @param step  step of the sensors' readings (LSB); force readings are multiples of it in [0, 1].
   explicit SkinFaults(std::vector<FaultyCell> faults, std::uint64_t seed = 1, double step = 1.0 / 1024)
       : faults_(std::move(faults)), state_(faults_.size()), random_(seeded(seed)), step_(step) {
     for (std::size_t k = 0; k < faults_.size(); ++k) {
@@ -89,8 +89,8 @@ class SkinFaults {
                        [&](std::size_t k) { return faults_[k].from <= time && time < faults_[k].until; });
   }
 
-  /// What arrives until `now` in place of `samples`, which are those of one cycle, in the order of their
-  /// stamps.
+  /// The samples that arrive until `now` in place of `samples`, which are those of one cycle, in the order of
+  /// their stamps.
   void apply(std::vector<CellSample>& samples, Nanoseconds now) {
     arrived_.clear();
     for (const CellSample& sample : samples) {

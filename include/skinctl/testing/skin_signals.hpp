@@ -23,7 +23,7 @@ class Normal {
     has_other_ = true, other_ = size * std::sin(angle);
     return size * std::cos(angle);
   }
-  /// Between `low` and `high`, all alike.
+  /// A uniform random number from `low` to `high`.
   double between(double low, double high) { return uniform<double>(random_, low, high); }
   Random& bits() { return random_; }
 
@@ -36,22 +36,23 @@ class Normal {
 /// A round body that touches a link for a while: Hertz's pressure `sqrt(1 - (d/radius)^2)` about its centre.
 struct SkinTouch {
   std::size_t link = 0;
-  Xyz<double> place{0.0, 0.0, 0.0}, velocity{0.0, 0.0, 0.0};  ///< of the centre at `from` [m], [m/s]
-  double radius = 0.03;                                       ///< [m]
-  double reading = 0.3;                                       ///< of each force sensor at the centre
-  Nanoseconds from{0}, until{};                               ///< of the touch
-  Nanoseconds rise = 80ms;                                    ///< and fall
-  double tremor = 0.05;  ///< share of the force that trembles at about 8 Hz
-  double pulse = 50;     ///< of the tremor [rad/s]
-  bool seen = true;      ///< infrared light sees it, from 0.3 s before it touches until 0.3 s after
+  /// Position and velocity of the centre at `from`, along the link's axes [m], [m/s].
+  Xyz<double> place{0.0, 0.0, 0.0}, velocity{0.0, 0.0, 0.0};
+  double radius = 0.03;          ///< radius of the pressed circle [m]
+  double reading = 0.3;          ///< reading of each force sensor at the centre
+  Nanoseconds from{0}, until{};  ///< beginning and end of the touch
+  Nanoseconds rise = 80ms;       ///< duration of the rise, and of the fall
+  double tremor = 0.05;          ///< share of the force that trembles at about 8 Hz
+  double pulse = 50;             ///< angular frequency of the tremor [rad/s]
+  bool seen = true;              ///< infrared light sees it, from 0.3 s before it touches until 0.3 s after
 };
 
 struct SkinSignalSettings {
-  Nanoseconds period = 4ms;  ///< of each cell; each has a phase of its own
-  double step = 1.0 / 1024;  ///< of the readings
-  double noise = 0.7;        ///< of each force sensor and of the proximity [steps, standard deviation]
-  double rest = 0.02;        ///< of an untouched force sensor
-  double acceleration_noise = 0.05;  ///< [m/s^2]
+  Nanoseconds period = 4ms;          ///< period of each cell; each has a phase of its own
+  double step = 1.0 / 1024;          ///< step of the readings (LSB)
+  double noise = 0.7;                ///< standard deviation of each force sensor and of the proximity [steps]
+  double rest = 0.02;                ///< rest level of a force sensor
+  double acceleration_noise = 0.05;  ///< standard deviation of an acceleration [m/s^2]
   double acceleration_step = 0.01;
 };
 

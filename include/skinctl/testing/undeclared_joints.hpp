@@ -13,7 +13,7 @@
 
 namespace skinctl::testing {
 
-/// What a robot is in truth; each default is the ideal joint.
+/// The true parameters of a robot; each default is the ideal joint.
 template <std::size_t N>
 struct JointTruth {
   using Row = std::array<double, N>;
@@ -25,23 +25,24 @@ struct JointTruth {
   }
 
   // The way of a command.
-  double delay = 0;             ///< from sending a command until the robot takes it [s]
+  double delay = 0;             ///< time from sending a command until the robot takes it [s]
   double delay_jitter = 0;      ///< each command takes up to this much more or less [s]; the order is kept
   double lookahead = 0;         ///< time constant of a first lag, as of servoj [s]
-  double lag = 0;               ///< time constant of the second [s]
-  double max_speed = infinite;  ///< of the reference [rad/s]
+  double lag = 0;               ///< time constant of the second lag [s]
+  double max_speed = infinite;  ///< largest speed of the reference [rad/s]
 
   // The servo, `I ddq = I ddr + k (r - q) + d (dr - dq) + k/T_i integral(r - q) + external - friction`, with
-  // `d = 2 damping_ratio sqrt(k I)`: a constant torque moves the joint by `external / k` from its reference r.
-  // I ddr takes half of the torque limit at most: of a reference that steps (a position that is held, with next to
-  // no lag) the servo would otherwise lose the kick to its limit, keep the braking after it, and go backwards.
+  // `d = 2 damping_ratio sqrt(k I)`: a constant torque moves the joint by `external / k` from its reference
+  // r. I ddr takes half of the torque limit at most: of a reference that steps (a position that is held, with
+  // next to no lag) the servo would otherwise lose the kick to its limit, keep the braking after it, and go
+  // backwards.
   Row stiffness = all(infinite);     ///< k [N m/rad]; infinite: the joint is at its reference
   double integral_time = infinite;   ///< T_i [s], > I/d or the servo oscillates by itself
   Row inertia = all(1);              ///< I [kg m^2]
-  double damping_ratio = 1;          ///< of k and I
-  Row torque_limit = all(infinite);  ///< of the servo [N m]; beyond it the joint gives way
+  double damping_ratio = 1;          ///< damping ratio of k and I
+  Row torque_limit = all(infinite);  ///< largest torque of the servo [N m]; beyond it the joint gives way
   Row coulomb = all(0);              ///< friction of a joint that moves [N m]; none with infinite k
-  Row stiction = all(0);             ///< of one that rests [N m], at least `coulomb` counts
+  Row stiction = all(0);             ///< friction of a joint that rests [N m], at least `coulomb`
 
   // The encoders.
   Row gap = all(0);         ///< measured less true position [rad]; a wrap is 2 pi
@@ -59,7 +60,7 @@ class UndeclaredJoints {
   struct Measured {
     double time;  ///< stamp [s]
     Row q, dq;
-    bool fresh;  ///< not a repetition
+    bool fresh;  ///< the measurement is new, not a repetition
   };
 
   /// At rest at `q`, in truth; the same seed gives the same jitter and noise.
@@ -103,7 +104,7 @@ class UndeclaredJoints {
   /// The speed slider, 0 to 1: velocities, `max_speed` and the clock of the lags are scaled by it.
   void slider(double share) { slider_ = share; }
 
-  /// What the robot reports at its present time, once per call.
+  /// The robot's report at its present time, once per call.
   const Measured& measured() {
     const bool skip = truth_.skipped > 0 && uniform() < truth_.skipped;
     if (!skip) last_ = sample();
@@ -114,9 +115,9 @@ class UndeclaredJoints {
   /// The truth, which may change.
   JointTruth<N>& truth() { return truth_; }
 
-  const Row& q() const { return q_; }  ///< in truth
+  const Row& q() const { return q_; }  ///< true joint positions [rad]
   const Row& dq() const { return dq_; }
-  const Row& reference() const { return reference_; }  ///< of the servo
+  const Row& reference() const { return reference_; }  ///< positions that the servo follows [rad]
   double time() const { return time_; }
 
  private:

@@ -13,7 +13,7 @@ struct AdaptationSettings {
   /// `Gamma = gamma bound^2`, parameter by parameter, so that all of them learn alike [1/(N m rad)]. At each
   /// moment `gamma sum (Y bound)^2 dt < lambda` must hold; a UR5 meets it by far at the default.
   T gamma = T(2);
-  InertialParameters<N, T> bound;  ///< of the deviation from the model: see `deviations`
+  InertialParameters<N, T> bound;  ///< largest deviation of the parameters from the model: see `deviations`
 };
 
 /// Bounds as a share of each parameter's own scale: of the mass, of the mass times `lever` [m], of the mass

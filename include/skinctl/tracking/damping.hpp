@@ -16,8 +16,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// `K_d v`, and the diagonal of K_d.
 template <std::size_t N, Real T = double>
 struct DampingTorque {
-  JointTorque<N, T> torque;  ///< [N m]
-  JointTorque<N, T> own;     ///< of each joint by its own speed [N m s/rad]
+  JointTorque<N, T> torque;  ///< `K_d v` [N m]
+  JointTorque<N, T> own;     ///< diagonal of K_d: damping of each joint by its own velocity [N m s/rad]
 };
 
 /// `K_d = lambda M(q)`: every joint's S_q decays at the same rate, `dV = -2 lambda V`, and the torque of eq.
@@ -39,7 +39,8 @@ class InertialDamping {
       const K&, const JointVelocity<N, T>& S_q) const noexcept {
     return JointAcceleration<N, T>(lambda_ * detail::Row<N, T>(S_q));
   }
-  /// `K_d v` with the inertia of the motors, at the joints, in M [kg m^2].
+  /// `K_d v` [N m] and the diagonal of K_d, with `motors`, the motors' inertia at the joints [kg m^2], added
+  /// to M.
   template <class K, std::size_t N>
   [[nodiscard]] SKINCTL_NOINLINE DampingTorque<N, T> torque(const K& known, const JointTorque<N, T>& motors,
                                                             const JointVelocity<N, T>& v) const noexcept {

@@ -13,9 +13,9 @@ template <std::size_t N, Real T = double>
 struct FrictionLearningSettings {
   /// g [1/s^2], > 0 and at most `lambda^2 / 4`: beyond it the answer to a step of friction oscillates.
   T rate = T(100);
-  JointTorque<N, T> bound;  ///< of the learnt torque [N m]: the friction that is left over, with a margin
-  /// e_0 [rad]: a joint that rests within this of its target is left alone. Above the encoder's noise, and above
-  /// half of the slip that stiction makes.
+  JointTorque<N, T> bound;  ///< largest learnt torque [N m]: the friction that is left over, with a margin
+  /// e_0 [rad]: a joint that rests within this of its target is left alone. Above the encoder's noise, and
+  /// above half of the slip that stiction makes.
   T dead_zone = T(0.0008);
   /// Rate [1/s] at which S_q is smoothed before it is compared with the dead zone.
   T smoothing = T(40);
@@ -36,19 +36,20 @@ struct LearntFriction {
 ///
 /// and kept within `+-bound`. Two cases are faster, in steps of `dt` of the law:
 ///
-/// - `f S_q > 0`: f drives the joint beyond its reference. A joint that breaks loose rubs less than at rest (stiction; a
-///   controller that compensates friction by the measured speed), and the torque that broke it loose must not carry it
-///   across the target and back for ever. f falls to 0 at most, by `c |S_q_i|` a second: `c = 2 bound_i / e_0` keeps the
-///   slip within the dead zone, at least `4 lambda^2 M_ii`, at most what stops a quarter of the excess speed in a step,
-///   `M_ii / (4 dt^2)`.
-/// - `|dq_i| < |dq_r_i| / 4`, and S_q beyond 1.5 times the dead zone: the joint sticks. No motion answers a torque that
-///   friction takes, so nothing can oscillate: `1 / (4 dt)^2` stands in place of g, up to a 16th of the bound a step. A
-///   joint that sticks again after each slip is back in seconds.
+/// - `f S_q > 0`: f drives the joint beyond its reference. A joint that breaks loose rubs less than at rest
+///   (stiction; a controller that compensates friction by the measured speed), and the torque that broke it
+///   loose must not carry it across the target and back for ever. f falls to 0 at most, by `c |S_q_i|` a
+///   second: `c = 2 bound_i / e_0` keeps the slip within the dead zone, at least `4 lambda^2 M_ii`, at most
+///   what stops a quarter of the excess speed in a step, `M_ii / (4 dt^2)`.
+/// - `|dq_i| < |dq_r_i| / 4`, and S_q beyond 1.5 times the dead zone: the joint sticks. No motion answers a
+///   torque that friction takes, so nothing can oscillate: `1 / (4 dt)^2` stands in place of g, up to a 16th
+///   of the bound a step. A joint that sticks again after each slip is back in seconds.
 ///
-/// By itself `K_d S_q` balances Coulomb friction only with an error of `friction / (lambda M K_c)`: the dead zone that
-/// a torque-controlled arm shows. An integral takes it away, and hunts around the target for ever; here it stops
-/// inside of the dead zone, and dry friction holds what it has reached. At rest the error is at most `e_0` in each
-/// joint. While the skin pushes against the law f stands, and numbers that are not finite do not enter.
+/// By itself `K_d S_q` balances Coulomb friction only with an error of `friction / (lambda M K_c)`: the dead
+/// zone that a torque-controlled arm shows. An integral takes it away, and hunts around the target for ever;
+/// here it stops inside of the dead zone, and dry friction holds what it has reached. At rest the error is at
+/// most `e_0` in each joint. While the skin pushes against the law f stands, and numbers that are not finite
+/// do not enter.
 ///
 /// The integrals of the law itself have no dead zone: set `K_i1 = K_i2 = 0` in its settings.
 template <class L>

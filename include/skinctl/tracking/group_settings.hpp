@@ -17,36 +17,19 @@ SKINCTL_BEGIN_NAMESPACE
 template <RobotModel M, Real T, class... Groups, class... Parts>
 [[nodiscard]] JointControlSettings<M::joints, T> tracking_settings(
     const GroupsDescription<M, T, std::tuple<Groups...>, Parts...>& robot) {
-  Nanoseconds dt = robot.dt(), loop{};
-  const auto slowest = [&]<class G>(const G& g) {
-    const auto& c = g.configuration;
-    if constexpr (G::interface == Interface::torque) {
-      loop = std::max(loop, c.delay + c.lag + 3 * c.period / 2);
-    } else {
-      dt = std::max(dt, c.longest() / max_substeps);
-    }
-  };
-  std::apply([&](const auto&... g) { (slowest(g), ...); }, robot.groups());
-  JointControlSettings<M::joints, T> s{.dt = dt};
+  JointControlSettings<M::joints, T> s{.dt = robot.longest_dt()};
+  s.virtual_dynamics = robot.virtual_dynamics();
   const auto take = [&]<class G>(const G& g) {
     using Set = JointSubset<M::joints, G::set>;
-    const auto& c = g.configuration;
     for (std::size_t j = 0; j < Set::count; ++j) {
       const std::size_t i = Set::index[j];
-      s.max_velocity[i] = std::min(s.max_velocity[i], c.limits.velocity()[j]);
-      if constexpr (G::interface != Interface::torque) {
-        s.virtual_dynamics.viscous[i] = c.viscous_friction[j];
-        s.virtual_dynamics.inertia[i] = c.virtual_inertia[j];
-        s.virtual_dynamics.damping = c.virtual_dynamics().damping;
-      }
+      s.max_velocity[i] = std::min(s.max_velocity[i], g.configuration.limits.velocity()[j]);
     }
   };
   std::apply([&](const auto&... g) { (take(g), ...); }, robot.groups());
-  if (loop > Nanoseconds(0)) {
-    s.loop_delay = std::max(loop, dt);
-    s.lambda = std::min(s.lambda, T(0.3) / seconds<T>(s.loop_delay));
-    s.K_c = std::min(s.K_c, T(0.25) * s.lambda);
-    s.K_i1 = std::min(s.K_i1, s.K_c), s.K_i2 = std::min(s.K_i2, s.lambda / T(80));
+  if constexpr (GroupsDescription<M, T, std::tuple<Groups...>, Parts...>::Sets::Driven::count > 0) {
+    s.loop_delay = robot.loop_delay();
+    detail::follow_delay(s, seconds<T>(s.loop_delay));
     s.tb = Nanoseconds(0);
   }
   return s;

@@ -13,7 +13,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Scalar T = double>
 struct JointGoal {
   JointPosition<N, T> q_g;
-  Nanoseconds duration{};  ///< from the moment of reception; 0: the shortest within `max_velocity`
+  Nanoseconds duration{};  ///< time from reception to arrival; 0: the shortest within `max_velocity`
 
   template <class F>
   friend void each_number(JointGoal& g, F&& f) {
@@ -46,8 +46,8 @@ struct JointGoal {
 template <std::size_t N, Real T = double>
 class JointSpace {
  public:
-  static constexpr const char* name = "joint";                ///< of a law that follows targets in it
-  static constexpr const char* spline_name = "spline_joint";  ///< of one that goes to goals
+  static constexpr const char* name = "joint";                ///< name of laws that follow targets
+  static constexpr const char* spline_name = "spline_joint";  ///< name of laws that go to goals
   static constexpr std::size_t joints = N;
   static constexpr std::size_t coordinates = N;
   static constexpr Needs needs = {};
@@ -205,7 +205,7 @@ class JointSpace {
                            [&](const Row& dq_r)
                                SKINCTL_INLINE_LAMBDA { return JointVelocity<N, T>(at.dq - dq_r); });
   }
-  /// The joints' speed that the coordinates `x` ask for.
+  /// The joints' velocity for the velocity `x` of the coordinates: `x` itself [rad/s].
   [[nodiscard]] static SKINCTL_INLINE const JointVelocity<N, T>& joint_speed(const JointVelocity<N, T>& x,
                                                                              const Site&,
                                                                              const Memory&) noexcept {

@@ -29,15 +29,15 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   using Targets::put;
 
  public:
-  static constexpr const char* name = "operational";                ///< of a law that follows targets in it
-  static constexpr const char* spline_name = "spline_operational";  ///< of one that goes to goals
+  static constexpr const char* name = "operational";                ///< name of laws that follow targets
+  static constexpr const char* spline_name = "spline_operational";  ///< name of laws that go to goals
   static constexpr std::size_t joints = N;
   using Targets::coordinates;
   static constexpr Needs needs = {.jacobians = link_bit<Ix>};
   static constexpr bool brief = false;
   static constexpr bool of_joints = false;
   using scalar = T;
-  using Placement = Transform<Link<Ix>, P, T>;  ///< of the frame in its link
+  using Placement = Transform<Link<Ix>, P, T>;  ///< pose of the frame in its link
   using typename Targets::Errors;
   using typename Targets::Reference;
   using typename Targets::Settings;
@@ -47,7 +47,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   struct Memory {
     Xyz<T> near{T(0), T(0), T(0)};  ///< branch of the orientation error
     SingularEscape<N, T> escape;    ///< motion out of a singularity that the damped inverse does not find
-    SingularRest<N, T> rest;        ///< at a goal next to a singularity
+    SingularRest<N, T> rest;        ///< rest at a goal next to a singularity
     JointVelocity<N, T> drift;      ///< the joints' motion at the start beyond what the tool's course takes
     bool slowed = false;            ///< next to a singularity, or at the largest speed of a joint
   };
@@ -60,8 +60,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     JointAcceleration<N, T> ddq_r;
     JointVelocity<N, T> S_q;
     JointVelocity<N, T> way_out;  ///< the goal of `escape`
-    JointPosition<N, T> q;        ///< of the joints, next to a singularity
-    bool rests;                   ///< the goal is reached there
+    JointPosition<N, T> q;        ///< joint positions, set only next to a singularity [rad]
+    bool rests;                   ///< the goal is reached next to a singularity: see `SingularRest`
     Xyz<T> near;                  ///< the branch of the orientation error
     bool slowed;
   };

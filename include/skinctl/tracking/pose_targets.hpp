@@ -19,13 +19,14 @@ struct OperationalSettings {
   /// Gains and times, as in joint space, of coordinates in metres and radians. `max_velocity` is the largest
   /// reference speed of any joint, next to a singularity too.
   JointControlSettings<N, T> tracking = {};
-  T max_linear_velocity = T(0.5);      ///< of any motion to a goal [m/s]
-  T max_angular_velocity = T(1.5);     ///< [rad/s]
-  T max_linear_acceleration = T(1.5);  ///< after a reactive target [m/s^2]
-  T max_linear_jerk = T(15);           ///< [m/s^3]
-  T max_angular_acceleration = T(5);   ///< [rad/s^2]
-  T max_angular_jerk = T(50);          ///< [rad/s^3]
-  /// Where J^+ is damped, and the largest damping; the joints' speed determines how much of it is used.
+  T max_linear_velocity = T(0.5);      ///< largest linear velocity of any motion to a goal [m/s]
+  T max_angular_velocity = T(1.5);     ///< largest angular velocity of any motion to a goal [rad/s]
+  T max_linear_acceleration = T(1.5);  ///< largest linear acceleration after a reactive target [m/s^2]
+  T max_linear_jerk = T(15);           ///< largest linear jerk after a reactive target [m/s^3]
+  T max_angular_acceleration = T(5);   ///< largest angular acceleration after a reactive target [rad/s^2]
+  T max_angular_jerk = T(50);          ///< largest angular jerk after a reactive target [rad/s^3]
+  /// Zone in which J^+ is damped, and the largest damping; the joints' speed determines how much of it is
+  /// used.
   SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
   T min_damping = T(0.02);  ///< l at a singularity when the reference is nearly at rest
   /// Next to a singularity a goal that stands still counts as reached within these, and nothing moves.
@@ -60,7 +61,7 @@ template <class Robot, class... Lighter>
 template <Frame P, Scalar T = double>
 struct PoseGoal {
   Transform<Base, P, T> X_BP;
-  Nanoseconds duration{};  ///< from the moment of reception; 0: the shortest within the speeds
+  Nanoseconds duration{};  ///< time from reception to arrival; 0: the shortest within the speeds
 
   template <class F>
   friend void each_number(PoseGoal& g, F&& f) {

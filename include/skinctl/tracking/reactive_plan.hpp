@@ -23,18 +23,18 @@ struct ReactivePlan {
   using Goal = typename Space::Reference;
   using Settings = typename Space::Settings;
   using Where = typename Space::Where;
-  static constexpr const char* name = "reactive";  ///< of the law
+  static constexpr const char* name = "reactive";  ///< name of the law
   static constexpr bool streams = true, reacts = true, is_movable = false;
 
-  Goal target;          ///< as received
-  Nanoseconds age{};    ///< since it was received
+  Goal target;          ///< target as received
+  Nanoseconds age{};    ///< time since the target was received
   bool stands = false;  ///< the skin pushes against the law: the reference comes to rest
-  Goal reference;       ///< followed by the law
+  Goal reference;       ///< reference that the law follows
 
   [[nodiscard]] static ReactivePlan standing(const Where& at, const Settings&) noexcept {
     return {Goal{at, {}, {}}, 0ns, false, Goal{at, {}, {}}};
   }
-  /// The reference `x` seconds from now, x up to an interval.
+  /// The reference `x` seconds from now, for x up to one interval between cycles.
   [[nodiscard]] Goal at(const T& x, const Settings&) const noexcept { return Space::ahead(reference, x); }
   [[nodiscard]] ReactivePlan advanced(Nanoseconds dt, const Settings& s) const noexcept {
     ReactivePlan next = *this;

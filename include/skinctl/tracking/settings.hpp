@@ -60,20 +60,21 @@ struct JointControlSettings {
       100ms;  ///< bumpless transfer: the reference reaches its new course this long after a reset
   Nanoseconds target_age =
       100ms;  ///< a moving target is extrapolated so long after its last sample, then slows down
-  T max_acceleration = T(4);  ///< of every joint after a reactive target [rad/s^2]
-  T max_jerk = T(40);         ///< of every joint after a reactive target [rad/s^3]
+  T max_acceleration = T(4);  ///< largest acceleration of any joint after a reactive target [rad/s^2]
+  T max_jerk = T(40);         ///< largest jerk of any joint after a reactive target [rad/s^3]
   GoalPolicy reach = GoalPolicy::stretch;
-  /// Speed by which the robot misses its course, as a share of `max_velocity`, at which a spline waits for it:
-  /// it runs at a tenth of its pace from there on, at all of it up to half of that. For limits that slow the
-  /// robot: it does not pull ever harder; infinite: it never waits.
+  /// Speed by which the robot misses its course, as a share of `max_velocity`, at which a spline waits for
+  /// it: it runs at a tenth of its pace from there on, at all of it up to half of that. For limits that slow
+  /// the robot: it does not pull ever harder; infinite: it never waits.
   T waits = std::numeric_limits<T>::infinity();
-  /// Of the robot that carries the torque, as in its resolver: `Y_r Theta` compensates its inertia and
-  /// friction, so that a slow virtual robot still tracks. Coulomb friction is left to the integrals.
+  /// Inertia and friction of the robot that carries the torque, as in its resolver: `Y_r Theta` compensates
+  /// them, so that a slow virtual robot still tracks. Coulomb friction is left to the integrals.
   VirtualDynamics<N, T> virtual_dynamics = {};
-  T mass_ratio = T(1);  ///< how many times lighter the robot may be than the law's model, see `mass_ratio`
-  T gravity_rate =
-      T(0);  ///< of the gravity that another payload than told leaves, see `gravity_rate` [1/s^2]
-  JointVelocity<N, T> max_velocity = JointVelocity<N, T>::constant(T(1));  ///< of any motion to a goal
+  T mass_ratio = T(1);  ///< factor by which the robot may be lighter than the law's model, see `mass_ratio`
+  /// Rate of the gravity that another payload than told leaves, see `gravity_rate` [1/s^2].
+  T gravity_rate = T(0);
+  /// Largest speed to a goal [rad/s].
+  JointVelocity<N, T> max_velocity = JointVelocity<N, T>::constant(T(1));
 
   /// D, for which the gains must be small enough: `loop_delay`, at least `dt`.
   [[nodiscard]] constexpr Nanoseconds delay_in_loop() const noexcept {
@@ -82,11 +83,10 @@ struct JointControlSettings {
 };
 
 /// The largest `(K_p + lambda + K_i1 + mu K_i2) D` that is accepted, D the loop's delay. Alone, `lambda D` is
-/// stable to
-/// 1.0: a gain margin of 2. A virtual robot is stable to 2.
+/// stable to 1.0: a gain margin of 2. A virtual robot is stable to 2.
 template <Real T>
 inline const T largest_gain_product = T(0.5);
-/// The same for the lightest robot, whose mass ratio multiplies the gains: that it is stable.
+/// The largest such product times the mass ratio: up to it the lightest robot is stable.
 template <Real T>
 inline const T largest_product_when_light = T(1);
 /// The largest mass ratio that is accepted. Beyond it no gains are stable for the light robot and hold the
@@ -191,6 +191,17 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
   detail::check_gains(s, lambda, s.mass_ratio);
 }
 
+namespace detail {
+/// Gains behind a delay D in the loop [s]: `lambda = 0.3 / D`, less than a third of what is stable (see
+/// `largest_gain_product`), and slower ones inside of it, no faster than without a delay.
+template <std::size_t N, Real T>
+void follow_delay(JointControlSettings<N, T>& s, const T& delay) {
+  s.lambda = T(0.3) / delay;
+  s.K_c = s.K_i1 = T(0.25) * s.lambda < T(10) ? T(0.25) * s.lambda : T(10);
+  s.K_i2 = s.lambda / T(80);
+}
+}  // namespace detail
+
 /// Settings of a tracking law for this robot: times, virtual dynamics and speeds follow its description.
 ///
 /// By position or velocity `dt` is the longest sub-step, that of a late cycle, so that the default `lambda`
@@ -215,9 +226,7 @@ template <class Robot>
     const T half = T(0.5) * mass_ratio;
     s.loop_delay = robot.loop_delay();
     s.mass_ratio = mass_ratio;
-    s.lambda = T(0.3) / (seconds<T>(s.delay_in_loop()) * (half > T(1) ? half : T(1)));
-    s.K_c = s.K_i1 = T(0.25) * s.lambda < T(10) ? T(0.25) * s.lambda : T(10);
-    s.K_i2 = s.lambda / T(80);
+    detail::follow_delay(s, T(seconds<T>(s.delay_in_loop()) * (half > T(1) ? half : T(1))));
     const auto inertia = largest_inertia(robot.model(), s.virtual_dynamics.inertia);
     for (std::size_t i = 0; i < Robot::joints; ++i) {
       s.integral_limit[i] = T(0.5) * robot.limits().torque()[i];
@@ -228,9 +237,9 @@ template <class Robot>
   }
   return s;
 }
-/// The same by position or velocity for a scene with `MaxJerk`. A joint takes A/J to bring up its acceleration:
-/// with `lambda K_c (A/J)^2 > 1` a touch that leads the arm from its goal may leave it swinging about it for
-/// ever. Both gains are lowered alike, and K_c to half of lambda at most.
+/// Settings by position or velocity for a scene with `MaxJerk`. A joint takes A/J to bring up its
+/// acceleration: with `lambda K_c (A/J)^2 > 1` a touch that leads the arm from its goal may leave it swinging
+/// about it for ever. Both gains are lowered alike, and K_c to half of lambda at most.
 template <class Robot, class T = typename Robot::scalar>
   requires(Robot::interface != Interface::torque)
 [[nodiscard]] JointControlSettings<Robot::joints, T> tracking_settings(
@@ -248,7 +257,7 @@ template <class Robot, class T = typename Robot::scalar>
   if (s.K_c > T(0.5) * s.lambda) s.lambda = sqrt(T(2)) / rise, s.K_c = T(0.5) * s.lambda;
   return s;
 }
-/// The same by torque for a robot that may lose its payload: `lightest` describes it without.
+/// Settings by torque for a robot that may lose its payload: `lightest` describes it without.
 template <DescribedRobot Robot, DescribedRobot Lightest>
   requires(Robot::interface == Interface::torque && Robot::joints == Lightest::joints)
 [[nodiscard]] JointControlSettings<Robot::joints, typename Robot::scalar> tracking_settings(
@@ -257,44 +266,6 @@ template <DescribedRobot Robot, DescribedRobot Lightest>
   auto s = tracking_settings(robot, mass_ratio(robot.model(), lightest.model(), motors));
   s.gravity_rate = gravity_rate(robot.model(), lightest.model(), motors);
   return s;
-}
-
-/// Throws `ConfigurationError` with both numbers if a law's settings differ from those of the robot that
-/// carries its torque.
-template <std::size_t N, Real T>
-SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const LawTerms<N, T>& robot) {
-  const auto same = [](const char* what, const T& ours, const T& theirs) {
-    if (ours == theirs) return;
-    char text[192];
-    std::snprintf(text, sizeof text,
-                  "skinctl: %s: %.9g in the law, %.9g in the robot's description: tracking_settings(robot) "
-                  "takes it from there",
-                  what, static_cast<double>(ours), static_cast<double>(theirs));
-    refuse(text);
-  };
-  if (s.dt < robot.dt) {
-    char text[192];
-    std::snprintf(text, sizeof text,
-                  "skinctl: dt: %.9g ms in the law, but in late cycles of the robot's description it is "
-                  "evaluated every "
-                  "%.9g ms: tracking_settings(robot) takes it from there",
-                  milliseconds(s.dt), milliseconds(robot.dt));
-    refuse(text);
-  }
-  if (s.delay_in_loop() < robot.loop_delay) {
-    char text[192];
-    std::snprintf(text, sizeof text,
-                  "skinctl: loop_delay: %.9g ms in the law, %.9g ms by the robot's description: "
-                  "tracking_settings(robot) takes it from there",
-                  milliseconds(s.delay_in_loop()), milliseconds(robot.loop_delay));
-    refuse(text);
-  }
-  const auto &ours = s.virtual_dynamics, &theirs = robot.virtual_dynamics;
-  same("virtual damping", ours.damping, theirs.damping);
-  for (std::size_t i = 0; i < N; ++i) {
-    same("virtual inertia", ours.inertia[i], theirs.inertia[i]);
-    same("viscous friction", ours.viscous[i], theirs.viscous[i]);
-  }
 }
 
 SKINCTL_END_NAMESPACE

@@ -16,7 +16,7 @@ struct SingularEscape {
   JointAcceleration<N, T> a;  ///< derivative of `v`
 
   static constexpr double zone = 0.03;        ///< singular value below which a direction counts as singular
-  static constexpr double lag = 0.03;         ///< of either filter [s]
+  static constexpr double lag = 0.03;         ///< time constant of either filter [s]
   static constexpr double share = 0.97;       ///< largest speed of a joint in an escape, over its limit
   static constexpr double min_speed = 0.004;  ///< commanded speed [m/s, rad/s] for 0.7 of this pace
 

@@ -7,10 +7,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Next to a singularity the smallest error of the frame asks for large motions of the joints: to get rid of a
-/// micrometre a wrist would turn for ever. So where a goal stands still and is reached, the joint motions along
-/// singular directions leave the error as it is and hold the position that they have:
-/// `dq_r <- dq_r - r P (dq_r + K (q - q_rest))`, P the projection onto them. A state of tracking laws.
+/// Next to a singularity the smallest error of the frame asks for large motions of the joints: to get rid of
+/// a micrometre a wrist would turn for ever. So where a goal stands still and is reached, the joint motions
+/// along singular directions leave the error as it is and hold the position that they have: `dq_r <- dq_r - r
+/// P (dq_r + K (q - q_rest))`, P the projection onto them. A state of tracking laws.
 template <std::size_t N, Real T = double>
 struct SingularRest {
   JointPosition<N, T> q;  ///< position that is held
@@ -19,7 +19,7 @@ struct SingularRest {
 
   static constexpr double zone = 0.03;    ///< singular value below which a direction counts as singular
   static constexpr double still = 0.001;  ///< a goal below this speed stands [m/s, rad/s]
-  static constexpr double lag = 0.03;     ///< [s]
+  static constexpr double lag = 0.03;     ///< time constant of `r` [s]
 
   /// Whether the goal is reached: within half the tolerances, then until it is out of them.
   /// @param distance_squared  of the goal, over the square of its tolerance.
@@ -82,8 +82,8 @@ struct SingularRest {
     T share_[2];
   };
 
-  /// Rests: changes the reference motion of joints at `now` that move at `dq`, with the gain K. The derivative
-  /// leaves out that P turns with the joints: at rest it does not.
+  /// Rests: changes the reference motion of joints at `now` that move at `dq`, with the gain K. The
+  /// derivative leaves out that P turns with the joints: at rest it does not.
   template <class D>
   void hold(const D& directions, const JointPosition<N, T>& now, const JointVelocity<N, T>& dq, const T& K,
             JointVelocity<N, T>& dq_r, JointAcceleration<N, T>& ddq_r) const noexcept {

@@ -92,14 +92,14 @@ struct SurfaceGains {
 /// Errors of the coordinates, and the motion of the target in them.
 template <std::size_t N, Scalar T = double>
 struct SurfaceErrors {
-  T e[N];      ///< of position, eqs. (13), (20)
-  T de[N];     ///< of velocity, as S reads it, eqs. (12), (21)
+  T e[N];      ///< error of position, eqs. (13), (20)
+  T de[N];     ///< error of velocity, as S reads it, eqs. (12), (21)
   T slope[N];  ///< the true derivative of `e`: `de` in joint space
   T v_d[N];    ///< velocity of the target
   T a_d[N];    ///< acceleration of the target
 };
 
-/// The same in lanes.
+/// `SurfaceErrors` in lanes.
 template <std::size_t N, Real T = double>
 struct SurfaceErrorRows {
   detail::Row<N, T> e, de, slope, v_d, a_d;

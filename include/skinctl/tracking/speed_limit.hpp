@@ -67,7 +67,7 @@ SKINCTL_NOINLINE bool limit_speed(const JointVelocity<N, T>& limit, JointVelocit
   return true;
 }
 
-/// The same for a motion in lanes; up to half of the limits nothing needs to be computed.
+/// `limit_speed` of a motion in lanes; up to half of the limits nothing needs to be computed.
 template <std::size_t N, Real T>
 SKINCTL_INLINE bool limit_speed(const JointVelocity<N, T>& limit, detail::Row<N, T>& v,
                                 detail::Row<N, T>& a) noexcept {

@@ -16,7 +16,7 @@ struct SplinePlan {
   using Settings = typename Space::Settings;
   using Where = typename Space::Where;
   static constexpr bool streams = false, reacts = false, is_movable = false;
-  static constexpr const char* name = Space::spline_name;  ///< of the law
+  static constexpr const char* name = Space::spline_name;  ///< name of the law
   /// The slowest pace of a plan that waits: one that its joints' droop holds back ends all the same.
   static constexpr double slowest = 0.1;
 
@@ -39,7 +39,8 @@ struct SplinePlan {
                                                              const Settings& s) const noexcept {
     return {spline, clock.advanced(dt, Space::tracking(s).bumpless_transfer)};
   }
-  /// Waits for a robot that a limit, an obstacle or a hand keeps off its course: see `JointControlSettings::waits`.
+  /// Waits for a robot that a limit, an obstacle or a hand keeps off its course: see
+  /// `JointControlSettings::waits`.
   /// @param missed  speed by which it misses it, as a share of the largest, >= 0.
   [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan waited(const T& missed, Nanoseconds dt,
                                                            const Settings& s) const noexcept {

@@ -64,11 +64,11 @@ struct BiasNow {
 /// against: the torque would change by M da within 1/lambda, not T_h.
 template <std::size_t N, Real T = double>
 struct SurfaceBias {
-  Nanoseconds elapsed = clock_end;  ///< since t0
-  JointVelocity<N, T> decaying;     ///< the first part now
+  Nanoseconds elapsed = clock_end;  ///< time since the reset at t0
+  JointVelocity<N, T> decaying;     ///< first part of the bias now
   JointVelocity<N, T> dv;
   JointAcceleration<N, T> da;
-  JointAcceleration<N, T> dj;  ///< per second
+  JointAcceleration<N, T> dj;  ///< change of the rate of ddq_r at the reset [rad/s^3]
 
   /// The bias `x` seconds from now, decaying with kappa [1/s], for a bumpless transfer of `T_h` seconds.
   [[nodiscard]] SKINCTL_INLINE BiasNow<N, T> at(const T& x, const detail::Decay<T>& decay,

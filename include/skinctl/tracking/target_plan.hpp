@@ -20,10 +20,10 @@ struct TargetPlan {
   using Settings = typename Space::Settings;
   using Where = typename Space::Where;
   static constexpr bool streams = true, reacts = false, is_movable = true;
-  static constexpr const char* name = Space::name;  ///< of the law
+  static constexpr const char* name = Space::name;  ///< name of the law
 
   Goal target;
-  PlanClock<T> clock;  ///< time since it was received
+  PlanClock<T> clock;  ///< time since the target was received
   bool aged = false;   ///< the target is older than `target_age`, and slows down
 
   [[nodiscard]] static SKINCTL_INLINE constexpr TargetPlan standing(const Where& at,

@@ -10,9 +10,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// A trajectory's own time and its derivatives: `d/dt f(t(x)) = rate f'`, `d2/dt2 = rate^2 f'' + bend f'`.
 template <Real T = double>
 struct OwnTime {
-  T t;     ///< [s]
-  T rate;  ///< dt/dx
-  T bend;  ///< d2t/dx2 [1/s]
+  T t;     ///< own time [s]
+  T rate;  ///< rate of the own time, dt/dx
+  T bend;  ///< derivative of the rate, d2t/dx2 [1/s]
 };
 
 /// Own time that runs at its pace, 1 but where it waits, or is stopped; a quintic joins the two. Trivially
@@ -21,8 +21,8 @@ template <Real T = double>
 struct PlanClock {
   Nanoseconds own{};                     ///< own time now
   Nanoseconds since_change = clock_end;  ///< time since the last `run` or `stop`
-  T from = T(1);                         ///< rate at that moment, in units of the pace
-  T to = T(1);                           ///< rate that it changes to, in units of the pace
+  T from = T(1);                         ///< rate at the last change, in units of the pace
+  T to = T(1);                           ///< rate after the change, in units of the pace
   T pace = T(1);                         ///< rate while it runs, in (0, 1]
   T pace_rate = T(0);  ///< change of the pace [1/s]; 0 while a change of `from` to `to` lasts
 
@@ -56,8 +56,8 @@ struct PlanClock {
   [[nodiscard]] SKINCTL_INLINE constexpr PlanClock changed(bool runs, Nanoseconds ramp) const noexcept {
     return {own, 0ns, at(T(0), ramp).rate / pace, runs ? T(1) : T(0), pace, T(0)};
   }
-  /// Goes over to another pace, as a second-order lag does that rests after about `ramp`: the rate of own time
-  /// has no step, nor has its derivative but the share of it that belongs to `dt`.
+  /// Goes over to another pace, as a second-order lag does that rests after about `ramp`: the rate of own
+  /// time has no step, nor has its derivative but the share of it that belongs to `dt`.
   [[nodiscard]] SKINCTL_INLINE constexpr PlanClock paced(const T& wish, Nanoseconds dt,
                                                          Nanoseconds ramp) const noexcept {
     if (since_change < ramp) return *this;

@@ -35,7 +35,8 @@ class PoseSpline {
   PoseSpline(const Pose& X_i, const Pose& X_g, const T& tf) noexcept
       : p_i_(X_i.origin()), p_g_(X_g.origin()), turn_(X_i.axes(), X_g.axes(), tf), tf_(tf) {}
 
-  /// Begins with the part of the motion of `now` that leads along its line and its turn: see `MovingStart`.
+  /// This spline with a start in motion: it begins with the velocity and acceleration of `now` along its line
+  /// and about its turn, as far as `MovingStart` takes them.
   [[nodiscard]] PoseSpline from(const PoseReference<P, T>& now) const noexcept {
     PoseSpline next = *this;
     const Xyz<T> d = p_g_ - p_i_;

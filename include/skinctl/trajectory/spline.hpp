@@ -28,8 +28,8 @@ struct JointSpline {
   JointPosition<N, T> q_i;
   JointPosition<N, T> q_g;
   T tf = T(0);                        ///< [s]; if not positive, the reference is the goal from the start
-  JointVelocity<N, T> rate = {};      ///< of the start, see `MovingStart` [1/s]
-  JointAcceleration<N, T> bend = {};  ///< [1/s^2]
+  JointVelocity<N, T> rate = {};      ///< rate of the start, see `MovingStart` [1/s]
+  JointAcceleration<N, T> bend = {};  ///< derivative of `rate` [1/s^2]
   bool moves = false;                 ///< whether one of them is not zero
 
   /// Begins with the velocity and acceleration of `now`, see `MovingStart`.

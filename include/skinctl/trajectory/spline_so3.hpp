@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 template <Real T = double>
 struct RotationReference {
   Rotation<T> R;
-  Xyz<T> omega;   ///< [rad/s]
-  Xyz<T> domega;  ///< [rad/s^2]
+  Xyz<T> omega;   ///< angular velocity, along the outer frame's axes [rad/s]
+  Xyz<T> domega;  ///< angular acceleration, along the outer frame's axes [rad/s^2]
 };
 
 /// From `R_i` to `R_g` by the shortest turn: `R = exp(a1 phi) R_i` with the rotation vector
@@ -28,7 +28,7 @@ class RotationSpline {
   RotationSpline(const Rotation<T>& R_i, const Rotation<T>& R_g, const T& tf) noexcept
       : R_i_(R_i), R_g_(R_g), phi_(log_so3(R_g * R_i.transpose())), tf_(tf) {}
 
-  /// The same on the branch of `near`: within rounding of half a turn both directions are shortest, and a
+  /// The spline on the branch of `near`: within rounding of half a turn both directions are shortest, and a
   /// goal that moves there would make the spline reverse. Pass the last spline's `turn()`.
   RotationSpline(const Rotation<T>& R_i, const Rotation<T>& R_g, const T& tf, const Xyz<T>& near) noexcept
       : R_i_(R_i), R_g_(R_g), phi_(log_so3(R_g * R_i.transpose(), near)), tf_(tf) {}

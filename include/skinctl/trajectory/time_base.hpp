@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// A gain and its derivative in time.
 template <Real T = double>
 struct Gain {
-  T K;   ///< [1/s]
-  T dK;  ///< [1/s^2]
+  T K;   ///< gain [1/s]
+  T dK;  ///< derivative of the gain [1/s^2]
 };
 
 namespace detail {

@@ -1,4 +1,4 @@
-// expect: \(X_CL \* F_C\).*inner frames differ: invert, swap, shift or express
+// expect: \(X_CL \* F_C\).*inner frames differ: invert, swap or express
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;

@@ -1,5 +1,5 @@
-// A user's program with the installed drivers of each kind: a UR that is not there is refused by name, an arm that is
-// the clock is waited for, and a browser finds the live page.
+// A user's program with the installed drivers of each kind: a UR that is not there is refused by name, an arm
+// that is the clock is waited for, and a browser finds the live page.
 #include <cstdio>
 #include <cstring>
 #include <string>

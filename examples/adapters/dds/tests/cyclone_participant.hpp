@@ -7,7 +7,8 @@
 
 namespace adapters::dds::testing {
 
-/// Cyclone's participant in a domain, on loopback, which looks for others at the ports of the first ten. Once a domain.
+/// Cyclone's participant in a domain, on loopback, which looks for others at the ports of the first ten. Once
+/// a domain.
 [[nodiscard]] inline dds_entity_t cyclone_participant(std::uint32_t domain) {
   dds_create_domain(domain,
                     "<General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"

@@ -1,5 +1,6 @@
-// A skin of 1260 cells over DDS for minutes: samples, losses and latencies from Fast DDS to itself, to Cyclone DDS and back.
-// `dds_minutes [seconds]` prints a table. All in one process on 127.0.0.1, every reader in a thread of its own.
+// A skin of 1260 cells over DDS for minutes: samples, losses and latencies from Fast DDS to itself, to
+// Cyclone DDS and back. `dds_minutes [seconds]` prints a table. All in one process on 127.0.0.1, every reader
+// in a thread of its own.
 #include <dds/dds.h>
 
 #include <atomic>

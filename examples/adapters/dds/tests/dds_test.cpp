@@ -1,4 +1,5 @@
-// Fast DDS with our bytes against Cyclone DDS with code that its own compiler made from the IDL. All on 127.0.0.1.
+// Fast DDS with our bytes against Cyclone DDS with code that its own compiler made from the IDL. All on
+// 127.0.0.1.
 //
 // Promise: a skin, joint states and latched texts go over DDS as ROS 2 has them
 // Tried: Cyclone DDS with code of its own compiler reads and writes 1260 cells, field by field; an arm
@@ -7,7 +8,6 @@
 #include <dds/dds.h>
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <cstring>
 #include <thread>
 

@@ -1,5 +1,5 @@
-// Stands for controller_interface of ros2_control (Jazzy): the virtual functions that a controller overrides, with their
-// signatures, and what a controller manager does to it.
+// Stands for controller_interface of ros2_control (Jazzy): the virtual functions that a controller overrides,
+// with their signatures, and what a controller manager does to it.
 #pragma once
 
 #include <cstdint>

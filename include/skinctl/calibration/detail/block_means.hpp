@@ -21,8 +21,9 @@ struct CellReadings {
 
 namespace detail::fit {
 
-/// Blocks of equal length; in each of them the reading of a cell at the block's middle, of a straight line through
-/// the block's samples. A cell's phase of sampling then does not matter, and no band below 1/length is lost.
+/// Blocks of equal length; in each of them the reading of a cell at the block's middle, of a straight line
+/// through the block's samples. A cell's phase of sampling then does not matter, and no band below 1/length
+/// is lost.
 struct BlockMeans {
   double start = 0, length = 0;
   Eigen::MatrixXd y;                   ///< a row per block, three columns per cell; 0 where missing

@@ -16,8 +16,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail::fit {
 
-/// The specific force on a body that sits at `p` is `A + S p` [g], in the body's axes. A row per block: A, S row by row,
-/// 1, and then the derivatives of A and S by each unknown of the motion, twelve columns an unknown.
+/// The specific force on a body that sits at `p` is `A + S p` [g], in the body's axes. A row per block: A, S
+/// row by row, 1, and then the derivatives of A and S by each unknown of the motion, twelve columns an
+/// unknown.
 struct BodySignals {
   static constexpr Eigen::Index own = 13, each = 12;
   std::vector<int> unknowns;  ///< numbers of those on which the body's motion depends
@@ -28,14 +29,15 @@ struct BodySignals {
 inline constexpr int cell_unknowns = 15;
 using CellVector = Eigen::Matrix<double, cell_unknowns, 1>;
 
-/// A cell: its pose in the body's axes and origin, its sensor's errors, what it is tied to. It reads, of the specific force u in
-/// the sensor's axes, `y = (1 + s) o (u + X u) + b`.
+/// A cell: its pose in the body's axes and origin, its sensor's errors, what it is tied to. It reads, of the
+/// specific force u in the sensor's axes, `y = (1 + s) o (u + X u) + b`.
 struct FittedCell {
   Eigen::Matrix3d Q = Eigen::Matrix3d::Identity();  ///< axes of the sensor
   Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< [m]
   Eigen::Vector3d b = Eigen::Vector3d::Zero();      ///< [g]
   Eigen::Vector3d s = Eigen::Vector3d::Zero();
-  /// Cross-axis sensitivity, the symmetric X: between y and z, z and x, x and y. What is not symmetric of it is a turn.
+  /// Cross-axis sensitivity, the symmetric X: between y and z, z and x, x and y. What is not symmetric of it
+  /// is a turn.
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
   int body = 0;
   double deviation = 0.005;  ///< of a block's mean [g]
@@ -157,7 +159,8 @@ class CellSolver {
   Eigen::Index size_ = 0;
 };
 
-/// What a cell reads along its three axes as weights of a body's first 13 columns, and their derivatives by the cell.
+/// What a cell reads along its three axes as weights of a body's first 13 columns, and their derivatives by
+/// the cell.
 struct CellWeights {
   Eigen::VectorXd c[3];        // 13
   Eigen::MatrixXd by_cell[3];  // 13 x cell_unknowns

@@ -6,7 +6,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// In here the library's own operators are hidden: an expression of Eigen does not ask each of their constraints.
+/// In here the library's own operators are hidden: an expression of Eigen does not ask each of their
+/// constraints.
 namespace detail::fit {
 struct Nothing;
 void operator+(const Nothing&, const Nothing&);

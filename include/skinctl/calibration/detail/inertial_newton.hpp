@@ -19,8 +19,9 @@ namespace detail::fit {
 /// ```
 /// 1/2 x'Hx - b'x + w sum_bodies (tr(P0^-1 P) - log det P) - 1/2 sum_scalars log s
 /// ```
-/// of bodies, ten numbers each, and of scalars behind them that are positive (friction, rotors). P is linear in x: the function
-/// is convex, and its one minimum is inside. The last term keeps a scalar that nothing shows about one deviation away from 0.
+/// of bodies, ten numbers each, and of scalars behind them that are positive (friction, rotors). P is linear
+/// in x: the function is convex, and its one minimum is inside. The last term keeps a scalar that nothing
+/// shows about one deviation away from 0.
 class InertialNewton {
  public:
   /// @param H, b      over all unknowns.
@@ -43,8 +44,8 @@ class InertialNewton {
     int steps = 0;
     bool converged = false;
   };
-  /// From `x`, which is inside, to the minimum, within 1e-6 of its value. Begins with much more weight on what keeps `x` inside, a
-  /// tenth of it at a time: steps along an edge would be short.
+  /// From `x`, which is inside, to the minimum, within 1e-6 of its value. Begins with much more weight on
+  /// what keeps `x` inside, a tenth of it at a time: steps along an edge would be short.
   Result minimise(Eigen::VectorXd& x, int most) const {
     Result out;
     Eigen::VectorXd d;

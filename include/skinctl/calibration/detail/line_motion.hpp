@@ -56,8 +56,9 @@ struct LinkState {
   }
 };
 
-/// The unknowns: four per line (two turns of the direction, two shifts of the point), a compliance per joint, the lateness of
-/// the labels. Joints of `joints` are fitted; links are counted by them. A joint stands at `q - compliance tau`.
+/// The unknowns: four per line (two turns of the direction, two shifts of the point), a compliance per joint,
+/// the lateness of the labels. Joints of `joints` are fitted; links are counted by them. A joint stands at
+/// `q - compliance tau`.
 class LineMotion {
  public:
   LineMotion(const MeasuredMotion& motion, std::vector<int> joints, const Eigen::VectorXd& home,

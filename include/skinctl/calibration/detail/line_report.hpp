@@ -15,8 +15,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail::fit {
 
-/// Covariances of a fit: those of white residuals and of the jackknife together, with shifts of the base and its turn about the
-/// vertical projected out, such that the cells of `anchors` do not move as a whole.
+/// Covariances of a fit: those of white residuals and of the jackknife together, with shifts of the base and
+/// its turn about the vertical projected out, such that the cells of `anchors` do not move as a whole.
 class LineCovariance {
  public:
   LineCovariance(const CellFit<LineMotion>& fit, const CellSolver& solver)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The start of the fit of lines: each joint's line as cells of the last link see it, upright; others match these lines.
+// The start of the fit of lines: each joint's line as cells of the last link see it, upright; others match
+// these lines.
 #pragma once
 
 #include <algorithm>
@@ -75,7 +76,8 @@ inline void sum_up(CellGroup& group, const Activation& activation, const std::ve
   if (up.norm() > 0) group.up = up.normalized();
 }
 
-/// The pose in which the group's lines lie on those of the base, and its up is up; where they leave it open, any.
+/// The pose in which the group's lines lie on those of the base, and its up is up; where they leave it open,
+/// any.
 inline void align(CellGroup& group, const std::vector<int>& joints, const std::vector<AxisLine>& lines) {
   const double least = 1e-9;
   Eigen::Matrix3d B = 600 * Eigen::Vector3d::UnitZ() * group.up.transpose();  // an upright known to 40 mg
@@ -187,8 +189,8 @@ struct LineStart {
   return out;
 }
 
-/// Cells whose residuals are four times those of the median do not read what they would read anywhere on the robot; those that
-/// stand apart from their patch by six deviations are not where it says.
+/// Cells whose residuals are four times those of the median do not read what they would read anywhere on the
+/// robot; those that stand apart from their patch by six deviations are not where it says.
 inline void leave_out_liars(CellFit<LineMotion>& fit, BlockMeans& data, LineStart& start) {
   std::vector<double> sorted;
   for (const FittedCell& cell : fit.cells) sorted.push_back(cell.deviation);

@@ -11,7 +11,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail::fit {
 
-/// The rotation R that maximises `trace(R' B)`, by Horn's quaternion; never a mirror. Of `B = sum a b'` it maps the b onto the a.
+/// The rotation R that maximises `trace(R' B)`, by Horn's quaternion; never a mirror. Of `B = sum a b'` it
+/// maps the b onto the a.
 inline Eigen::Matrix3d nearest_turn(const Eigen::Matrix3d& B) {
   Eigen::MatrixXd K(4, 4);
   K(0, 0) = B(0, 0) + B(1, 1) + B(2, 2);

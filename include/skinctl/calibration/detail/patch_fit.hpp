@@ -11,7 +11,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Unknowns: place and turn of each cell but the root, nine sensor errors of each, two of each direction of gravity.
+/// Unknowns: place and turn of each cell but the root, nine sensor errors of each, two of each direction of
+/// gravity.
 struct PatchFit {
   struct State {
     std::vector<ReconstructedCell> cells;
@@ -57,8 +58,8 @@ struct PatchFit {
     const double prior[3] = {1 / s.prior.bias, 1 / s.prior.scale, 1 / s.prior.misalignment};
     Eigen::Matrix<double, 9, 9> by_own = Eigen::Matrix<double, 9, 9>::Zero();
     for (int k = 0; k < 9; ++k) by_own(k, k) = prior[k / 3];
-    // As little as nothing is known of a rotation: without it a cell that the data do not show makes all of the
-    // inverse infinite, and not its own part.
+    // As little as nothing is known of a rotation: without it a cell that the data do not show makes all of
+    // the inverse infinite, and not its own part.
     const Eigen::Matrix3d loose = Eigen::Matrix3d::Identity() / 1.8;
     for (std::size_t i = 0; i < x.cells.size(); ++i) {
       const auto& cell = x.cells[i];

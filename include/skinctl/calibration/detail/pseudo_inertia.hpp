@@ -30,7 +30,8 @@ inline Inertia10 parameters_of(const Eigen::Matrix4d& P) noexcept {
   return t;
 }
 
-/// The body nearest to `t`, lengths measured in `reach` [m]: second moments below a ten-thousandth of the largest are raised to it.
+/// The body nearest to `t`, lengths measured in `reach` [m]: second moments below a ten-thousandth of the
+/// largest are raised to it.
 inline Inertia10 body_near(const Inertia10& t, double reach) {
   Eigen::MatrixXd P = pseudo_inertia(t);
   const auto scale = [reach](int i) { return i < 3 ? reach : 1; };

@@ -13,8 +13,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-// Each fixed size is another instantiation of everything in Eigen below a decomposition, seconds for the compiler. Fits run at
-// configuration time: here all are `MatrixXd`.
+// Each fixed size is another instantiation of everything in Eigen below a decomposition, seconds for the
+// compiler. Fits run at configuration time: here all are `MatrixXd`.
 
 /// Eigenvalues in ascending order, with unit eigenvectors as columns. NaN where A is not finite.
 struct SymmetricEigen {
@@ -31,7 +31,8 @@ struct SymmetricEigen {
   [[nodiscard]] double largest() const { return values(values.size() - 1); }
 };
 
-/// `A = L L'`. `positive()` is false if A is not positive definite, or not finite; `solve` then means nothing.
+/// `A = L L'`. `positive()` is false if A is not positive definite, or not finite; `solve` then means
+/// nothing.
 class Cholesky {
  public:
   Cholesky() = default;
@@ -68,8 +69,8 @@ class Cholesky {
   return Eigen::LDLT<Eigen::MatrixXd>(A).solve(b);
 }
 
-/// The shortest of the `x` with which `A x` comes nearest to `b`, A not negative: along what A shows less than `share` of the most,
-/// it does not go.
+/// The shortest of the `x` with which `A x` comes nearest to `b`, A not negative: along what A shows less
+/// than `share` of the most, it does not go.
 [[nodiscard]] inline Eigen::VectorXd shortest_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
                                                        double share = 1e-10) {
   const SymmetricEigen eigen(A);

@@ -124,8 +124,8 @@ class TorqueEquations {
     }
     return out;
   }
-  /// Ordinary least squares in the base parameters, friction and rotors. Rotors whose torques are those of their links, a UR5's
-  /// first two, make these equations singular: the sum of both is found.
+  /// Ordinary least squares in the base parameters, friction and rotors. Rotors whose torques are those of
+  /// their links, a UR5's first two, make these equations singular: the sum of both is found.
   [[nodiscard]] Eigen::VectorXd least_squares(const BaseParameters& base, bool rotors) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(all);
     std::vector<Eigen::Index> columns(base.columns.begin(), base.columns.end());

@@ -12,8 +12,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// `to = from`, register by register. GCC copies more than a hundred bytes or so with an instruction (`rep movs`) that
-/// starts slowly, and behind which loads of the copy wait.
+/// `to = from`, register by register. GCC copies more than a hundred bytes or so with an instruction (`rep
+/// movs`) that starts slowly, and behind which loads of the copy wait.
 template <class V>
 SKINCTL_INLINE void copy_whole(const V& from, V& to) noexcept {
 #if defined(__SSE2__)

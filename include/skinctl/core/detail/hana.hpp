@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Boost.Hana, as skills and activities use it. It uses `I`, which <complex.h> defines, and `Bool`, which Xlib.h does.
+// Boost.Hana, as skills and activities use it. It uses `I`, which <complex.h> defines, and `Bool`, which
+// Xlib.h does.
 #pragma once
 
 #pragma push_macro("I")

@@ -123,8 +123,8 @@ template <class Bits>
   }
 }
 
-/// Whether a comparison holds in every lane: from the signs as they are, not from those of its opposite, which compilers
-/// put together in three steps more.
+/// Whether a comparison holds in every lane: from the signs as they are, not from those of its opposite,
+/// which compilers put together in three steps more.
 template <class Bits>
 [[nodiscard]] SKINCTL_INLINE bool every_bit(Bits bits) noexcept {
 #if defined(__AVX__)

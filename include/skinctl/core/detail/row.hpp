@@ -238,8 +238,8 @@ class Row {
     }
   }
 
-  /// The numbers `f(0)`, `f(1)`, ..., the index an integral constant, from registers: a load of numbers that were
-  /// stored one by one waits for them.
+  /// The numbers `f(0)`, `f(1)`, ..., the index an integral constant, from registers: a load of numbers that
+  /// were stored one by one waits for them.
   template <class F>
   static SKINCTL_INLINE Row of(F&& f) noexcept {
     return made([&](auto k) SKINCTL_INLINE_LAMBDA {
@@ -261,8 +261,8 @@ class Row {
     });
   }
 
-  /// Calls `f(k)` for the index k of each block: for functions that write more than one row. Through references to
-  /// rows GCC would copy whole rows, and such a load waits for the stores of the blocks.
+  /// Calls `f(k)` for the index k of each block: for functions that write more than one row. Through
+  /// references to rows GCC would copy whole rows, and such a load waits for the stores of the blocks.
   template <class F>
   static SKINCTL_INLINE void each_block(F&& f) noexcept {
     unrolled<Shape::blocks>(f);
@@ -285,8 +285,8 @@ class Row {
 template <class Kind, std::size_t N, Real T>
 Row(const JointVector<Kind, N, T>&) -> Row<N, T>;
 
-/// `to = from` in the blocks in which rows are written: GCC copies a whole vector in one wider piece, and such a
-/// load waits for the stores of the blocks.
+/// `to = from` in the blocks in which rows are written: GCC copies a whole vector in one wider piece, and
+/// such a load waits for the stores of the blocks.
 template <class Kind, std::size_t N, Real T>
 SKINCTL_INLINE void copy_row(const JointVector<Kind, N, T>& from, JointVector<Kind, N, T>& to) noexcept {
   Row<N, T>(from).store(to);

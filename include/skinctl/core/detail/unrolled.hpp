@@ -19,8 +19,8 @@ SKINCTL_INLINE constexpr void call_with(std::index_sequence<Ix...>, F& f) {
 
 /// Calls `f(0)` to `f(N - 1)`, the index an integral constant. Compilers also unroll a loop of known length,
 /// but only after deciding that its arrays stay in memory; GCC vectorises it before, and its vector loads
-/// then wait for the scalar stores that filled the array. Where `f` takes a `std::size_t` it is compiled once, not
-/// `N` times.
+/// then wait for the scalar stores that filled the array. Where `f` takes a `std::size_t` it is compiled
+/// once, not `N` times.
 template <std::size_t N, class F>
 SKINCTL_INLINE constexpr void unrolled(F&& f) {
   call_with(std::make_index_sequence<N>{}, f);

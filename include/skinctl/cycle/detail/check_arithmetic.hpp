@@ -12,9 +12,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Throws `ConfigurationError` unless range reduction, a compensated sum and a comparison with NaN give what they
-/// give in IEEE arithmetic, each operation rounded to `T` in the order in which it is written. What compilers show
-/// in macros is refused in `core/config.hpp`; this is for the rest.
+/// Throws `ConfigurationError` unless range reduction, a compensated sum and a comparison with NaN give what
+/// they give in IEEE arithmetic, each operation rounded to `T` in the order in which it is written. What
+/// compilers show in macros is refused in `core/config.hpp`; this is for the rest.
 template <class T>
 SKINCTL_NOINLINE void check_arithmetic() {
   if constexpr (math::detail::has_kernel<T>) {

@@ -2,6 +2,8 @@
 // What runs in every cycle of a scene.
 #pragma once
 
+#include <concepts>
+#include <limits>
 #include <span>
 
 #include "skinctl/core/real_time.hpp"
@@ -51,6 +53,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   using Parts::governor_;
   using Parts::guard_;
   using Parts::law_;
+  using Parts::mark_;
   using Parts::parts_;
   using Parts::pauses;
   using Parts::period;
@@ -60,6 +63,10 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   using Governor = typename Parts::Governor;
   static constexpr bool changes_touch = !std::is_empty_v<typename Parts::Change::Memory>;
   static constexpr bool takes_goals = LawTable<L>::takes_goals;
+  /// Whether a law, a limit or the passivity observer takes what the skin feels, or nothing does feel.
+  template <class Seen>
+  static constexpr bool answers_touch = Needs(L::needs).touch || sees<L, Input, Seen> ||
+                                        Parts::watches_contacts || !std::equality_comparable<Wrenches>;
 
   /// @param change  the configuration of the last cycle, or `NoChange`.
   template <class Watch, class Change>
@@ -68,6 +75,8 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     const RealTimeScope real_time;
     watch.begin();
     Status status;
+    if (m.mark != mark_) [[unlikely]]
+      status |= refuse_memory(m);
     if (input.request == CycleRequest::stop) resolver_.stop(m.robot);
     if (input.request == CycleRequest::resume) {
       if (guard_.refuses_start(m.guard)) [[unlikely]] {
@@ -83,12 +92,12 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     const Interval interval = resolver_.interval(m.robot, input.now);
     Unwritten<Touch, max_substeps> touches;
     const std::size_t parts = interval.substeps == 0 ? 1 : interval.substeps;
-    status |= interval.status;
+    status |= interval.status | resolver_.see_base(m.robot, input, interval.to);
     const auto measured = [&]() SKINCTL_INLINE_LAMBDA -> const State<joints, scalar>& {
       return believed(input.measured, m.robot.measured(), guard_);
     };
-    TouchTable<std::remove_cvref_t<decltype(skin_)>>::follow_robot(skin_, m.skin, resolver_.model(),
-                                                                   resolver_.state(m.robot));
+    TouchTable<std::remove_cvref_t<decltype(skin_)>>::follow_robot(
+        skin_, m.skin, resolver_.model_seen(m.robot), resolver_.state(m.robot));
     status |= receive_touch(skin_, m.skin, input, measured, interval, parts, touches.data);
     const auto pressed = detail::pressed<watches_contacts>(skin_, m.skin, touches.data[parts - 1]);
     const Seen<typename Parts::Skin, std::remove_cvref_t<decltype(pressed)>> seen{skin_, m.skin, pressed,
@@ -97,6 +106,8 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     const bool pause = pauses(m);
     if (pause) resolver_.stop(m.robot);
     status |= LawTable<L>::see(law_, m.law, input, seen);
+    if constexpr (!answers_touch<std::remove_const_t<decltype(seen)>>)
+      if (seen.touched()) status |= Reason::touch_unanswered;
     governor_.see(m.governor, input, measured().q, interval.to);
     watch.end(CycleStage::sense);
 
@@ -137,6 +148,8 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
     watch.end(CycleStage::guard);
     Output out(guarded.command, status, resolved.shares);
+    if (!out.command.valid) [[unlikely]]
+      keep_still(out.command, input.measured);
     using LawOutput = typename LawTable<L>::Output;
     if constexpr (!std::is_empty_v<LawOutput>)
       static_cast<LawOutput&>(out) = LawTable<L>::output(law_, m.law);
@@ -165,6 +178,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
 
   /// All but the robot.
   SKINCTL_COLD void start_rest(Memory& m, const State<joints, scalar>& measured) const noexcept {
+    m.mark = mark_;
     m.skin = skin_.start(measured.time);
     m.guard = guard_.start(m.robot.command(), measured);
     m.governor = {};
@@ -176,6 +190,23 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
       const Wrenches touch = skin_.wrenches(m.skin);
       m.law = law_.start(resolver_.template known<L>(state, period(), touch));
     }
+  }
+  /// A command that must not be sent moves nothing if it is sent all the same.
+  SKINCTL_COLD void keep_still(typename Resolver::Sent& command,
+                               const State<joints, scalar>& measured) const noexcept {
+    using Position = JointPosition<joints, scalar>;
+    if constexpr (Resolver::Sent::holds_position)
+      command.position = guard_.believes(measured)
+                             ? measured.q
+                             : Position::constant(std::numeric_limits<scalar>::quiet_NaN());
+    if constexpr (Resolver::Sent::holds_velocity) command.velocity = {};
+  }
+  /// Of another scene: it tells where another robot was told to be. It becomes one whose start was refused.
+  SKINCTL_COLD Status refuse_memory(Memory& m) const noexcept {
+    State<joints, scalar> nowhere;
+    for (scalar& q : nowhere.q) q = std::numeric_limits<scalar>::quiet_NaN();
+    start(m, nowhere);
+    return Reason::memory_refused;
   }
   /// A robot that was told to be elsewhere by a gap still is.
   SKINCTL_COLD void start_anew(Memory& m, const Input& input) const noexcept {
@@ -215,7 +246,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   // For `Configurations`: whether another one may take over now; the law's start at the robot's state; the
   // difference of torque between the old configuration and this one.
   [[nodiscard]] bool may_change(const Memory& m, const Input& input) const noexcept {
-    if (guard_.refuses_start(m.guard)) return false;
+    if (m.mark != mark_ || guard_.refuses_start(m.guard)) return false;
     auto robot = m.robot;
     if (input.request == CycleRequest::stop) resolver_.stop(robot);
     if (input.request == CycleRequest::resume) resolver_.resume(robot);

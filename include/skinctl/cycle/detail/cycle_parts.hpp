@@ -6,6 +6,7 @@
 
 #include "skinctl/cycle/detail/check_arithmetic.hpp"
 #include "skinctl/cycle/detail/check_scene.hpp"
+#include "skinctl/cycle/detail/scene_mark.hpp"
 #include "skinctl/cycle/detail/scene_traits.hpp"
 #include "skinctl/cycle/input.hpp"
 #include "skinctl/cycle/output.hpp"
@@ -52,6 +53,7 @@ class CycleParts {
     typename L::Memory law;
     typename Guard::Memory guard;
     typename Skin::Memory skin;
+    std::uint64_t mark = 0;  ///< mark of the scene by which it was started; another scene refuses it
     [[no_unique_address]] typename Governor::Memory governor;
     [[no_unique_address]] typename Change::Memory touch;
   };
@@ -63,6 +65,8 @@ class CycleParts {
   [[nodiscard]] const Governor& governor() const noexcept { return governor_; }
   /// The list of its parts.
   [[nodiscard]] const Parts& parts() const noexcept { return parts_; }
+  /// The mark of its memories: a digest of limits, times, gravity in the base, ids and places of cells.
+  [[nodiscard]] std::uint64_t mark() const noexcept { return mark_; }
 
  protected:
   /// Made by every public constructor before anything else of a scene.
@@ -76,14 +80,20 @@ class CycleParts {
         skin_(std::move(skin)),
         parts_(parts),
         governor_(governor_of(resolver_, parts)),
-        guard_(guard_of(resolver_, parts, governor_)) {
+        guard_(guard_of(resolver_, parts, governor_)),
+        mark_(scene_mark(resolver_, skin_)) {
     if constexpr (Described<Robot>) {
       check_settings(robot, law);
       check_contacts(robot, skin_);
     }
+    if constexpr (Governor::template has<JerkLimit>) {
+      const auto& jerk = governor_.template get<JerkLimit>();
+      LawTable<L>::check_for(law,
+                             JerkTerms<scalar>{jerk.template set<typename Resolver::Stiff>().longest_rise()});
+    }
     if constexpr (!TouchTable<Skin>::finds_contacts)
-      require(!LawTable<L>::waits_for_contacts(law),
-              "skills that wait for contacts, on a skin that finds none", 1, "a ContactSkin");
+      require(!LawTable<L>::needs_contacts(law), "skills that wait for contacts, on a skin that finds none",
+              1, "a ContactSkin");
     governor_.check(resolver_);
   }
   /// The planned interval [s], for the laws that start or take goals between two evaluations.
@@ -103,6 +113,7 @@ class CycleParts {
   [[no_unique_address]] Parts parts_;
   [[no_unique_address]] Governor governor_;
   Guard guard_;
+  std::uint64_t mark_;
 };
 
 }  // namespace detail

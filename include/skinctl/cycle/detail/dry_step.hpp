@@ -10,7 +10,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Steps `cycle` on a copy of `memory` in `scratch`, `after` later than `input` and without its request and goals.
+/// Steps `cycle` on a copy of `memory` in `scratch`, `after` later than `input` and without its request and
+/// goals.
 template <class C, class Watch>
 void dry_step(const C& cycle, typename C::Memory& scratch, const typename C::Memory& memory,
               typename C::Input input, Nanoseconds after, Watch& watch) noexcept {

@@ -8,6 +8,7 @@
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/scene_parts.hpp"
 #include "skinctl/limits/detail/limit_fault.hpp"
+#include "skinctl/model/moving_base.hpp"
 #include "skinctl/tactile/detail/touch_fault.hpp"
 #include "skinctl/tactile/force_lead.hpp"
 
@@ -90,8 +91,8 @@ struct Seen {
   }
   /// The strongest proximity reading of link `Ix`, in [0, 1].
   template <std::size_t Ix>
-  [[nodiscard]] SKINCTL_INLINE auto nearest() const noexcept {
-    return TouchTable<Skin>::template nearest<Ix>(skin, memory);
+  [[nodiscard]] SKINCTL_INLINE auto max_proximity() const noexcept {
+    return TouchTable<Skin>::template max_proximity<Ix>(skin, memory);
   }
   [[nodiscard]] SKINCTL_INLINE Coverage coverage() const noexcept {
     return TouchTable<Skin>::coverage(skin, memory);
@@ -112,8 +113,8 @@ inline constexpr bool takes_positions = [] {
   if constexpr (Resolver::is_one_group) return takes_position(Resolver::interface);
   return false;
 }();
-/// The touch that a resolver takes from a skin: forces and proximities apart where a tank or a spring has to tell
-/// them, and where contacts are asked for (`Contacts`) and not known otherwise.
+/// The touch that a resolver takes from a skin: forces and proximities apart where a tank or a spring has to
+/// tell them, and where contacts are asked for (`Contacts`) and not known otherwise.
 template <class Resolver, class Skin, bool Contacts>
 struct TouchFor {
   using type = typename Skin::Wrenches;
@@ -132,8 +133,8 @@ struct ChangeOf {
 template <class Wrenches>
   requires can_be_led<Wrenches>
 struct ChangeOf<Wrenches> : TouchChange<Wrenches> {};
-/// The contacts, if the scene has a part that asks for them: where the skin is pressed, or else the wrenches of
-/// the touch at the end of the interval.
+/// The contacts, if the scene has a part that asks for them: where the skin is pressed, or else the wrenches
+/// of the touch at the end of the interval.
 template <bool Contacts, class Skin, class Touch>
 [[nodiscard]] SKINCTL_INLINE auto pressed(const Skin& skin, const typename Skin::Memory& memory,
                                           const Touch& touch) noexcept {
@@ -151,12 +152,16 @@ template <LimitWithInput Limit>
 struct LimitInput<Limit> {
   using type = typename Limit::Input;
 };
-/// What law and limits add to the input of a cycle, as a tuple: each once.
+/// What the robot adds to the input: the state of a base that moves.
+template <RobotModel M, Real T>
+using RobotInput = std::conditional_t<base_moves<M>, BaseInput<T>, NothingAdded>;
+/// What robot, law and limits add to the input of a cycle, as a tuple: each once.
 template <class L, class Governor>
 struct AddedInputsOf;
 template <class L, RobotModel M, Real T, class Sets, class... Limits>
 struct AddedInputsOf<L, Governor<M, T, Sets, Limits...>>
-    : EachOnce<std::tuple<>, typename LawTable<L>::Input, typename LimitInput<Limits>::type...> {};
+    : EachOnce<std::tuple<>, typename LawTable<L>::Input, typename LimitInput<Limits>::type...,
+               RobotInput<M, T>> {};
 template <class L, class Governor>
 using AddedInputs = typename AddedInputsOf<L, Governor>::type;
 /// Takes what was sensed in an interval, and gives the mean touch over each of its parts. `measured()` is the
@@ -239,11 +244,9 @@ constexpr void check_holders() {
 /// Compares the law's settings with the robot's description; throws `ConfigurationError` with both numbers.
 template <class Robot, class L>
 SKINCTL_COLD void check_settings(const Robot& robot, const L& law) {
-  if constexpr (DescribedRobot<Robot>) {
-    const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics(),
-                                                                robot.loop_delay()};
-    LawTable<L>::check_for(law, terms);
-  }
+  const LawTerms<Robot::joints, typename Robot::scalar> terms{robot.longest_dt(), robot.virtual_dynamics(),
+                                                              robot.loop_delay()};
+  LawTable<L>::check_for(law, terms);
 }
 /// Checks that the stiffest contact that a description names comes to rest on this skin.
 template <class Robot, class Skin>

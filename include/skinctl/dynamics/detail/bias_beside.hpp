@@ -11,11 +11,11 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The bias of the virtual robot half a sub-step ahead, for the solution that follows the laws: `C v + G`, or `C v`
-/// where a law reads G, which is then added as the law read it.
+/// The bias of the virtual robot half a sub-step ahead, for the solution that follows the laws: `C v + G`, or
+/// `C v` where a law reads G, which is then added as the law read it.
 ///
-/// A recursion of plain numbers keeps a processor's multipliers busy, and leaves half of each register empty: a law
-/// that runs one computes the bias in the other half.
+/// A recursion of plain numbers keeps a processor's multipliers busy, and leaves half of each register empty:
+/// a law that runs one computes the bias in the other half.
 template <std::size_t N, Real T>
 struct BiasBeside {
   JointVelocity<N, T> v;   ///< half a sub-step ahead
@@ -65,7 +65,8 @@ SKINCTL_INLINE void run_recursion_beside(const M& model, const RecursionMotion<A
   const auto both = [](const T& a, const T& b) SKINCTL_INLINE_LAMBDA { return pair_of(a, b); };
   const JointAngles<M, P> angles(motion.angles, ahead, both);
   P dq[N], dq_r[N], ddq_r[N], out[N];
-  // A zero that the compiler does not know: for a known one GCC moves between registers by an instruction that Valgrind
+  // A zero that the compiler does not know: for a known one GCC moves between registers by an instruction
+  // that Valgrind
   // 3.19 does not have, and a cycle could not be counted.
   const T zero = beside.v[0] - beside.v[0];
   unrolled<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {

@@ -125,8 +125,8 @@ struct ReferenceMotion {
 template <class W, class R, class A, class L>
 ReferenceMotion(W, R, A, L) -> ReferenceMotion<W, R, A, L>;
 
-/// The motion of link `Ix`; the parent's angular motion and the acceleration of the parent at the joint are in the
-/// axes of the link.
+/// The motion of link `Ix`; the parent's angular motion and the acceleration of the parent at the joint are
+/// in the axes of the link.
 template <std::size_t Ix, class C, class W, class R, class A, class L>
 SKINCTL_INLINE constexpr auto reference_motion(const C& c, const W& w_in, const R& w_r_in, const A& alpha_in,
                                                const L& a_in) noexcept {
@@ -145,8 +145,8 @@ SKINCTL_INLINE constexpr auto reference_motion(const C& c, const W& w_in, const 
   }
 }
 
-/// Writes `tau[Ix]` from the wrench of the subtree of link `Ix`, and returns that wrench in the parent's axes about
-/// the parent's origin.
+/// Writes `tau[Ix]` from the wrench of the subtree of link `Ix`, and returns that wrench in the parent's axes
+/// about the parent's origin.
 template <std::size_t Ix, class C, class Frame, class Total>
 SKINCTL_INLINE constexpr auto hand_down(const C& c, const Frame& frame, const Total& total) noexcept {
   using M = std::remove_cvref_t<decltype(c.model)>;
@@ -156,8 +156,8 @@ SKINCTL_INLINE constexpr auto hand_down(const C& c, const Frame& frame, const To
   return ForceMoment{by_component(f), frame.to_parent(total.n) + cross(frame.p, f)};
 }
 
-/// Computes the motion of link `Ix`, adds its children's wrenches to its own, writes `tau[Ix]`, and returns the
-/// wrench in the parent's axes about the parent's origin.
+/// Computes the motion of link `Ix`, adds its children's wrenches to its own, writes `tau[Ix]`, and returns
+/// the wrench in the parent's axes about the parent's origin.
 template <std::size_t Ix, class C, class W, class R, class A, class E, class L>
 SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, const R& w_r_parent,
                                              const A& alpha_parent, const E& spin_parent,
@@ -188,23 +188,30 @@ SKINCTL_INLINE constexpr auto subtree_wrench(const C& c, const W& w_parent, cons
   }
 }
 
-/// Runs the recursion from the base over links with the given inertias; `a0` is the acceleration of the base
-/// (minus gravity, or typed zeros).
+/// Runs the recursion from the motion of the base (a `ReferenceMotion`, along its axes, with minus gravity in
+/// `a`) over links with the given inertias.
+template <Scalar T, RobotModel M, class Bodies, class Angles, class V, class R, class A, class Motion>
+SKINCTL_INLINE constexpr void run_recursion_from(const M& model, const Bodies& bodies, const Angles& angles,
+                                                 const V& dq, const R& dq_r, const A& ddq_r,
+                                                 const Motion& base, T* tau) noexcept {
+  const Recursion<M, Bodies, Angles, V, R, A, T> c{model, bodies, angles, dq, dq_r, ddq_r, tau};
+  const auto spin = make_spin(base.w, base.w_r, base.alpha);
+  constexpr auto roots = children<M, -1>;
+  if constexpr (roots.size() == 1) {
+    static_cast<void>(subtree_wrench<roots[0]>(c, base.w, base.w_r, base.alpha, spin, base.a));
+  } else {
+    for_each_link<roots>([&](auto child) SKINCTL_INLINE_LAMBDA {
+      static_cast<void>(subtree_wrench<child.value>(c, base.w, base.w_r, base.alpha, spin, base.a));
+    });
+  }
+}
+/// The same from a base that does not turn; `a0` is its acceleration (minus gravity, or typed zeros).
 template <Scalar T, RobotModel M, class Bodies, class Angles, class V, class R, class A, class L>
 SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& bodies, const Angles& angles,
                                                  const V& dq, const R& dq_r, const A& ddq_r, const L& a0,
                                                  T* tau) noexcept {
-  const Recursion<M, Bodies, Angles, V, R, A, T> c{model, bodies, angles, dq, dq_r, ddq_r, tau};
   const ZeroTriple zero{};
-  const auto spin = make_spin(zero, zero, zero);
-  constexpr auto roots = children<M, -1>;
-  if constexpr (roots.size() == 1) {
-    static_cast<void>(subtree_wrench<roots[0]>(c, zero, zero, zero, spin, a0));
-  } else {
-    for_each_link<roots>([&](auto child) SKINCTL_INLINE_LAMBDA {
-      static_cast<void>(subtree_wrench<child.value>(c, zero, zero, zero, spin, a0));
-    });
-  }
+  run_recursion_from<T>(model, bodies, angles, dq, dq_r, ddq_r, ReferenceMotion{zero, zero, zero, a0}, tau);
 }
 /// The same with the model's own links.
 template <Scalar T, RobotModel M, class Angles, class V, class R, class A, class L>

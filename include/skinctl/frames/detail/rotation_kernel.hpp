@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Polynomials for exp of a turn up to half a turn, and for log of a small one: no square root, no library call.
+// Polynomials for exp of a turn up to half a turn, and for log of a small one: no square root, no library
+// call.
 #pragma once
 
 #include <limits>
@@ -11,8 +12,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// With `u = tan(a / 2)^2`: `atan`, `(a / 2) / tan(a / 2)`, and `bend`, `(1 - (a/2) cot(a/2)) / a^2`. Minimax for
-/// a up to 0.5, rounded coefficient by coefficient.
+/// With `u = tan(a / 2)^2`: `atan`, `(a / 2) / tan(a / 2)`, and `bend`, `(1 - (a/2) cot(a/2)) / a^2`. Minimax
+/// for a up to 0.5, rounded coefficient by coefficient.
 template <class T>
 struct SmallTurn;
 /// Relative error of `atan` 2^-60, of `bend` 2^-54.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <type_traits>
 
 #include "skinctl/core/config.hpp"
 
@@ -15,6 +16,15 @@ template <class First, class... Rest>
 struct Memories<First, Rest...> {
   [[no_unique_address]] First first;
   [[no_unique_address]] Memories<Rest...> rest;
+};
+/// Of laws without memories: no aggregate, which Clang 16 crashes on where none of its members has a byte.
+template <class First, class... Rest>
+  requires(std::is_empty_v<First> && (std::is_empty_v<Rest> && ...))
+struct Memories<First, Rest...> {
+  [[no_unique_address]] First first;
+  [[no_unique_address]] Memories<Rest...> rest;
+  constexpr Memories() noexcept = default;
+  constexpr Memories(const First&, const Memories<Rest...>&) noexcept {}
 };
 
 /// The memories of the laws from the `Ix`-th on.

@@ -17,6 +17,9 @@ template <class Own, class... L>
 struct SeeingLaws {
   using Input = Together<typename LawTable<L>::Input...>;
   using Output = Together<typename LawTable<L>::Output...>;
+  /// Whether one of them sees.
+  template <class In, class Seen>
+  static constexpr bool one_sees = (sees<L, In, Seen> || ...);
 
   template <class Memory, class In, class Seen>
   SKINCTL_INLINE Status see(Memory& memory, const In& input, const Seen& seen) const noexcept {
@@ -34,9 +37,9 @@ struct SeeingLaws {
     });
     return out;
   }
-  [[nodiscard]] bool waits_for_contacts() const noexcept {
+  [[nodiscard]] bool needs_contacts() const noexcept {
     bool waits = false;
-    std::apply([&](const L&... law) { waits = (LawTable<L>::waits_for_contacts(law) || ...); }, own().laws());
+    std::apply([&](const L&... law) { waits = (LawTable<L>::needs_contacts(law) || ...); }, own().laws());
     return waits;
   }
 

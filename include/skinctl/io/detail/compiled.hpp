@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bodies that each file of a program may hold, or one source of it: CMake's `skinctl::io` compiles that source.
+// Bodies that each file of a program may hold, or one source of it: CMake's `skinctl::io` compiles that
+// source.
 #pragma once
 
 #ifdef SKINCTL_COMPILED_IO

@@ -97,8 +97,9 @@ class SkinCheck {
         range("covariance", C[k], -100, 100, "");
         full(i, j) = full(j, i) = C[k];
       }
-    // Shifted by its norm, a symmetric matrix has its eigenvalues as singular values, to 1e-14 of the norm. The solver for
-    // symmetric matrices costs every file that reads a skin 4 s of compilation, this one 0.7 s.
+    // Shifted by its norm, a symmetric matrix has its eigenvalues as singular values, to 1e-14 of the norm.
+    // The solver for symmetric matrices costs every file that reads a skin 4 s of compilation, this one 0.7
+    // s.
     const double shift = full.norm();
     full.diagonal().array() += shift;
     const Eigen::JacobiSVD<Eigen::Matrix<double, 6, 6>, Eigen::NoQRPreconditioner> solver(full);

@@ -10,8 +10,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Replaces the moments by those of the nearest second moments of mass that are not negative, in the Frobenius
-/// norm: negative eigenvalues become 0.
+/// Replaces the moments by those of the nearest second moments of mass that are not negative, in the
+/// Frobenius norm: negative eigenvalues become 0.
 /// @return the distance [kg m^2].
 inline double make_possible(LinkInertia& in) {
   const double half = 0.5 * (in.xx + in.yy + in.zz);

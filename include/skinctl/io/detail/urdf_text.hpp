@@ -4,9 +4,9 @@
 
 #include <tinyxml2.h>
 
-#include <charconv>
 #include <cstring>
 
+#include "skinctl/io/detail/from_chars.hpp"
 #include "skinctl/io/parse_urdf.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -62,7 +62,7 @@ class UrdfText {
     for (std::size_t k = 0; k < N && good; ++k) {
       skip();
       if (at != end && *at == '+') ++at;
-      const auto result = std::from_chars(at, end, out[k]);
+      const auto result = detail::from_chars(at, end, out[k]);
       good = result.ec == std::errc() && out[k] - out[k] == 0;
       at = result.ptr;
     }

@@ -8,8 +8,8 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// `[A B; C D]^-1` from the inverses of D and of its Schur complement `S = A - B D^-1 C`, each by three cross
-/// products and one division: neither pivots nor the long chain of a factorisation, and the condition number of
-/// the matrix instead of its square. D are the axes of the last three joints.
+/// products and one division: neither pivots nor the long chain of a factorisation, and the condition number
+/// of the matrix instead of its square. D are the axes of the last three joints.
 template <Real T>
 class BlockInverse {
  public:
@@ -41,8 +41,8 @@ class BlockInverse {
     p_[2] = per_det_s * cross(s[0], s[1]);
     determinant_ = det * det_s;
   }
-  /// Whether D can be inverted: its volume is more than a hundredth of that of a box. Otherwise, and with a NaN in
-  /// D, nothing else is defined.
+  /// Whether D can be inverted: its volume is more than a hundredth of that of a box. Otherwise, and with a
+  /// NaN in D, nothing else is defined.
   [[nodiscard]] SKINCTL_INLINE bool usable() const noexcept { return usable_; }
   [[nodiscard]] SKINCTL_INLINE const T& determinant() const noexcept { return determinant_; }
 

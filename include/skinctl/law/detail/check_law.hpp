@@ -30,7 +30,8 @@ template <class L>
 concept LacksAdvance = CanBeAsked<L> && !NamesAdvance<L>;
 template <class L>
 concept LacksReceive = CanBeAsked<L> && !NamesReceive<L>;
-/// A wrapper, a sum and what stands for a faulty law name `receive` and what belongs to it whatever they take.
+/// A wrapper, a sum and what stands for a faulty law name `receive` and what belongs to it whatever they
+/// take.
 template <class L>
 concept NamesForOthers = IsMadeOfLaws<L> || IsWrapper<L> || is_wrong_law<L>;
 
@@ -91,7 +92,7 @@ consteval LawFault fault_for_robot() {
     return LawFault::other_joints;
   } else if constexpr (!std::same_as<typename LawTable<L>::template scalar_in<T>, T>) {
     return LawFault::other_scalar;
-  } else if constexpr (((needs.poses | needs.jacobians | needs.jacobian_rates) & ~links) != 0) {
+  } else if constexpr (((needs.poses | needs.jacobians) & ~links) != 0) {
     return LawFault::missing_link;
   } else {
     return LawFault::none;

@@ -135,7 +135,7 @@ struct Say {
                 "this law has an Input, but lacks see(memory, input, seen), which reads it");
   static_assert(F != output_signature,
                 "output(memory) of this law is not const, or does not return its Output");
-  static_assert(F != waits_signature, "waits_for_contacts() of this law is not const, or returns no bool");
+  static_assert(F != waits_signature, "needs_contacts() of this law is not const, or returns no bool");
   static_assert(
       F != terms_type,
       "terms of this law is no `static constexpr std::size_t`, or roles no array of as many LawRole");

@@ -127,6 +127,8 @@ concept HasSettled =
     };
 template <class L, class Terms>
 concept ChecksTerms = requires(const L& law, const Terms& robot) { law.check_for(robot); };
+template <class Terms>
+concept IsJerkTerms = requires(const Terms& t) { t.rise; };
 template <class L>
 concept HasGoal = requires { typename L::Goal; };
 template <class L, class K>
@@ -158,9 +160,17 @@ template <class L, class In, class Seen>
 concept SeesScene = requires(const L& law, typename L::Memory& m, const In& input, const Seen& seen) {
   { law.see(m, input, seen) } -> std::same_as<Status>;
 };
+/// Whether a law sees its scene: a sum tells whether one of its laws does.
+template <class L, class In, class Seen>
+inline constexpr bool sees = SeesScene<L, In, Seen>;
+template <class L, class In, class Seen>
+concept TellsIfOneSees = requires { L::template one_sees<In, Seen>; };
+template <class L, class In, class Seen>
+  requires TellsIfOneSees<L, In, Seen>
+inline constexpr bool sees<L, In, Seen> = L::template one_sees<In, Seen>;
 template <class L>
 concept TellsWaits = requires(const L& law) {
-  { law.waits_for_contacts() } -> std::same_as<bool>;
+  { law.needs_contacts() } -> std::same_as<bool>;
 };
 
 // For speed.
@@ -178,7 +188,7 @@ concept HasEvaluate =
 struct NamesOfALaw {
   int start, torque, parts, advance, receive, follow, status, settled, distance, check_for, now, evaluate,
       name, presses, compensates_friction, starts_blank, gravity_laws, complete_sum, terms, roles, see,
-      output, waits_for_contacts;
+      output, needs_contacts;
 };
 SKINCTL_NAMES(NamesStart, NamesOfALaw, start);
 SKINCTL_NAMES(NamesTorque, NamesOfALaw, torque);
@@ -202,7 +212,7 @@ SKINCTL_NAMES(NamesTerms, NamesOfALaw, terms);
 SKINCTL_NAMES(NamesRoles, NamesOfALaw, roles);
 SKINCTL_NAMES(NamesLawSee, NamesOfALaw, see);
 SKINCTL_NAMES(NamesOutput, NamesOfALaw, output);
-SKINCTL_NAMES(NamesWaits, NamesOfALaw, waits_for_contacts);
+SKINCTL_NAMES(NamesWaits, NamesOfALaw, needs_contacts);
 /// A torque that is weighted by its parts contains G(q) where no gravity law is loaded.
 template <class L>
 concept MayHaveParts = !CanBeAsked<L> || NamesParts<L>;

@@ -21,6 +21,7 @@ class ClearanceWays {
   using Position = typename Limits::Position;
   using Near = typename Limits::Near;
   using Memory = typename Limits::Memory;
+  using Sum = typename Limits::Sum;
   static constexpr double leaving = 0.05;  ///< largest speed at which a motion along a margin leaves it [m/s]
   static constexpr double reaction = 0.02;         ///< time before a pair brakes, of a step that slides [s]
   static constexpr double weakest_braking = 1e-3;  ///< of a pair that no joint parts [m/s^2]
@@ -61,9 +62,9 @@ class ClearanceWays {
       return x;
     });
   }
-  /// `u`, of a step of `h` seconds, without what would bring a pair nearer than it can stop, pair by pair and a few times
-  /// over. At the margin it leaves a little, at up to `leaving`: by as much as the distance may fall short of its
-  /// gradient until the robot stands, because a motion along the margin would not be kept.
+  /// `u`, of a step of `h` seconds, without what would bring a pair nearer than it can stop, pair by pair and
+  /// a few times over. At the margin it leaves a little, at up to `leaving`: by as much as the distance may
+  /// fall short of its gradient until the robot stands, because a motion along the margin would not be kept.
   [[nodiscard]] Velocity slid(Velocity u, const T& h) const noexcept {
     T gradient[max_pairs][joints], gradient_off[max_pairs][joints];
     of_.clearances_.gradients(q_, near(), gradient);
@@ -84,13 +85,14 @@ class ClearanceWays {
             const T (&distance)[max_pairs]) const noexcept {
     for (std::size_t k = 0; k < count_; ++k) {
       const T longest = of_.time_to_rest(u);
-      T closing(0), square(0), sum(0), rate = std::numeric_limits<T>::infinity();
+      Sum sum;
+      T closing(0), square(0), rate = std::numeric_limits<T>::infinity();
       for (std::size_t i = 0; i < joints; ++i) {
         const T g = gradient[k][i];
-        closing = closing - g * u[i], square = square + g * g, sum = sum + size(u[i]);
+        closing = closing - g * u[i], square = square + g * g, sum.add(i, u[i]);
         if (size(g) * rate > of_.brake(i) * square) rate = of_.brake(i) * size(g);
       }
-      const T room = distance[k] - margin(k, T(0)), bend = of_.reach_ * sum * sum * (h + longest);
+      const T room = distance[k] - margin(k, T(0)), bend = sum.bend(of_.reach_) * (h + longest);
       const T braking = rate > T(0) ? rate : T(weakest_braking);
       const T most = (room > T(0) ? speed_to_stop(room, T(reaction), braking) : T(0)) -
                      (bend < T(leaving) ? bend : T(leaving));
@@ -107,17 +109,17 @@ class ClearanceWays {
       return nothing;
     }
   }
-  /// Whether what the robot may fill until it stands, if it is at `u` after `moved`, is clear of obstacles that stay where
-  /// they are said to be, or of those where it is not while the robot stands here.
+  /// Whether what the robot may fill until it stands, if it is at `u` after `moved`, is clear of obstacles
+  /// that stay where they are said to be, or of those where it is not while the robot stands here.
   [[nodiscard]] bool stays_apart([[maybe_unused]] const Velocity& u,
                                  [[maybe_unused]] const Position& moved) const noexcept {
     if constexpr (Limits::around > 0) {
       const T inner = T(inner_share) * of_.margin_;
       const auto& c = of_.clearances_;
       const auto box = of_.until_rest(seen_.measured, q_ + moved, u);
-      T wide(0);
-      for (std::size_t i = 0; i < joints; ++i) wide = wide + box.half[i];
-      const T grows = of_.reach_ * wide * (T(2) + wide);
+      Sum wide;
+      for (std::size_t i = 0; i < joints; ++i) wide.add(i, box.half[i]);
+      const T grows = T(2) * wide.way(of_.reach_) + wide.bend(of_.reach_);
       bool close = false;
       for (std::size_t k = c.size(); k < count_; ++k)
         close = close || (!(distance_[k] - inner > grows) && c.approach(k, near()) == T(0));
@@ -149,8 +151,8 @@ class ClearanceWays {
       return of_.margin_;
     }
   }
-  /// Whether the clearances hold after `moved`, and from there along `way(part)`, part from 0 to 1, which lasts
-  /// `time` seconds.
+  /// Whether the clearances hold after `moved`, and from there along `way(part)`, part from 0 to 1, which
+  /// lasts `time` seconds.
   template <class Way>
   [[nodiscard]] bool clear_along(const Position& moved, const T& time, const Way& way) const noexcept {
     if constexpr (Limits::around > 0)
@@ -163,11 +165,11 @@ class ClearanceWays {
   [[nodiscard]] bool clear_from(const Position& q, const T (&here)[max_pairs], const Position& moved,
                                 const T& time, const Way& way) const noexcept {
     Position x = moved, before;
-    T all(0);
-    for (std::size_t i = 0; i < joints; ++i) all = all + size(moved[i]) + size(way(T(1))[i]);
+    Sum all;
+    for (std::size_t i = 0; i < joints; ++i) all.add(i, moved[i]), all.add(i, way(T(1))[i]);
+    const T longest = all.way(of_.reach_);
     bool close[max_pairs], any = false;
-    for (std::size_t k = 0; k < count_; ++k)
-      any = (close[k] = !(here[k] - margin(k, time) > of_.reach_ * all)) || any;
+    for (std::size_t k = 0; k < count_; ++k) any = (close[k] = !(here[k] - margin(k, time) > longest)) || any;
     if (!any) return true;
     for (int n = 0; n <= looks; ++n) {
       const T part = T(n) / T(looks);
@@ -176,11 +178,11 @@ class ClearanceWays {
       of_.clearances_.distances(q + x, near(), distance, [&](std::size_t k) { return close[k]; });
       for (std::size_t k = 0; k < count_; ++k) {
         if (!close[k]) continue;
-        T step(0);
+        Sum step;
         for (std::size_t i = 0; i < joints; ++i)
-          if ((of_.clearances_.between(k, near()) >> i) & 1u) step = step + size(x[i] - before[i]);
+          if ((of_.clearances_.between(k, near()) >> i) & 1u) step.add(i, x[i] - before[i]);
         const T wanted = margin(k, part * time), least = here[k] < wanted ? here[k] : wanted;
-        if (!(distance[k] >= least + of_.reach_ * step * step)) return false;
+        if (!(distance[k] >= least + step.bend(of_.reach_))) return false;
       }
       before = x;
     }

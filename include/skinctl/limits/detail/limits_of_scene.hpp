@@ -58,8 +58,8 @@ class LimitsOfScene {
         ...);
     return all;
   }();
-  /// The time of the prediction of torques, and of braking by them, in cycles and in delays of the joints: at least
-  /// twice the loop's delay, faster braking swings.
+  /// The time of the prediction of torques, and of braking by them, in cycles and in delays of the joints: at
+  /// least twice the loop's delay, faster braking swings.
   static constexpr int braking_cycles = 4, braking_delays = 2;
   /// And the shortest such time [s]: a guard turns a torque over its whole range in 20 ms.
   static constexpr double shortest_braking = 0.01;

@@ -19,10 +19,10 @@ struct Bounded {
 
 /// The velocities nearest to `u` in kinetic energy, `min (v - u)' M (v - u) / 2`, with `lower <= v <= upper`.
 ///
-/// Every joint has stops that push that joint only, and only back (Gauss's principle): the impulses
-/// `p = M (u - v)` are complementary to the distances from the bounds, so no joint is driven to hold another
-/// one, and all that p does is to take energy. Found by principal pivoting: the joints that break a bound are
-/// put on it, those whose stop would pull are released, all at once, and if that does not settle, one by one. The
+/// Every joint has stops that push that joint only, and only back (Gauss's principle): the impulses `p = M
+/// (u - v)` are complementary to the distances from the bounds, so no joint is driven to hold another one,
+/// and all that p does is to take energy. Found by principal pivoting: the joints that break a bound are put
+/// on it, those whose stop would pull are released, all at once, and if that does not settle, one by one. The
 /// number of steps is limited; when they run out, each impulse still has its sign.
 ///
 /// @param mass  symmetric positive definite.

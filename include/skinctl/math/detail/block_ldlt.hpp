@@ -10,11 +10,11 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {
 
-/// `[A B'; B C] x = b` by the inverses of C and of `S = A - B' C^-1 B`, each by its cofactors and one division:
-/// two of these in a row where `Ldlt` has six, and half of its time where one result waits for the other. Scaling
-/// of rows and columns changes nothing but the rounding; the error is that of `Ldlt`. A pivot as in `Ldlt` that is
-/// too small gives `positive_definite() == false`, and then the solution is not defined, but nothing is divided by
-/// zero.
+/// `[A B'; B C] x = b` by the inverses of C and of `S = A - B' C^-1 B`, each by its cofactors and one
+/// division: two of these in a row where `Ldlt` has six, and half of its time where one result waits for the
+/// other. Scaling of rows and columns changes nothing but the rounding; the error is that of `Ldlt`. A pivot
+/// as in `Ldlt` that is too small gives `positive_definite() == false`, and then the solution is not defined,
+/// but nothing is divided by zero.
 template <Real T>
 class BlockLdlt {
  public:

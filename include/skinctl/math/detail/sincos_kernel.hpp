@@ -86,8 +86,8 @@ SKINCTL_INLINE Lane<T, W> sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W
   return r;
 }
 
-/// Recomputes the results of arguments beyond the polynomial's limit, or all of them. Cold: joint angles are within
-/// it, and threads round to nearest.
+/// Recomputes the results of arguments beyond the polynomial's limit, or all of them. Cold: joint angles are
+/// within it, and threads round to nearest.
 template <class T>
 [[gnu::cold, gnu::noinline]] inline void sincos_beyond(const T* x, T* sin, T* cos, std::size_t n,
                                                        bool all) noexcept {

@@ -14,7 +14,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// `P' M P = 1` and `P' B P = D`, diagonal: then `(M s^2 + B s)^-1 = P diag(1/(s (s + d_i))) P'`. For configuration time.
+/// `P' M P = 1` and `P' B P = D`, diagonal: then `(M s^2 + B s)^-1 = P diag(1/(s (s + d_i))) P'`. For
+/// configuration time.
 template <std::size_t N, Real T>
 class ContactModes {
  public:
@@ -35,7 +36,8 @@ class ContactModes {
     }
   }
   /// `a' (M s^2 + B s)^-1 b` at s = i w, of rows in modes.
-  /// @param heavier  factor of M alone, by which force gains and friction are divided: `a' (f M s^2 + B s)^-1 b`.
+  /// @param heavier  factor of M alone, by which force gains and friction are divided: `a' (f M s^2 + B s)^-1
+  ///                 b`.
   [[nodiscard]] std::complex<T> compliance(const T* a, const T* b, const T& w,
                                            const T& heavier = T(1)) const {
     T real(0), imaginary(0);
@@ -74,9 +76,9 @@ struct ContactLoops {
   T gain_b;
   T heavier = T(1);  ///< see `ContactModes::compliance`
 
-  /// Calls `f(w, g)` wherever an eigenvalue of `W G path` passes the line of the imaginary part `loss` [m/N] on its
-  /// left side, at -g [m/N], with G the compliance and W the gains of force. False if one begins beyond it: without
-  /// friction nothing rests.
+  /// Calls `f(w, g)` wherever an eigenvalue of `W G path` passes the line of the imaginary part `loss` [m/N]
+  /// on its left side, at -g [m/N], with G the compliance and W the gains of force. False if one begins
+  /// beyond it: without friction nothing rests.
   template <class F>
   [[nodiscard]] bool each_crossing(const T& loss, F&& f) const {
     const auto& grid = path.grid();
@@ -133,10 +135,9 @@ struct ContactLoops {
 };
 
 /// How many times too stiff contacts of `k` [N/m] are that are to rest with a gain margin `margin`: at most 1
-/// if they do.
-/// Behind the contact is a wall (`body` 0), or a free body of that mass [kg], which gives way with the robot;
-/// `k (1 + i loss)` is the stiffness with what the cover loses. `1/(k (1 + i loss)) + 1/(body s^2) + margin g(s)` must
-/// not turn round zero.
+/// if they do. Behind the contact is a wall (`body` 0), or a free body of that mass [kg], which gives way
+/// with the robot; `k (1 + i loss)` is the stiffness with what the cover loses. `1/(k (1 + i loss)) + 1/(body
+/// s^2) + margin g(s)` must not turn round zero.
 template <std::size_t N, Real T>
 [[nodiscard]] T lack_of(const ContactLoops<N, T>& loops, const T& k, const T& body, const T& loss,
                         const T& margin) {

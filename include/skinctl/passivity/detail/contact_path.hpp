@@ -12,13 +12,14 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// The path of a contact's loop from the virtual robot's position to the law's torque, but for gains, at the
-/// frequency w [1/s]: `(1 + T_lead (1 - exp(-s h))/h) exp(-s t_skin) x cot(x) H`, where h is a sub-step, x = w dt/2
-/// stands for forces that are linear between samples, and H is the robot as cycles see it:
+/// frequency w [1/s]: `(1 + T_lead (1 - exp(-s h))/h) exp(-s t_skin) x cot(x) H`, where h is a sub-step, x =
+/// w dt/2 stands for forces that are linear between samples, and H is the robot as cycles see it:
 ///
 ///     H = exp(-s (T_d + m)) (1 - e^(-m/tau) + e^(-m/tau) (1 - e^(-dt/tau)) / (exp(s dt) - e^(-dt/tau)))
 ///
-/// Commands are held; behind delay and lag they wait for the cycle that sees them, m, up to a period. A command
-/// that arrives together with a cycle may just have missed it: with a delay of whole periods m is a period.
+/// Commands are held; behind delay and lag they wait for the cycle that sees them, m, up to a period. A
+/// command that arrives together with a cycle may just have missed it: with a delay of whole periods m is a
+/// period.
 template <Real T>
 class ContactPath {
  public:

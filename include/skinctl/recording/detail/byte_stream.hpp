@@ -67,7 +67,8 @@ class ByteReader {
   bool short_ = false;
 };
 
-/// Writes plain values one after another where there is room for all of them: whoever gave the place has counted.
+/// Writes plain values one after another where there is room for all of them: whoever gave the place has
+/// counted.
 class BytePlace {
  public:
   explicit BytePlace(unsigned char* at) noexcept : begin_(at), at_(at) {}

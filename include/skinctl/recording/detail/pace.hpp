@@ -9,8 +9,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Says once in a period, by the stamps of cycles, that it is time. After a gap, and where stamps begin anew, it counts
-/// from there.
+/// Says once in a period, by the stamps of cycles, that it is time. After a gap, and where stamps begin anew,
+/// it counts from there.
 class Pace {
  public:
   explicit Pace(Nanoseconds period) noexcept : period_(period) {}

@@ -58,6 +58,7 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     bool stale = false;  ///< the last good measurement is too old
     bool held = false;   ///< a joint has been held by something for long
   };
+  struct NoLoad {};
   /// What acts on the driven joints, and what they are sent.
   struct DrivenLoad {
     Torque gravity;        ///< that holds their weight [N m]
@@ -66,8 +67,9 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     DrivenTorque brakes;   ///< where no law is asked, friction included [N m]
     DrivenTorque passive;  ///< for which a tank does not pay [N m]
     DrivenTorque given;    ///< sent to them [N m]
+    /// What the motion of the base adds; in `gravity`, too [N m].
+    [[no_unique_address]] std::conditional_t<base_moves<M>, DrivenTorque, NoLoad> base;
   };
-  struct NoLoad {};
 
   /// Takes the measurement.
   ///
@@ -114,6 +116,11 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
       DrivenLoad load;
       const State<joints, T>& now = m.measured();
       load.gravity = gravity_torque(model_, now.q);
+      if constexpr (base_moves<M>) {
+        load.base =
+            Driven::of(this->torque_of_base(m, begun.stale ? State<joints, T>{now.time, now.q, {}} : now));
+        Driven::put(Driven::of(load.gravity) + load.base, load.gravity);
+      }
       // An old velocity is no basis for braking.
       if (!begun.stale) {
         const auto resistance = this->resistance(now);
@@ -166,6 +173,7 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     if (m.driven.own.template bound<L, Driven>(evaluation.shares, step, cut, load.given)) [[unlikely]]
       out.status |= Reason::torque_limited;
     load.given -= load.resists;
+    if constexpr (base_moves<M>) load.given += load.base;
     if constexpr (has_tank) out.status |= this->pay(m, load.passive, Driven::of(load.gravity), load.given);
   }
   /// The torque of the driven joints, within their limits.

@@ -48,7 +48,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   using JointSets = Sets;
   /// What this robot is sent.
   using Sent = typename CommandOf<joints, T, typename Sets::All>::type;
-  using Memory = ResolverMemory<joints, T, Sets, History, PassivityParts>;
+  using Memory = MemoryOf<M, ResolverMemory<joints, T, Sets, History, PassivityParts>, T>;
   static constexpr bool one_group = Memory::one_group;
   static constexpr bool has_tank = PassivityParts::template has<EnergyTank<T>>;
   static constexpr bool has_passivity_observer = PassivityParts::template has<PassivityObserver<T>>;

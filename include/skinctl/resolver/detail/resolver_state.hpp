@@ -84,12 +84,43 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     return out;
   }
 
-  /// The torque that holds the driven joints without a law, within their limits: gravity, and what brakes; zero
-  /// for the others.
-  [[nodiscard]] JointTorque<joints, T> held(const State<joints, T>& robot) const noexcept {
+  /// Takes the state of the base from the input of the cycle at `now`, if the model's base moves.
+  template <class Input>
+  SKINCTL_INLINE Status see_base([[maybe_unused]] Memory& m, [[maybe_unused]] const Input& input,
+                                 [[maybe_unused]] Nanoseconds now) const noexcept {
+    if constexpr (base_moves<M>) {
+      return detail::see_base(m.base, input.base, model_.base_settings(), now,
+                              base_at_rest<T>(model_.at_rest()));
+    } else {
+      return {};
+    }
+  }
+  /// The model as touch sees it: with the motion of its base, if that moves.
+  [[nodiscard]] SKINCTL_INLINE decltype(auto) model_seen([[maybe_unused]] const Memory& m) const noexcept {
+    if constexpr (base_moves<M>) {
+      return ModelOnBase<M, T>{model_, m.base.now};
+    } else {
+      return (model_);
+    }
+  }
+  /// What the motion of the base adds to the torque of a robot at `now` [N m].
+  [[nodiscard]] JointTorque<joints, T> torque_of_base(const Memory& m,
+                                                      const State<joints, T>& now) const noexcept
+    requires base_moves<M>
+  {
+    if (!m.base.seen) return {};
+    return base_torque(model_.at_rest(), now.q, now.dq, m.base.now);
+  }
+  /// The torque that holds the driven joints without a law, within their limits: gravity, and what brakes;
+  /// zero for the others.
+  [[nodiscard]] JointTorque<joints, T> held([[maybe_unused]] const Memory& m,
+                                            const State<joints, T>& robot) const noexcept {
     JointTorque<joints, T> out;
-    if constexpr (has_driven)
-      Driven::put(Driven::of(gravity_torque(model_, robot.q)) - this->resistance(robot).brakes, out);
+    if constexpr (has_driven) {
+      Torque weight = gravity_torque(model_, robot.q);
+      if constexpr (base_moves<M>) weight += this->torque_of_base(m, robot);
+      Driven::put(Driven::of(weight) - this->resistance(robot).brakes, out);
+    }
     return this->limits_.within(out, robot.dq);
   }
 
@@ -216,8 +247,9 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
   SKINCTL_INLINE void feed_forward(const Memory& m, Torque& torque) const noexcept {
     if constexpr (!Base::feeds_forward) return;
     const auto& c = m.command();
-    const Torque takes =
+    Torque takes =
         yr_theta<GravityTerm::left_out>(model_, c.position, c.velocity, c.velocity, c.acceleration);
+    if constexpr (base_moves<M>) takes += this->torque_of_base(m, {c.time, c.position, c.velocity});
     if (!is_finite(takes)) return;
     each([&](auto k) {
       if constexpr (takes_torque(Group<k.value>::interface))
@@ -241,7 +273,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     m.passivity = passivity_.template start<joints>();
     if constexpr (!one_group) {
       m.whole.measured = measured;
-      const Torque torque = held(measured);
+      const Torque torque = held(m, measured);
       if constexpr (has_driven) {
         m.driven.torque = Driven::of(torque);
         if constexpr (has_tank)

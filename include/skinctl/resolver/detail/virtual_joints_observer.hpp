@@ -73,7 +73,8 @@ class VirtualJointsObserver {
     if constexpr (takes_velocity(Ix)) residual = residual - m.offset.value;
     residual.store(m.residual);
     if (taken_now && m.seen) find_speed(m, before);
-    // The first measurement after a start shows whether the robot stands where it was started: the guard judges.
+    // The first measurement after a start shows whether the robot stands where it was started: the guard
+    // judges.
     if constexpr (takes_position(Ix))
       if (taken_now && m.seen) book(m);
     m.seen = m.seen || taken_now;
@@ -84,9 +85,9 @@ class VirtualJointsObserver {
   /// gap and no obstacle. All else is owed by the commands, and the leash takes it back.
   ///
   /// With e, the distance to the nearest place between its command and where it is due: while |e| < B0/2 the
-  /// farthest place is the measured one. If |e| > B0, and the robot is farther on that side by m, the gap takes
-  /// `min(m, |e|)`. A robot that is early is between; noise books no more than its largest deflection, as it
-  /// does not lead on.
+  /// farthest place is the measured one. If |e| > B0, and the robot is farther on that side by m, the gap
+  /// takes `min(m, |e|)`. A robot that is early is between; noise books no more than its largest deflection,
+  /// as it does not lead on.
   SKINCTL_INLINE void book(Memory& m) const noexcept {
     const Row y = m.measured.q, due = y - m.residual, command = m.q.value, q = y + m.gap;
     const Row least = smaller(due, command), most = due + command - least, away = y - clamp(y, least, most);
@@ -94,9 +95,9 @@ class VirtualJointsObserver {
       return q.store(m.farthest);
     book_gap(m, Position(q), Position(away));
   }
-  /// E: by what a rest point may be ahead of the robot, or behind: the dead band; what acceleration owes before
-  /// it shows, less and less where the robot does not answer; delay, lag and undeclared lag at the measured
-  /// speed.
+  /// E: by what a rest point may be ahead of the robot, or behind: the dead band; what acceleration owes
+  /// before it shows, less and less where the robot does not answer; delay, lag and undeclared lag at the
+  /// measured speed.
   SKINCTL_INLINE Leash<N, T> leash(const Memory& m) const noexcept {
     const Row u = magnitude(Row(m.measured.dq)), y = m.measured.q;
     const Row answers = Row(T(1)) - p_.per_held * Row(m.held_for);
@@ -131,8 +132,8 @@ class VirtualJointsObserver {
   static constexpr double noise = 0.2;  ///< motion of a robot at rest in a total delay, over the dead band
 
   /// The mean speed since the last measurement, where it is more than the measured one: of a robot that does
-  /// not tell its speed, or that holds each position, so that it is measured when it has slowed down. What may
-  /// be noise owes no more than the dead band.
+  /// not tell its speed, or that holds each position, so that it is measured when it has slowed down. What
+  /// may be noise owes no more than the dead band.
   SKINCTL_INLINE void find_speed(Memory& m, const State<N, T>& before) const noexcept {
     const T passed = seconds<T>(m.measured.time - before.time);
     if (!(passed > T(0))) return;

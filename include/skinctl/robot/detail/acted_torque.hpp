@@ -7,13 +7,14 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The torques of the last cycles as far as a delay reaches back. What is measured now answers the torque that was
-/// sent a delay ago: the last one instead would be taken for something that resists. Trivially copyable.
+/// The torques of the last cycles as far as a delay reaches back. What is measured now answers the torque
+/// that was sent a delay ago: the last one instead would be taken for something that resists. Trivially
+/// copyable.
 template <std::size_t N, Real T>
 class ActedTorque {
  public:
-  /// Takes down the torque that was sent in the last cycle, `dt` seconds ago. Of cycles shorter than a part of
-  /// `delay` not each is kept: then the answer is up to that part too old.
+  /// Takes down the torque that was sent in the last cycle, `dt` seconds ago. Of cycles shorter than a part
+  /// of `delay` not each is kept: then the answer is up to that part too old.
   ///
   /// @param acted  the torque that acted since that cycle; false if none is known that old.
   SKINCTL_INLINE bool step(const JointTorque<N, T>& last, const T& dt, const T& delay,

@@ -9,11 +9,11 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Viscous friction `B dq` of the joints of `S` by a torque that acts `delay` seconds after the speed was measured,
-/// in the mean: D, see `RobotDescription::loop_delay`. Friction that would stop a motion in less time would shake
-/// it: the friction applied is `(B^-1 + D M^-1)^-1 dq`, which is at most `M dq / D` in every direction, and B dq
-/// where the masses are large. The light links of a finger are coupled: divided joint by joint by `1 + D B/M_ii` it
-/// would shake them.
+/// Viscous friction `B dq` of the joints of `S` by a torque that acts `delay` seconds after the speed was
+/// measured, in the mean: D, see `RobotDescription::loop_delay`. Friction that would stop a motion in less
+/// time would shake it: the friction applied is `(B^-1 + D M^-1)^-1 dq`, which is at most `M dq / D` in every
+/// direction, and B dq where the masses are large. The light links of a finger are coupled: divided joint by
+/// joint by `1 + D B/M_ii` it would shake them.
 ///
 /// @param b     of all joints; those that are not in `S` are left out.
 /// @param mass  of all joints. Zero where it could not be factorised.

@@ -46,7 +46,8 @@ template <class Samples, class X>
   }
   return v;
 }
-/// Root mean square of a velocity about its straight line in each window of 0.2 s, over the slowest 5 % of them [m/s].
+/// Root mean square of a velocity about its straight line in each window of 0.2 s, over the slowest 5 % of
+/// them [m/s].
 [[nodiscard]] inline double velocity_noise(const std::vector<double>& at, const std::vector<Xyz<double>>& v) {
   struct Window {
     double mean, square;
@@ -75,7 +76,8 @@ template <class Samples, class X>
   for (std::size_t i = 0; i < count; ++i) square += windows[i].square / static_cast<double>(count);
   return std::sqrt(square);
 }
-/// Stretches in which `on(i)` has begun and `off(i)` has not; gaps and stretches shorter than `least` [s] are none.
+/// Stretches in which `on(i)` has begun and `off(i)` has not; gaps and stretches shorter than `least` [s] are
+/// none.
 template <class On, class Off>
 [[nodiscard]] std::vector<Span> stretches(const std::vector<double>& at, Span in, double least, On&& on,
                                           Off&& off) {

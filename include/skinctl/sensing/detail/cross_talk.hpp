@@ -10,17 +10,17 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Follows up to `slots` cells that move: their changes within 20 ms, over half a second. One of them a frame is
-/// compared with all others.
+/// Follows up to `slots` cells that move: their changes within 20 ms, over half a second. One of them a frame
+/// is compared with all others.
 ///
-/// With `S_ab = sum of a's changes times b's`, noise of variance `2 sigma^2` in each of n changes, and the gain
-/// `g = S_ab / S_bb > 0` of the stronger cell b, cell a is explained by b if
+/// With `S_ab = sum of a's changes times b's`, noise of variance `2 sigma^2` in each of n changes, and the
+/// gain `g = S_ab / S_bb > 0` of the stronger cell b, cell a is explained by b if
 ///
 ///     S_aa - g S_ab - 2 n sigma^2 (1 + g^2) <= share (S_aa - 2 n sigma^2),
 ///
-/// where its own changes are 6 times its noise at least. It is found when the same cell explains it at every look for
-/// more than half a second, so in two windows that have no change in common: fingers that close on something at
-/// once are alike for one. Time and memory are bounded: 32 products a pair.
+/// where its own changes are 6 times its noise at least. It is found when the same cell explains it at every
+/// look for more than half a second, so in two windows that have no change in common: fingers that close on
+/// something at once are alike for one. Time and memory are bounded: 32 products a pair.
 template <std::size_t Cells, std::size_t Slots = 128>
 class CrossTalk {
  public:

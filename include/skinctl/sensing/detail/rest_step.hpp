@@ -7,8 +7,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// All that a rest level remembers of a cell: six numbers, in the sensor's steps and seconds. `RestCell{}` has
-/// its rest level at 0 and is not frozen.
+/// All that a rest level remembers of a cell: six numbers, in the sensor's steps and seconds. `RestCell{}`
+/// has its rest level at 0 and is not frozen.
 template <Scalar S = float>
 struct RestCell {
   S above{0};     ///< r: smoothed reading minus rest level [steps]
@@ -70,8 +70,8 @@ template <Scalar S>
   return shifted - S(magic);
 }
 
-/// Sets r and the rest level of a cell, whole steps apart. `whole` moves at 3/4 of a step, so that noise about
-/// a half does not move it to and fro.
+/// Sets r and the rest level of a cell, whole steps apart. `whole` moves at 3/4 of a step, so that noise
+/// about a half does not move it to and fro.
 template <Scalar S>
 SKINCTL_INLINE void carry_over(RestCell<S>& cell, const S& above, const S& fraction) noexcept {
   using std::abs;

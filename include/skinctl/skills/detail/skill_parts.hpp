@@ -13,9 +13,9 @@ SKINCTL_BEGIN_NAMESPACE
 struct SkillSettings {
   Nanoseconds bumpless_transfer = 100ms;  ///< time in which the torque changes over to the next skill ...
   Nanoseconds longest = 2s;               ///< ... or longer for large changes, up to this
-  /// Of every joint's torque during a transfer [N m/s]. A transfer takes 1.9 times its largest difference of torque over this
-  /// rate, up to `longest`, and what is asked for meanwhile waits for its end: a skill that has to answer at once needs a
-  /// higher rate.
+  /// Of every joint's torque during a transfer [N m/s]. A transfer takes 1.9 times its largest difference of
+  /// torque over this rate, up to `longest`, and what is asked for meanwhile waits for its end: a skill that
+  /// has to answer at once needs a higher rate.
   double max_rate = 1000;
   double touched = 1;               ///< the skin's joint torque from which the robot counts as touched [N m]
   OppositionSettings opposition{};  ///< when skin and tracking count as opposed

@@ -125,8 +125,8 @@ class CellChanges {
   }
   /// Adds pushes by `counts` times a share that changes in time, as its mean over each part of the interval.
   ///
-  /// @param missing   integral of the share before the interval [s]: spread evenly over the whole interval; without
-  ///                  a length it goes to the next one.
+  /// @param missing   integral of the share before the interval [s]: spread evenly over the whole interval;
+  ///                  without a length it goes to the next one.
   /// @param integral  integral of the share up to a time [s].
   template <class Integral>
   SKINCTL_INLINE void add_means(const CellRow<Kind>& cell, const Weighed& counts, const T& missing,

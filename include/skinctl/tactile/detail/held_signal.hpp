@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A signal over time from its stamped samples: a sum of ramps, their exact integrals, and the parts of an interval.
+// A signal over time from its stamped samples: a sum of ramps, their exact integrals, and the parts of an
+// interval.
 #pragma once
 
 #include <cstdint>

@@ -23,9 +23,9 @@ struct AsSent {
 /// added when it occurs.
 ///
 /// The usual sample is taken on a path of its own: of a cell that is heard and not fading, not ahead of the
-/// interval's end, with a ramp that began within the time for which missing impulse is added. The mean over an
-/// interval of one part is then `jump (2 (to - t) + min(gap, ramp)) / 2h`, without a division, and
-/// `jump (...)` add up for each link until all samples have been taken. What is not usual is taken by the rules one
+/// interval's end, with a ramp that began within the time for which missing impulse is added. The mean over
+/// an interval of one part is then `jump (2 (to - t) + min(gap, ramp)) / 2h`, without a division, and `jump
+/// (...)` add up for each link until all samples have been taken. What is not usual is taken by the rules one
 /// by one.
 template <class Kind, Real T, class Memory, class Means>
 class Reception : public CellChanges<Kind, T, Memory, Means> {
@@ -84,8 +84,8 @@ class Reception : public CellChanges<Kind, T, Memory, Means> {
     if (i >= cells_ || !believable(sample)) [[unlikely]]
       return false;
     CellRecord<Kind>& cell = memory_.records[i];
-    // Neither ahead nor so late that its ramp began too early; after the last one, which was not fading by the end
-    // however late this one is, and is not of a later time.
+    // Neither ahead nor so late that its ramp began too early; after the last one, which was not fading by
+    // the end however late this one is, and is not of a later time.
     const auto time = static_cast<std::uint64_t>(sample.time.count());
     const std::uint64_t late = to_ - time;
     const std::uint64_t gap = time - static_cast<std::uint64_t>(cell.stamp.count());

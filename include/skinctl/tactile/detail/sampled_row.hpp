@@ -22,8 +22,8 @@ struct SampledRow {
 
 /// One interval of a signal that is linear in time through its samples, or constant until `ramp` before the
 /// next one; held after the last one, and gone by `max_age`. A change that shows itself only after the
-/// interval in which it began has its missing impulse added, up to `catch_up` back. After a silence nothing is
-/// missing: the signal goes on from what is left of it.
+/// interval in which it began has its missing impulse added, up to `catch_up` back. After a silence nothing
+/// is missing: the signal goes on from what is left of it.
 ///
 /// @tparam Row  `row(j)` is the mean over part `j`, a pointer to `K` numbers.
 template <std::size_t K, Real T, class Row>

@@ -33,8 +33,8 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   static constexpr LinkMask links = Links;
   static constexpr std::size_t cells = Cells, patches = Patches;  ///< room for so many; a `Skin` has as many
 
-  /// The data that change from cycle to cycle. `Memory{}` has received no cell. Only the skin reads and writes
-  /// its members.
+  /// The data that change from cycle to cycle. `Memory{}` has received no cell. Only the skin reads and
+  /// writes its members.
   using Memory = SkinMemory<Kind, Cells, Patches, Wrenches>;
 
   /// Number of cells.
@@ -67,9 +67,9 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   /// @param front  at most one: a front end that judges the cells, for example one that masks faulty ones.
   ///   `front.reading(i, sample) -> Counts` is called for each sample that is not ignored, in place of
   ///   `counts(sample)`; `i` is the cell's index. Then, once after all samples and before cells age,
-  ///   `front.settle(revise)`: `revise(i, counts)` gives the cell another reading before the gates, reached at `to` by
-  ///   a change within the last `ramp` of this interval. The cell goes on ageing; one that is silent or already fades
-  ///   stays as it is. Revise a cell once at most.
+  ///   `front.settle(revise)`: `revise(i, counts)` gives the cell another reading before the gates, reached
+  ///   at `to` by a change within the last `ramp` of this interval. The cell goes on ageing; one that is
+  ///   silent or already fades stays as it is. Revise a cell once at most.
   template <class Means, class... Front>
   Status receive(Memory& memory, std::span<const Sample> samples, Nanoseconds from, Nanoseconds to,
                  std::size_t substeps, Means* means, Front&&... front) const noexcept {
@@ -206,7 +206,7 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   /// reading unknown, if there is none, or if this kind of cell sees nothing. A link that cannot have a cell
   /// does not compile.
   template <std::size_t Ix>
-  [[nodiscard]] T nearest(const Memory& memory) const noexcept {
+  [[nodiscard]] T max_proximity(const Memory& memory) const noexcept {
     static_assert((Links >> Ix) & 1u, "no skin on this link: it sees nothing");
     bool known = false;
     PerChannel<Kind, std::int32_t> most{};
@@ -255,8 +255,6 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
     return i < size() ? i : size();
   }
   [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
-  /// Bytes of the tables, which do not change: beside those of a `Memory` [B].
-  [[nodiscard]] std::size_t table_bytes() const noexcept { return tables_.bytes(); }
   /// Whether another skin has the same cells at the same places: it then understands this one's memory,
   /// whatever its gains and gates.
   [[nodiscard]] bool understands(const SkinCore& other) const noexcept {

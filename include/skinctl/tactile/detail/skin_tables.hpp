@@ -102,11 +102,6 @@ struct SkinTables {
              double(patch_of(i).moment_step) == double(other.patch_of(i).moment_step);
     return same;
   }
-  /// Bytes of what the loop reads [B].
-  [[nodiscard]] std::size_t bytes() const noexcept {
-    return cells.size() * (sizeof(cells[0]) + sizeof(origins[0])) + by_id.size() * sizeof(by_id[0]) +
-           patches.size() * sizeof(patches[0]);
-  }
 
  private:
   /// Force and moment about the link's origin of one newton along a channel's direction, eqs. (4) and (6).

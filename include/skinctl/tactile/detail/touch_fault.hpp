@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Finds the fault of a touch that violates the protocol: a member that is missing, or that has a wrong signature.
+// Finds the fault of a touch that violates the protocol: a member that is missing, or that has a wrong
+// signature.
 #pragma once
 
 #include <bit>
@@ -15,15 +16,15 @@ template <class S>
 concept MeantAsTouch = requires { typename S::Wrenches; };
 
 struct NamesOfATouch {
-  int touch, pressed, contacts, coverage, noticed, nearest, index, each_cell, each_point, gain_everywhere,
-      understands;
+  int touch, pressed, contacts, coverage, noticed, max_proximity, index, each_cell, each_point,
+      gain_everywhere, understands;
 };
 SKINCTL_NAMES(NamesTouch, NamesOfATouch, touch);
 SKINCTL_NAMES(NamesPressed, NamesOfATouch, pressed);
 SKINCTL_NAMES(NamesContacts, NamesOfATouch, contacts);
 SKINCTL_NAMES(NamesCoverage, NamesOfATouch, coverage);
 SKINCTL_NAMES(NamesNoticed, NamesOfATouch, noticed);
-SKINCTL_NAMES(NamesNearest, NamesOfATouch, nearest);
+SKINCTL_NAMES(NamesMaxProximity, NamesOfATouch, max_proximity);
 SKINCTL_NAMES(NamesIndex, NamesOfATouch, index);
 SKINCTL_NAMES(NamesEachCell, NamesOfATouch, each_cell);
 SKINCTL_NAMES(NamesEachPoint, NamesOfATouch, each_point);
@@ -51,7 +52,7 @@ concept ReceivesSensed =
       { s.receive(m, samples, sensed, measured, t, t, parts, means) } -> std::same_as<Status>;
     };
 template <class S>
-constexpr bool nearest_of_its_links() noexcept {
+constexpr bool max_proximity_of_its_links() noexcept {
   if constexpr (HasLinks<S>) {
     constexpr LinkMask links = S::Wrenches::links;
     if constexpr (links != 0) return HasNearest<S, static_cast<std::size_t>(std::countr_zero(links))>;
@@ -80,7 +81,7 @@ enum class TouchFault {
   contacts,
   coverage,
   noticed,
-  nearest,
+  max_proximity,
   index,
   each_cell,
   each_point,
@@ -107,7 +108,7 @@ consteval TouchFault fault_in_touch() {
     if (NamesContacts<S> && !HasContacts<S>) return contacts;
     if (NamesCoverage<S> && !HasCoverage<S>) return coverage;
     if (NamesNoticed<S> && !HasNoticed<S>) return noticed;
-    if (NamesNearest<S> && !nearest_of_its_links<S>()) return nearest;
+    if (NamesMaxProximity<S> && !max_proximity_of_its_links<S>()) return max_proximity;
     if (NamesIndex<S> && !HasCells<S>) return index;
     if (NamesEachCell<S> && !HasEachCell<S>) return each_cell;
     if (NamesEachPoint<S> && !HasEachPoint<S>) return each_point;
@@ -134,7 +135,8 @@ struct SayTouch {
   static_assert(F != contacts, "touch: contacts(memory) has to give a list of its type Found");
   static_assert(F != coverage, "touch: coverage(memory) has to give a Coverage");
   static_assert(F != noticed, "touch: noticed(memory, i) has to give a double, for each of its cells");
-  static_assert(F != nearest, "touch: nearest<I>(memory) has to give a scalar on each of its links");
+  static_assert(F != max_proximity,
+                "touch: max_proximity<I>(memory) has to give a scalar on each of its links");
   static_assert(F != index, "touch: index(id) has to give a std::size_t, beside size()");
   static_assert(F != each_cell, "touch: each_cell(f, most) has to call f(link, force, moment, gain)");
   static_assert(F != each_point, "touch: each_point(f) has to call f(link, force, moment, gain)");

@@ -79,10 +79,10 @@ template <class S>
 concept NamesModel = requires { typename S::Wrenches::model_type; };
 template <class S, std::size_t Ix>
 concept HasNearest = requires(const S& s, const typename S::Memory& m) {
-  { s.template nearest<Ix>(m) } -> std::same_as<typename S::Wrenches::scalar>;
+  { s.template max_proximity<Ix>(m) } -> std::same_as<typename S::Wrenches::scalar>;
 };
 template <class S, std::size_t Ix>
-concept TellsNearest = HasLinks<S> && ((S::Wrenches::links >> Ix) & 1u) != 0 && HasNearest<S, Ix>;
+concept TellsMaxProximity = HasLinks<S> && ((S::Wrenches::links >> Ix) & 1u) != 0 && HasNearest<S, Ix>;
 
 /// Takes what `each_cell` and `each_point` call.
 struct TakesWrenches {

@@ -11,8 +11,8 @@ namespace detail {
 /// The tracking law `L` with a learnt torque added. `Self` says what is learnt:
 ///
 /// - `learnt_torque(memory, known, at_t)` is the torque;
-/// - `learn(memory, known, dt, opposition, at_t)` changes the `Learnt` of the memory; `opposition` is `lasting` while the
-///   skin pushes against the law.
+/// - `learn(memory, known, dt, opposition, at_t)` changes the `Learnt` of the memory; `opposition` is
+///   `lasting` while the skin pushes against the law.
 template <class Self, class L, class Learnt>
 class LearningLaw : public WrappedLaw<Self, L> {
  public:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A law with a difference of torque that is ramped out: what was applied before it, by a law or a configuration.
+// A law with a difference of torque that is ramped out: what was applied before it, by a law or a
+// configuration.
 #pragma once
 
 #include <tuple>

@@ -5,7 +5,7 @@
 
 #include "bench/support/rows.hpp"
 #include "skinctl/dynamics/energy.hpp"
-#include "skinctl/dynamics/operational_inertia.hpp"
+#include "skinctl/dynamics/operational_mobility.hpp"
 #include "skinctl/kinematics/centre_of_mass.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "tests/support/mujoco_oracle.hpp"
