@@ -117,15 +117,7 @@ auto scene_of(const Drawn& d) {
       return Cycle(robot(), skin(), law);
     }
   }();
-  if constexpr (P::jerk && P::tool) {
-    return plain.with(d.jerk, d.tool);
-  } else if constexpr (P::jerk) {
-    return plain.with(d.jerk);
-  } else if constexpr (P::tool) {
-    return plain.with(d.tool);
-  } else {
-    return plain;
-  }
+  return with_limits<P>(plain, d.jerk, d.tool);
 }
 
 std::array<double, 6> row(const JointPosition<6>& q) {

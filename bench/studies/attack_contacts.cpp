@@ -157,15 +157,7 @@ auto scene_of(const Drawn& d, double heavier, const More&... more) {
       return Cycle(robot, skin_of(1 / heavier), SkinJointControl{} + GravityControl{});
     }
   }();
-  if constexpr (P::jerk && P::tool) {
-    return plain.with(d.jerk, d.tool);
-  } else if constexpr (P::jerk) {
-    return plain.with(d.jerk);
-  } else if constexpr (P::tool) {
-    return plain.with(d.tool);
-  } else {
-    return plain;
-  }
+  return with_limits<P>(plain, d.jerk, d.tool);
 }
 
 struct End {

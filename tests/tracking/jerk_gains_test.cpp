@@ -129,3 +129,35 @@ TEST_CASE("limit of jerk: gains are looked at in each law that holds them") {
     return task_priority<5>(SplineJoint<6>(s), SkinJointControl{}) + GravityControl{};
   });
 }
+
+TEST_CASE("limit of jerk: a robot in groups is told gains that fit, and they are taken") {
+  for (const double rise : {0.01, 0.1, 1.0}) {
+    Drawn d(1);
+    d.jerk.jerk = JointJerk<6>::constant(d.arm.limits.acceleration()[0] / rise);
+    // Joints by torque accelerate as they like: their jerk does not count.
+    for (std::size_t i = 3; i < 6; ++i) d.jerk.jerk[i] = d.arm.limits.acceleration()[i] / 100;
+    const auto part = [&]<LinkMask Set>() {
+      using S = JointSubset<6, Set>;
+      const auto v = d.arm.limits.values();
+      RobotConfiguration<3> c{.limits = JointLimits<3>({.lower = S::of(v.lower),
+                                                        .upper = S::of(v.upper),
+                                                        .velocity = S::of(v.velocity),
+                                                        .acceleration = S::of(v.acceleration),
+                                                        .torque = S::of(v.torque)}),
+                              .period = d.arm.period};
+      if (Set == 0b000111) c.virtual_damping = 4;
+      return c;
+    };
+    const auto robot =
+        by_groups(ur5::Model{}, position_joints<0b000111>(part.template operator()<0b000111>()),
+                  torque_joints<0b111000>(part.template operator()<0b111000>()));
+    const auto scene_of = [&](const auto& gains) {
+      return Cycle(robot, SplineJoint<6>(gains) + GravityControl{}).with(d.jerk);
+    };
+    const auto gains = tracking_settings(robot);
+    CAPTURE(rise);
+    if (gains.lambda * gains.K_c * rise * rise > 1)
+      CHECK_THROWS_AS(static_cast<void>(scene_of(gains)), ConfigurationError);
+    CHECK_NOTHROW(static_cast<void>(scene_of(tracking_settings(robot, d.jerk.jerk))));
+  }
+}

@@ -70,6 +70,19 @@ int attack_main(int argc, char** argv, void (*run)(std::uint64_t seed, Findings&
   while (found.cycles < cycles) run(seed++, found, false);
   return print_table(found.all(), found.scenes, found.cycles, found.refused) ? 0 : 1;
 }
+/// The scene with the limits that its parts `P` name.
+template <class P, class Scene>
+auto with_limits(const Scene& scene, const skinctl::MaxJerk<6>& jerk, const skinctl::MaxToolSpeed<5>& tool) {
+  if constexpr (P::jerk && P::tool) {
+    return scene.with(jerk, tool);
+  } else if constexpr (P::jerk) {
+    return scene.with(jerk);
+  } else if constexpr (P::tool) {
+    return scene.with(tool);
+  } else {
+    return scene;
+  }
+}
 inline void print_reasons(skinctl::Status status) {
   for (const skinctl::Fault& f : skinctl::faults)
     if (status.has(f.reason))

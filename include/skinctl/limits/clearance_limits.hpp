@@ -20,8 +20,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// A velocity is kept only if the robot can stop from it with all clearances above the margin, either along the
 /// way on which all joints brake alike, at the rate of the weakest, if they stop before their ends, or along the
 /// one on which each joint brakes as it likes. The distances are computed at `looks` places of that way, x
-/// apart, and must exceed the margin there by what they can fall short in between, `reach (sum |x_i|)^2` over the joints
-/// between the two where none slides (`SummedMotion`). What is nearer than the margin may only get farther.
+/// apart, and must exceed the margin there by what they can fall short in between: `SummedMotion::bend` of the
+/// joints between the two. What is nearer than the margin may only get farther.
 ///
 /// A velocity that would come too close loses the part that closes, and at the margin gains a little that opens; what is
 /// left, mixed with braking as far as needed, is kept. So an arm slides along, and whatever leads away passes.

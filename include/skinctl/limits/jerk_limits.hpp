@@ -75,13 +75,6 @@ class JerkLimits {
 
   [[nodiscard]] const JointLimits<N, T>& joints() const noexcept { return limits_; }
   [[nodiscard]] const JointJerk<N, T>& jerk() const noexcept { return jerk_; }
-  /// The longest time in which a joint brings up its acceleration, A/J [s].
-  [[nodiscard]] SKINCTL_COLD T longest_rise() const noexcept {
-    T longest(0);
-    for (std::size_t i = 0; i < N; ++i)
-      if (limits_.acceleration()[i] > longest * jerk_[i]) longest = limits_.acceleration()[i] / jerk_[i];
-    return longest;
-  }
   /// The limits of the joints of a subset.
   template <class Set>
   [[nodiscard]] SKINCTL_COLD JerkLimits<Set::count, T> set() const {

@@ -252,7 +252,18 @@ struct LawTerms {
 /// What a limit of jerk asks of the laws in its scene.
 template <Real T>
 struct JerkTerms {
-  T rise;  ///< longest time in which a joint brings up its acceleration, A/J [s]
+  T rise = T(0);  ///< longest time in which a joint brings up its acceleration, A/J [s]
 };
+/// The terms of joints with these limits. Throws `ConfigurationError` for a jerk that is not above 0.
+template <std::size_t N, Real T>
+[[nodiscard]] SKINCTL_COLD JerkTerms<T> jerk_terms(const JointLimits<N, T>& limits,
+                                                   const JointJerk<N, T>& jerk) {
+  JerkTerms<T> out;
+  for (std::size_t i = 0; i < N; ++i) {
+    require(jerk[i] > T(0), "jerk", static_cast<double>(jerk[i]), "> 0 rad/s^3");
+    if (limits.acceleration()[i] > out.rise * jerk[i]) out.rise = limits.acceleration()[i] / jerk[i];
+  }
+  return out;
+}
 
 SKINCTL_END_NAMESPACE

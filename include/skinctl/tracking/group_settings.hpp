@@ -34,5 +34,18 @@ template <RobotModel M, Real T, class... Groups, class... Parts>
   }
   return s;
 }
+/// The same for a scene with `MaxJerk`, which limits the joints by position and velocity.
+template <RobotModel M, Real T, class... Groups, class... Parts>
+[[nodiscard]] JointControlSettings<M::joints, T> tracking_settings(
+    const GroupsDescription<M, T, std::tuple<Groups...>, Parts...>& robot,
+    const JointJerk<M::joints, T>& jerk) {
+  auto s = tracking_settings(robot);
+  const auto fit = [&]<class G>(const G& g) {
+    if constexpr (G::interface != Interface::torque)
+      detail::fit_jerk(s, jerk_terms(g.configuration.limits, JointSubset<M::joints, G::set>::of(jerk)));
+  };
+  std::apply([&](const auto&... g) { (fit(g), ...); }, robot.groups());
+  return s;
+}
 
 SKINCTL_END_NAMESPACE

@@ -200,6 +200,15 @@ void follow_delay(JointControlSettings<N, T>& s, const T& delay) {
   s.K_c = s.K_i1 = T(0.25) * s.lambda < T(10) ? T(0.25) * s.lambda : T(10);
   s.K_i2 = s.lambda / T(80);
 }
+/// Gains that wait for the acceleration: `lambda K_c (A/J)^2 <= 1`.
+template <std::size_t N, Real T>
+void fit_jerk(JointControlSettings<N, T>& s, const JerkTerms<T>& limit) {
+  using std::sqrt;
+  const T both = sqrt(s.lambda * s.K_c) * limit.rise;
+  if (!(both > T(1))) return;
+  s.lambda = s.lambda / both, s.K_c = s.K_c / both, s.K_i1 = s.K_i1 / both, s.K_i2 = s.K_i2 / (both * both);
+  if (s.K_c > T(0.5) * s.lambda) s.lambda = sqrt(T(2)) / limit.rise, s.K_c = T(0.5) * s.lambda;
+}
 }  // namespace detail
 
 /// Settings of a tracking law for this robot: times, virtual dynamics and speeds follow its description.
@@ -244,17 +253,8 @@ template <class Robot, class T = typename Robot::scalar>
   requires(Robot::interface != Interface::torque)
 [[nodiscard]] JointControlSettings<Robot::joints, T> tracking_settings(
     const Robot& robot, const JointJerk<Robot::joints, T>& jerk) {
-  using std::sqrt;
   auto s = tracking_settings(robot);
-  T rise(0);
-  for (std::size_t i = 0; i < Robot::joints; ++i) {
-    require(jerk[i] > T(0), "jerk", static_cast<double>(jerk[i]), "> 0 rad/s^3");
-    if (robot.limits().acceleration()[i] > rise * jerk[i]) rise = robot.limits().acceleration()[i] / jerk[i];
-  }
-  const T both = sqrt(s.lambda * s.K_c) * rise;
-  if (!(both > T(1))) return s;
-  s.lambda = s.lambda / both, s.K_c = s.K_c / both, s.K_i1 = s.K_i1 / both, s.K_i2 = s.K_i2 / (both * both);
-  if (s.K_c > T(0.5) * s.lambda) s.lambda = sqrt(T(2)) / rise, s.K_c = T(0.5) * s.lambda;
+  detail::fit_jerk(s, jerk_terms(robot.limits(), jerk));
   return s;
 }
 /// Settings by torque for a robot that may lose its payload: `lightest` describes it without.

@@ -87,9 +87,9 @@ class CycleParts {
       check_contacts(robot, skin_);
     }
     if constexpr (Governor::template has<JerkLimit>) {
-      const auto& jerk = governor_.template get<JerkLimit>();
-      LawTable<L>::check_for(law,
-                             JerkTerms<scalar>{jerk.template set<typename Resolver::Stiff>().longest_rise()});
+      using Stiff = typename Resolver::Stiff;
+      const auto& limit = governor_.template get<JerkLimit>();
+      LawTable<L>::check_for(law, jerk_terms(limit.joints().template part<Stiff>(), Stiff::of(limit.jerk())));
     }
     if constexpr (!TouchTable<Skin>::finds_contacts)
       require(!LawTable<L>::needs_contacts(law), "skills that wait for contacts, on a skin that finds none",
