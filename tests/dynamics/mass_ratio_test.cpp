@@ -94,17 +94,23 @@ TEST_CASE("mass_ratio: infinite where the light robot has no inertia, or nothing
   CHECK(std::isinf(mass_ratio(ur5::Model{}, ur5::Model{}, JointTorque<6>::constant(nan))));
 }
 
-TEST_CASE("largest_inertia: that of the same poses and of the rotors; a load adds to it") {
+TEST_CASE("inertia_range: of the same poses and of the rotors; a load adds to it") {
   const auto of = [](const auto& arm, double rotor) {
-    return largest_inertia(arm, JointTorque<6>::constant(rotor));
+    return inertia_range(arm, JointTorque<6>::constant(rotor));
   };
   const auto bare = of(ur5::Model{}, 0), with_rotors = of(ur5::Model{}, 0.1), loaded = of(carrying(3), 0);
   // All links stretched, by hand: the shoulder about its vertical axis has no less than folded.
   const auto stretched = mass_matrix(ur5::Model{}, JointPosition<6>{});
   for (std::size_t i = 0; i < 6; ++i) {
     CAPTURE(i);
-    CHECK(with_rotors[i] == doctest::Approx(bare[i] + 0.1));
-    CHECK(loaded[i] > bare[i]);
-    CHECK(bare[i] > 0.9 * stretched(i, i));
+    CHECK(with_rotors.most[i] == doctest::Approx(bare.most[i] + 0.1));
+    CHECK(with_rotors.least[i] == doctest::Approx(bare.least[i] + 0.1));
+    CHECK(loaded.most[i] > bare.most[i]);
+    CHECK(bare.most[i] > 0.9 * stretched(i, i));
+    CHECK(bare.least[i] > 0);
+    CHECK(bare.least[i] <= 1.001 * stretched(i, i));
   }
+  // The last joint has one link about its axis, whatever the pose; the first one folds its arm.
+  CHECK(bare.least[5] == doctest::Approx(bare.most[5]));
+  CHECK(bare.least[0] < 0.2 * bare.most[0]);
 }

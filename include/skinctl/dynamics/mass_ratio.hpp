@@ -53,18 +53,26 @@ template <std::size_t N, Real T, class F>
 }
 }  // namespace detail
 
-/// The largest inertia of each joint over the same poses as in `mass_ratio`, that of its motor included [kg
-/// m^2].
+/// The least and the largest inertia of each joint over some poses [kg m^2].
+template <std::size_t N, Real T>
+struct InertiaRange {
+  JointTorque<N, T> least, most;
+};
+/// The range of each joint's inertia `M_ii` over the same poses as in `mass_ratio`, that of its motor included.
 template <RobotModel M, Real T>
-[[nodiscard]] SKINCTL_COLD JointTorque<M::joints, T> largest_inertia(
-    const M& model, const JointTorque<M::joints, T>& rotors) {
-  auto largest = rotors;
+[[nodiscard]] SKINCTL_COLD InertiaRange<M::joints, T> inertia_range(const M& model,
+                                                                    const JointTorque<M::joints, T>& rotors) {
+  InertiaRange<M::joints, T> out{JointTorque<M::joints, T>::constant(std::numeric_limits<T>::infinity()),
+                                 rotors};
   detail::each_of_64_poses<M::joints, T>([&](const JointPosition<M::joints, T>& q) {
     const auto mass = mass_matrix(model, q);
-    for (std::size_t i = 0; i < M::joints; ++i)
-      if (mass(i, i) + rotors[i] > largest[i]) largest[i] = mass(i, i) + rotors[i];
+    for (std::size_t i = 0; i < M::joints; ++i) {
+      const T inertia = mass(i, i) + rotors[i];
+      if (inertia > out.most[i]) out.most[i] = inertia;
+      if (inertia < out.least[i]) out.least[i] = inertia;
+    }
   });
-  return largest;
+  return out;
 }
 
 /// The largest eigenvalue of `(M_b(q) + diag(rotors))^-1 (M_a(q) + diag(rotors))` over 64 poses within +-pi,

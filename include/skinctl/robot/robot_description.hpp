@@ -2,11 +2,13 @@
 // The description of a robot: one value from which resolver, guard, limits and laws derive their settings.
 #pragma once
 
+#include <array>
 #include <string>
 #include <tuple>
 
 #include "skinctl/core/command.hpp"
 #include "skinctl/core/joint_subset.hpp"
+#include "skinctl/dynamics/mass_ratio.hpp"
 #include "skinctl/model/model.hpp"
 #include "skinctl/robot/detail/whose_limits.hpp"
 #include "skinctl/robot/robot_configuration.hpp"
@@ -249,19 +251,25 @@ struct LawTerms {
   T mass_ratio = T(1);    ///< largest factor by which the robot of another configuration is lighter
   T gravity_rate = T(0);  ///< rate of the gravity by which configurations differ, see `gravity_rate` [1/s^2]
 };
-/// What a limit of jerk asks of the laws in its scene.
-template <Real T>
-struct JerkTerms {
-  T rise = T(0);  ///< longest time in which a joint brings up its acceleration, A/J [s]
-};
-/// The terms of joints with these limits. Throws `ConfigurationError` for a jerk that is not above 0.
+/// What a limit of jerk asks of the laws in its scene; joints by torque have none.
 template <std::size_t N, Real T>
-[[nodiscard]] SKINCTL_COLD JerkTerms<T> jerk_terms(const JointLimits<N, T>& limits,
-                                                   const JointJerk<N, T>& jerk) {
-  JerkTerms<T> out;
-  for (std::size_t i = 0; i < N; ++i) {
+struct JerkTerms {
+  std::array<T, N> rise{};      ///< times in which joints bring up their acceleration, A/J [s]
+  std::array<T, N> friction{};  ///< largest rates at which viscous friction slows a joint, b / M_ii [1/s]
+};
+/// The terms of joints with these accelerations, 0 for joints without a limit of jerk. Throws
+/// `ConfigurationError` for a jerk that is not above 0.
+template <RobotModel M, Real T>
+[[nodiscard]] SKINCTL_COLD JerkTerms<M::joints, T> jerk_terms(
+    const M& model, const VirtualDynamics<M::joints, T>& dynamics,
+    const JointAcceleration<M::joints, T>& acceleration, const JointJerk<M::joints, T>& jerk) {
+  JerkTerms<M::joints, T> out;
+  const auto inertia = inertia_range(model, dynamics.inertia).least;
+  for (std::size_t i = 0; i < M::joints; ++i) {
+    if (acceleration[i] == T(0)) continue;
     require(jerk[i] > T(0), "jerk", static_cast<double>(jerk[i]), "> 0 rad/s^3");
-    if (limits.acceleration()[i] > out.rise * jerk[i]) out.rise = limits.acceleration()[i] / jerk[i];
+    out.rise[i] = acceleration[i] / jerk[i];
+    if (dynamics.viscous[i] > T(0)) out.friction[i] = dynamics.viscous[i] / inertia[i];
   }
   return out;
 }

@@ -44,18 +44,20 @@ SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const LawTerms<
   }
 }
 /// Throws `ConfigurationError` where a limit of jerk would leave the robot swinging about its goal for ever
-/// after a touch: `lambda K_c (A/J)^2 > 1`.
+/// after a touch: `(lambda + b/M_ii) K_c (A/J)^2 > 1` of a joint with the viscous friction b.
 template <std::size_t N, Real T>
-SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const JerkTerms<T>& limit) {
-  const T both = s.lambda * s.K_c * limit.rise * limit.rise;
-  if (both <= T(1) + T(64) * std::numeric_limits<T>::epsilon()) return;
-  char text[192];
-  std::snprintf(
-      text, sizeof text,
-      "skinctl: MaxJerk: lambda K_c (A/J)^2 = %.9g, allowed: at most 1, else a touch may leave the arm "
-      "swinging: tracking_settings(robot, jerk) gives gains that fit",
-      static_cast<double>(both));
-  refuse(text);
+SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const JerkTerms<N, T>& limit) {
+  for (std::size_t i = 0; i < N; ++i) {
+    const T all = (s.lambda + limit.friction[i]) * s.K_c * limit.rise[i] * limit.rise[i];
+    if (all <= T(1) + T(64) * std::numeric_limits<T>::epsilon()) continue;
+    char text[224];
+    std::snprintf(text, sizeof text,
+                  "skinctl: MaxJerk: (lambda + b/M) K_c (A/J)^2 = %.9g of joint %zu, allowed: at most 1, "
+                  "else a touch may "
+                  "leave the arm swinging: tracking_settings(robot, jerk) gives gains that fit",
+                  static_cast<double>(all), i);
+    refuse(text);
+  }
 }
 
 SKINCTL_END_NAMESPACE

@@ -40,11 +40,13 @@ template <RobotModel M, Real T, class... Groups, class... Parts>
     const GroupsDescription<M, T, std::tuple<Groups...>, Parts...>& robot,
     const JointJerk<M::joints, T>& jerk) {
   auto s = tracking_settings(robot);
-  const auto fit = [&]<class G>(const G& g) {
+  JointAcceleration<M::joints, T> acceleration;
+  const auto put = [&]<class G>(const G& g) {
     if constexpr (G::interface != Interface::torque)
-      detail::fit_jerk(s, jerk_terms(g.configuration.limits, JointSubset<M::joints, G::set>::of(jerk)));
+      JointSubset<M::joints, G::set>::put(g.configuration.limits.acceleration(), acceleration);
   };
-  std::apply([&](const auto&... g) { (fit(g), ...); }, robot.groups());
+  std::apply([&](const auto&... g) { (put(g), ...); }, robot.groups());
+  detail::fit_jerk(s, jerk_terms(robot.model(), s.virtual_dynamics, acceleration, jerk));
   return s;
 }
 

@@ -200,14 +200,21 @@ void follow_delay(JointControlSettings<N, T>& s, const T& delay) {
   s.K_c = s.K_i1 = T(0.25) * s.lambda < T(10) ? T(0.25) * s.lambda : T(10);
   s.K_i2 = s.lambda / T(80);
 }
-/// Gains that wait for the acceleration: `lambda K_c (A/J)^2 <= 1`.
+/// Gains that wait for the acceleration: `(lambda + b/M_ii) K_c (A/J)^2 <= 1` of each joint.
 template <std::size_t N, Real T>
-void fit_jerk(JointControlSettings<N, T>& s, const JerkTerms<T>& limit) {
+void fit_jerk(JointControlSettings<N, T>& s, const JerkTerms<N, T>& limit) {
   using std::sqrt;
-  const T both = sqrt(s.lambda * s.K_c) * limit.rise;
-  if (!(both > T(1))) return;
-  s.lambda = s.lambda / both, s.K_c = s.K_c / both, s.K_i1 = s.K_i1 / both, s.K_i2 = s.K_i2 / (both * both);
-  if (s.K_c > T(0.5) * s.lambda) s.lambda = sqrt(T(2)) / limit.rise, s.K_c = T(0.5) * s.lambda;
+  T share = T(1), lambda = std::numeric_limits<T>::infinity();  // of both gains; with K_c = lambda / 2
+  for (std::size_t i = 0; i < N; ++i) {
+    const T r = limit.rise[i], k = limit.friction[i], once = k * s.K_c * r * r,
+            twice = s.lambda * s.K_c * r * r;
+    if (r == T(0)) continue;
+    if (const T most = T(2) / (once + sqrt(once * once + T(4) * twice)); most < share) share = most;
+    if (const T most = T(4) / (r * (k * r + sqrt(k * r * (k * r) + T(8)))); most < lambda) lambda = most;
+  }
+  if (!(share < T(1))) return;
+  s.lambda *= share, s.K_c *= share, s.K_i1 *= share, s.K_i2 *= share * share;
+  if (s.K_c > T(0.5) * s.lambda) s.lambda = lambda, s.K_c = T(0.5) * lambda;
 }
 }  // namespace detail
 
@@ -236,7 +243,7 @@ template <class Robot>
     s.loop_delay = robot.loop_delay();
     s.mass_ratio = mass_ratio;
     detail::follow_delay(s, T(seconds<T>(s.delay_in_loop()) * (half > T(1) ? half : T(1))));
-    const auto inertia = largest_inertia(robot.model(), s.virtual_dynamics.inertia);
+    const auto inertia = inertia_range(robot.model(), s.virtual_dynamics.inertia).most;
     for (std::size_t i = 0; i < Robot::joints; ++i) {
       s.integral_limit[i] = T(0.5) * robot.limits().torque()[i];
       const T least = largest_integral_acceleration<T> * inertia[i];
@@ -247,14 +254,15 @@ template <class Robot>
   return s;
 }
 /// Settings by position or velocity for a scene with `MaxJerk`. A joint takes A/J to bring up its
-/// acceleration: with `lambda K_c (A/J)^2 > 1` a touch that leads the arm from its goal may leave it swinging
-/// about it for ever. Both gains are lowered alike, and K_c to half of lambda at most.
+/// acceleration: with `(lambda + b/M_ii) K_c (A/J)^2 > 1`, b its viscous friction, which the law compensates on
+/// the way, a touch that leads the arm from its goal may leave it swinging about it for ever. Both gains are
+/// lowered alike, and K_c to half of lambda at most.
 template <class Robot, class T = typename Robot::scalar>
   requires(Robot::interface != Interface::torque)
 [[nodiscard]] JointControlSettings<Robot::joints, T> tracking_settings(
     const Robot& robot, const JointJerk<Robot::joints, T>& jerk) {
   auto s = tracking_settings(robot);
-  detail::fit_jerk(s, jerk_terms(robot.limits(), jerk));
+  detail::fit_jerk(s, jerk_terms(robot.model(), s.virtual_dynamics, robot.limits().acceleration(), jerk));
   return s;
 }
 /// Settings by torque for a robot that may lose its payload: `lightest` describes it without.

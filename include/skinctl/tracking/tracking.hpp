@@ -81,7 +81,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
       detail::check_gains(gains(), damping_.fastest(), robot.mass_ratio);
     detail::check_gravity(gains(), damping_.slowest(), robot.gravity_rate);
   }
-  void check_for(const JerkTerms<T>& limit) const { skinctl::check_for(gains(), limit); }
+  void check_for(const JerkTerms<N, T>& limit) const { skinctl::check_for(gains(), limit); }
 
   /// Takes over at the known state: the target is the robot's position, `S_d` takes up its velocity, S_q is
   /// zero.

@@ -89,7 +89,10 @@ class CycleParts {
     if constexpr (Governor::template has<JerkLimit>) {
       using Stiff = typename Resolver::Stiff;
       const auto& limit = governor_.template get<JerkLimit>();
-      LawTable<L>::check_for(law, jerk_terms(limit.joints().template part<Stiff>(), Stiff::of(limit.jerk())));
+      JointAcceleration<Resolver::joints, scalar> acceleration;
+      Stiff::put(Stiff::of(limit.joints().acceleration()), acceleration);
+      LawTable<L>::check_for(law,
+                             jerk_terms(resolver_.model(), resolver_.shape(), acceleration, limit.jerk()));
     }
     if constexpr (!TouchTable<Skin>::finds_contacts)
       require(!LawTable<L>::needs_contacts(law), "skills that wait for contacts, on a skin that finds none",

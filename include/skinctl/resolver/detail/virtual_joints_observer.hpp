@@ -97,12 +97,13 @@ class VirtualJointsObserver {
   }
   /// E: by what a rest point may be ahead of the robot, or behind: the dead band; what acceleration owes
   /// before it shows, less and less where the robot does not answer; delay, lag and undeclared lag at the
-  /// measured speed.
+  /// measured speed; and ahead of a robot that moves its stopping distance.
   SKINCTL_INLINE Leash<N, T> leash(const Memory& m) const noexcept {
-    const Row u = magnitude(Row(m.measured.dq)), y = m.measured.q;
+    const Row dq = m.measured.dq, y = m.measured.q, zero = T(0);
+    const Row u = magnitude(dq), stop = p_.limits.stopping_distance(u);
     const Row answers = Row(T(1)) - p_.per_held * Row(m.held_for);
     const Row most = Row(p_.dead_band) + Row(p_.owed) * answers + p_.latest * u;
-    Row above = y + most, below = y - most;
+    Row above = y + most + select(dq > zero, stop, zero), below = y - most - select(dq < zero, stop, zero);
     if constexpr (takes_position(Ix)) {
       const Row upper = p_.limits.upper(), lower = p_.limits.lower();
       above = clamp(above, lower, upper), below = clamp(below, lower, upper);
