@@ -31,9 +31,10 @@ constexpr double rests = 1e-3;   ///< speed of a joint at rest, when nothing has
 constexpr double stands = 1e-6;  ///< the same after a stop [rad/s]
 /// Nobody does anything for so many time constants of the goal's gain, and for this time [s].
 constexpr double constants = 15, quiet = 12;
-constexpr double longest_way = 2;  ///< of a tool back to its goal [m], at its greatest speed
-constexpr double let_go = 1;       ///< after which a joint that was held moves as planned [s]
-constexpr double watched = 6;      ///< last part of it, in which nothing may swing [s]
+constexpr double least_gain = 0.1;  ///< K_c of a scene that is run: others take minutes to come to rest [1/s]
+constexpr double longest_way = 2;   ///< of a tool back to its goal [m], at its greatest speed
+constexpr double let_go = 1;        ///< after which a joint that was held moves as planned [s]
+constexpr double watched = 6;       ///< last part of it, in which nothing may swing [s]
 
 struct Findings {
   Found velocity{"velocity over its limit", 1 + rounding};
@@ -129,6 +130,10 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   std::mt19937_64 rng(seed);
   const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
   const Drawn d(rng);
+  if (tracking_of<I, P>(d).K_c < least_gain) {
+    ++found.refused;
+    return;
+  }
   const auto made = unless_refused(trace, [&] { return scene_of<I, P>(d); });
   if (!made) {
     ++found.refused;

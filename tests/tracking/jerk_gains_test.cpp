@@ -2,8 +2,8 @@
 // are taken come to rest
 // Tried: UR5 by position, 2 and 8 ms, lag 4 to 40 ms, A/J up to a second, a push of 10 to 60 N on each of six
 // cells for a second. With the gains of a scene without `MaxJerk` 289 of 448 such arms swung on with up to
-// 0.67 rad/s, those with `lambda K_c (A/J)^2 <= 1` never. With viscous friction of up to 20 N m s on the joints
-// of the wrist 146 of 400 of those did, with `(lambda + b/M_ii) K_c (A/J)^2 <= 1` none
+// 0.67 rad/s, those with `lambda K_c (A/J)^2 <= 1` never. With viscous friction of up to 20 N m s on the
+// joints of the wrist 146 of 400 of those did; with `(lambda + k) K_c (A/J)^2 <= 1` all come to rest
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -58,7 +58,7 @@ template <std::size_t N, Real T>
 struct InertiaRange {
   JointTorque<N, T> least, most;
 };
-/// The range of each joint's inertia `M_ii` over the same poses as in `mass_ratio`, that of its motor included.
+/// The range of each joint's inertia `M_ii` over the same poses as in `mass_ratio`, its motor included.
 template <RobotModel M, Real T>
 [[nodiscard]] SKINCTL_COLD InertiaRange<M::joints, T> inertia_range(const M& model,
                                                                     const JointTorque<M::joints, T>& rotors) {

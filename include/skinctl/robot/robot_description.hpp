@@ -255,21 +255,22 @@ struct LawTerms {
 template <std::size_t N, Real T>
 struct JerkTerms {
   std::array<T, N> rise{};      ///< times in which joints bring up their acceleration, A/J [s]
-  std::array<T, N> friction{};  ///< largest rates at which viscous friction slows a joint, b / M_ii [1/s]
+  std::array<T, N> friction{};  ///< largest rates at which viscous friction slows joints [1/s]
 };
-/// The terms of joints with these accelerations, 0 for joints without a limit of jerk. Throws
-/// `ConfigurationError` for a jerk that is not above 0.
+/// The terms of joints with these accelerations, 0 for joints without a limit of jerk. A joint with the
+/// viscous friction b, which the integrator takes at the end of a sub-step of `h` seconds, is slowed at the
+/// rate `b / (M_ii + b h)`. Throws `ConfigurationError` for a jerk that is not above 0.
 template <RobotModel M, Real T>
 [[nodiscard]] SKINCTL_COLD JerkTerms<M::joints, T> jerk_terms(
     const M& model, const VirtualDynamics<M::joints, T>& dynamics,
-    const JointAcceleration<M::joints, T>& acceleration, const JointJerk<M::joints, T>& jerk) {
+    const JointAcceleration<M::joints, T>& acceleration, const JointJerk<M::joints, T>& jerk, const T& h) {
   JerkTerms<M::joints, T> out;
   const auto inertia = inertia_range(model, dynamics.inertia).least;
   for (std::size_t i = 0; i < M::joints; ++i) {
     if (acceleration[i] == T(0)) continue;
     require(jerk[i] > T(0), "jerk", static_cast<double>(jerk[i]), "> 0 rad/s^3");
     out.rise[i] = acceleration[i] / jerk[i];
-    if (dynamics.viscous[i] > T(0)) out.friction[i] = dynamics.viscous[i] / inertia[i];
+    if (const T b = dynamics.viscous[i]; b > T(0)) out.friction[i] = b / (inertia[i] + b * h);
   }
   return out;
 }

@@ -44,18 +44,18 @@ SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const LawTerms<
   }
 }
 /// Throws `ConfigurationError` where a limit of jerk would leave the robot swinging about its goal for ever
-/// after a touch: `(lambda + b/M_ii) K_c (A/J)^2 > 1` of a joint with the viscous friction b.
+/// after a touch: `(lambda + k) K_c (A/J)^2 > 1` of a joint that viscous friction slows at the rate k.
 template <std::size_t N, Real T>
 SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const JerkTerms<N, T>& limit) {
   for (std::size_t i = 0; i < N; ++i) {
     const T all = (s.lambda + limit.friction[i]) * s.K_c * limit.rise[i] * limit.rise[i];
     if (all <= T(1) + T(64) * std::numeric_limits<T>::epsilon()) continue;
     char text[224];
-    std::snprintf(text, sizeof text,
-                  "skinctl: MaxJerk: (lambda + b/M) K_c (A/J)^2 = %.9g of joint %zu, allowed: at most 1, "
-                  "else a touch may "
-                  "leave the arm swinging: tracking_settings(robot, jerk) gives gains that fit",
-                  static_cast<double>(all), i);
+    std::snprintf(
+        text, sizeof text,
+        "skinctl: MaxJerk: (lambda + friction) K_c (A/J)^2 = %.9g of joint %zu, allowed: at most 1, else a "
+        "touch may leave the arm swinging: tracking_settings(robot, jerk) gives gains that fit",
+        static_cast<double>(all), i);
     refuse(text);
   }
 }

@@ -46,7 +46,8 @@ template <RobotModel M, Real T, class... Groups, class... Parts>
       JointSubset<M::joints, G::set>::put(g.configuration.limits.acceleration(), acceleration);
   };
   std::apply([&](const auto&... g) { (put(g), ...); }, robot.groups());
-  detail::fit_jerk(s, jerk_terms(robot.model(), s.virtual_dynamics, acceleration, jerk));
+  detail::fit_jerk(s,
+                   jerk_terms(robot.model(), s.virtual_dynamics, acceleration, jerk, seconds<T>(robot.dt())));
   return s;
 }
 

@@ -200,7 +200,8 @@ void follow_delay(JointControlSettings<N, T>& s, const T& delay) {
   s.K_c = s.K_i1 = T(0.25) * s.lambda < T(10) ? T(0.25) * s.lambda : T(10);
   s.K_i2 = s.lambda / T(80);
 }
-/// Gains that wait for the acceleration: `(lambda + b/M_ii) K_c (A/J)^2 <= 1` of each joint.
+/// Gains that wait for the acceleration: `(lambda + k) K_c (A/J)^2 <= 1` of each joint, k the rate of its
+/// viscous friction, see `jerk_terms`.
 template <std::size_t N, Real T>
 void fit_jerk(JointControlSettings<N, T>& s, const JerkTerms<N, T>& limit) {
   using std::sqrt;
@@ -254,15 +255,16 @@ template <class Robot>
   return s;
 }
 /// Settings by position or velocity for a scene with `MaxJerk`. A joint takes A/J to bring up its
-/// acceleration: with `(lambda + b/M_ii) K_c (A/J)^2 > 1`, b its viscous friction, which the law compensates on
-/// the way, a touch that leads the arm from its goal may leave it swinging about it for ever. Both gains are
+/// acceleration: with `(lambda + k) K_c (A/J)^2 > 1`, k the rate of the viscous friction that the law feeds
+/// forward, a touch that leads the arm from its goal may leave it swinging about it for ever. Both gains are
 /// lowered alike, and K_c to half of lambda at most.
 template <class Robot, class T = typename Robot::scalar>
   requires(Robot::interface != Interface::torque)
 [[nodiscard]] JointControlSettings<Robot::joints, T> tracking_settings(
     const Robot& robot, const JointJerk<Robot::joints, T>& jerk) {
   auto s = tracking_settings(robot);
-  detail::fit_jerk(s, jerk_terms(robot.model(), s.virtual_dynamics, robot.limits().acceleration(), jerk));
+  detail::fit_jerk(s, jerk_terms(robot.model(), s.virtual_dynamics, robot.limits().acceleration(), jerk,
+                                 seconds<T>(robot.dt())));
   return s;
 }
 /// Settings by torque for a robot that may lose its payload: `lightest` describes it without.

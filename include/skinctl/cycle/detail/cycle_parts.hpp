@@ -91,8 +91,8 @@ class CycleParts {
       const auto& limit = governor_.template get<JerkLimit>();
       JointAcceleration<Resolver::joints, scalar> acceleration;
       Stiff::put(Stiff::of(limit.joints().acceleration()), acceleration);
-      LawTable<L>::check_for(law,
-                             jerk_terms(resolver_.model(), resolver_.shape(), acceleration, limit.jerk()));
+      LawTable<L>::check_for(law, jerk_terms(resolver_.model(), resolver_.shape(), acceleration, limit.jerk(),
+                                             resolver_.planned_step()));
     }
     if constexpr (!TouchTable<Skin>::finds_contacts)
       require(!LawTable<L>::needs_contacts(law), "skills that wait for contacts, on a skin that finds none",
