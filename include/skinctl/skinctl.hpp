@@ -151,7 +151,6 @@
 #include "skinctl/tactile/squeeze.hpp"
 #include "skinctl/tactile/told_skin.hpp"
 #include "skinctl/tactile/touch.hpp"
-#include "skinctl/tactile/touch_motion.hpp"
 #include "skinctl/tactile/touch_sum.hpp"
 #include "skinctl/tactile/touch_wrenches.hpp"
 #include "skinctl/tactile/trust_settings.hpp"

@@ -105,13 +105,6 @@ TEST_CASE_TEMPLATE("extremes: an arm's kinematics", T, float, double) {
              AnalyticJacobian(jacobian_at_home<T>(), Zyz<T>{T(1), T(1), T(1)}) * Velocity<T>::constant(x);
          return Results<T>(V.linear, V.angles);
        }},
-      {"proper_acceleration", 2, shows, shows,
-       [](T x) {
-         State<6, T> s;
-         s.q = home<T>(), s.dq = Velocity<T>::constant(x);
-         return Results<T>(
-             proper_acceleration<4>(Arm{}, s, Acceleration6<T>::constant(x), Transform<Link<4>, Cell, T>()));
-       }},
   };
   check_rows(rows);
 }
