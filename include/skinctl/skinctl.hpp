@@ -79,8 +79,6 @@
 #include "skinctl/dynamics/friction.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
-#include "skinctl/dynamics/loop_dynamics.hpp"
-#include "skinctl/dynamics/loop_forward_dynamics.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/dynamics/mass_ratio.hpp"
 #include "skinctl/dynamics/momentum_rate.hpp"
