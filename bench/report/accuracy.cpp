@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <functional>
 
-#include "skinctl/dynamics/loop_forward_dynamics.hpp"
 #include "skinctl/robots/universal_robots.hpp"
 #include "skinctl/robots/ur5_allegro.hpp"
 
@@ -105,60 +104,6 @@ LinkInertia rod(double m) {
   return {m, {0.15, 0.02, 0.05}, 0.002 * m, 0.009 * m, 0.0085 * m, 0.0004 * m, 0.0001 * m, -0.0002 * m};
 }
 
-/// As `ulps_at`, of what the loop computes.
-template <class T>
-Ulps loop_ulps(const CalibratedModel<Chain<64>, T>& model, const Exact& exact,
-               const skinctl::testing::Motion<64, T>& at) {
-  using skinctl::testing::detail::in_ulps, skinctl::testing::detail::largest;
-  const auto q = wide(at.q), dq = wide(at.dq), ddq = wide(at.ddq),
-             zero = std::vector<Digits50>(64, Digits50(0));
-  Ulps u;
-  const auto X = loop_poses(model, at.q);
-  std::vector<Placed<T>> placed;
-  for (std::size_t i = 0; i < 64; ++i) placed.push_back({X.axes[i].x, X.axes[i].y, X.axes[i].z, X.origin[i]});
-  u.pose = pose_ulps(exact, q, placed);
-  const auto J = loop_jacobian<Chain<64>>(X, 63, X.origin[63]);
-  std::vector<T> rows;
-  for (const auto of : {&Xyz<T>::x, &Xyz<T>::y, &Xyz<T>::z})
-    for (const auto& c : J.linear) rows.push_back(c.*of);
-  for (const auto of : {&Xyz<T>::x, &Xyz<T>::y, &Xyz<T>::z})
-    for (const auto& c : J.angular) rows.push_back(c.*of);
-  const auto J_exact = exact.jacobian(63, {Digits50(0), Digits50(0), Digits50(0)}, q);
-  u.jacobian = in_ulps<T>(rows, J_exact, largest(J_exact));
-
-  std::vector<Digits50> magnitude;
-  const auto tau = exact.dalembert(q, dq, ddq, &magnitude);
-  const Digits50 scale = largest(magnitude);
-  u.inverse_dynamics = in_ulps<T>(loop_yr_theta(model, at.q, at.dq, at.dq, at.ddq), tau, scale);
-  const auto G = exact.dalembert(q, zero, zero, &magnitude);
-  u.gravity = in_ulps<T>(loop_gravity_torque(model, at.q), G, largest(magnitude));
-  const auto M = exact.mass_matrix(q);
-  u.mass = in_ulps<T>(loop_mass_matrix(model, at.q).data, M, largest(M));
-
-  JointTorque<64, T> applied;
-  for (std::size_t i = 0; i < 64; ++i) applied[i] = static_cast<T>(tau[i]);
-  auto free = exact.dalembert(q, dq, zero);
-  for (std::size_t i = 0; i < 64; ++i) free[i] = Digits50(applied[i]) - free[i];
-  const auto ddq_exact = Exact::solved(M, free);
-  const auto mine = loop_forward_dynamics(model, at.q, at.dq, applied).acceleration;
-  u.acceleration = in_ulps<T>(mine, ddq_exact, largest(ddq_exact));
-  std::vector<Digits50> off(64);
-  for (std::size_t i = 0; i < 64; ++i) off[i] = Digits50(mine[i]) - ddq_exact[i];
-  u.explained = in_ulps<T>(zero, Exact::product(M, off), scale);
-  return u;
-}
-
-template <class T>
-void loop_row(int states) {
-  const auto model = random_robot<Chain<64>, T>("", 64).model;
-  const Exact exact = exact_tree(random_robot<Chain<64>>("", 64).model);
-  oracle::Random random(1);
-  Ulps all;
-  for (int k = 0; k < states; ++k)
-    all.note(loop_ulps<T>(model, exact, skinctl::testing::Motion<64, T>(random)));
-  print("chain of 64, by the loop", std::is_same_v<T, float> ? "float" : "double", states, all);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -188,8 +133,6 @@ int main(int argc, char** argv) {
   const Stand left{{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0.2, 1.1}};
   row("two UR5 + Allegro", ur5_allegro::two_arms_with_hands(right, left),
       ur5_allegro::two_arms_with_hands<float>(right, left), n);
-  loop_row<double>(some);
-  loop_row<float>(some);
 
   const double pi = 3.14159265358979323846;
   const ur5::Model arm;

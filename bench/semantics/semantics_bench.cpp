@@ -1,9 +1,8 @@
 // What recognition and the execution of a plan cost in a cycle.
 #include "bench/support/bench.hpp"
-#include "examples/worlds/recognition.hpp"
-#include "skinctl/semantics/activity_tree.hpp"
+#include "examples/worlds/shown_words.hpp"
 #include "skinctl/semantics/executor.hpp"
-#include "skinctl/semantics/recogniser.hpp"
+#include "skinctl/semantics/process.hpp"
 #include "skinctl/semantics/resources.hpp"
 
 using namespace skinctl;
@@ -15,23 +14,16 @@ namespace {
 struct Packing {
   std::vector<HandSample<>> hand;
   std::vector<Features> features;
-  std::vector<Example<feature_numbers>> examples;
 };
 const Packing& packing() {
   static const Packing all = [] {
     Packing out;
     auto random = seeded(1);
-    const auto run = led_run(LedTask::packing, Person::any(random), 2);
-    const auto r = recognise(run, Recogniser<>(), FeatureExtractor<>(), {}, 3, true);
-    out.features = r.features;
-    for (std::size_t k = 0; k < r.features.size(); ++k) {
-      const double t = static_cast<double>(k) / 250;
-      const auto now = run.hand.truth(t);
-      out.hand.push_back({nanoseconds(t) + 1ns,
-                          Transform<World, Tool>::translation_xyz(now.p.x, now.p.y, now.p.z), 0.0002,
-                          now.force});
-      out.examples.push_back(example(r.features[k], Rules()(r.features[k])));
-    }
+    const auto shows = shown(led_run(LedTask::packing, Person::any(random), 2), {}, 3);
+    each_feature(shows, ShownBy{}.sigma, [&](const Features& f, const auto& x) {
+      out.features.push_back(f);
+      out.hand.push_back({x.time, x.X_WH, ShownBy{}.sigma, x.force});
+    });
     return out;
   }();
   return all;
@@ -54,10 +46,10 @@ void features(benchmark::State& state) {
     benchmark::DoNotOptimize(extractor.step(m, world, objects, p.hand[k++]));
   }
 }
-template <class Classifier>
-void word(benchmark::State& state, const Recogniser<Classifier>& recogniser) {
+void word(benchmark::State& state) {
   const auto& p = packing();
-  typename Recogniser<Classifier>::Memory m;
+  const Recogniser recogniser = bench::prepared([] { return Recogniser(learnt_words(9000)); });
+  Recogniser::Memory m;
   std::size_t k = 0;
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
@@ -124,9 +116,6 @@ void share(benchmark::State& state) {
 
 BENCHMARK(features)->Name("features of a hand among 6 objects");
 BENCHMARK(detection)->Name("one detection");
-BENCHMARK_CAPTURE(word, rules, Recogniser<>())->Name("recogniser, rules");
-BENCHMARK_CAPTURE(word, tree,
-                  Recogniser<ActivityTree>(ActivityTree(ActivityTree::Tree::learn(packing().examples))))
-    ->Name("recogniser, tree");
+BENCHMARK(word)->Name("recogniser");
 BENCHMARK(execute)->Name("executor");
 BENCHMARK(share)->Name("two places, two robots");

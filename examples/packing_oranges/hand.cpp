@@ -420,43 +420,6 @@ Grasp around_a_ball() {
   return g;
 }
 
-Grasp grasp_shown(const JointPosition<N>& open, const JointPosition<N>& held,
-                  const std::array<double, 4>& force) {
-  const Fingers model = allegro::hand(side);
-  const auto from = stance(model, tips_in_links(), open).tip, to = stance(model, tips_in_links(), held).tip;
-  Grasp g;
-  g.name = "as shown";
-  double fingers = 0, is = 0, was = 0;
-  for (std::size_t f = 0; f < 4; ++f) fingers += g.takes_part[f] = force[f] > 0.3 ? 1 : 0;
-  require(fingers >= 2, "Hand: fingertips that press in the grasp that was shown", fingers, ">= 2");
-  g.centre = {0, 0, 0};
-  for (std::size_t f = 0; f < 4; ++f) g.centre = g.centre + (g.takes_part[f] / fingers) * to[f];
-  for (std::size_t f = 0; f < 4; ++f) {
-    is += g.takes_part[f] / fingers * norm(Point(to[f] - g.centre));
-    was += g.takes_part[f] / fingers * norm(Point(from[f] - g.centre));
-    for (std::size_t i = 4 * f; i < 4 * f + 4; ++i) g.posture[i] = g.takes_part[f] > 0 ? open[i] : held[i];
-  }
-  // A finger that stands further from the middle than the others does so from the open to the closed grasp.
-  for (std::size_t f = 0; f < 4; ++f) {
-    if (!(g.takes_part[f] > 0)) continue;
-    const Point away = to[f] - g.centre;
-    const double far = norm(away);
-    require(far > 0.005, "Hand: a fingertip's distance from the middle of the grasp that was shown", far,
-            "> 0.005 m");
-    g.away[f] = (1 / far) * away;
-    g.beside[f] = (far - is) * g.away[f];
-  }
-  g.least = is - 0.018;  // smaller objects, and softer ones
-  g.most = was;
-  require(g.least > 0.005 && was > is + 0.004, "Hand: how far the fingers closed in the grasp that was shown",
-          was - is, "> 0.004 m");
-  return g;
-}
-
-double opening_of(const Grasp& grasp, const JointPosition<N>& q) {
-  return Firmware::opening_of(size_of(stance(allegro::hand(side), tips_in_links(), q).tip, grasp.takes_part));
-}
-
 HandBody hand_body(const Grasp& grasp, double flange, double reach) {
   const Fingers model = allegro::hand(side);
   HandBody out;

@@ -33,15 +33,6 @@ struct Grasp {
 /// Index, ring and thumb around a ball, a third of a circle apart, the palm above it.
 [[nodiscard]] Grasp around_a_ball();
 
-/// The grasp that a person showed by leading the fingers: the fingertips that press hold, each comes from where it stood
-/// open straight towards what it held, and the others stay as they were. Throws `ConfigurationError` if fewer than two press
-/// or the fingers cannot follow.
-/// @param open, held  the joints before the fingers closed, and around the object.
-/// @param force  of each fingertip as they held it [N]: those above 0.3 N take part.
-[[nodiscard]] Grasp grasp_shown(const skinctl::JointPosition<hand_joints>& open,
-                                const skinctl::JointPosition<hand_joints>& held,
-                                const std::array<double, 4>& force);
-
 /// The right hand as bodies; the middle of the grasp is `reach` beyond the flange, on the axis of the last link. The palm
 /// faces along that axis, the fingers point along the link's x axis.
 [[nodiscard]] HandBody hand_body(const Grasp& grasp, double flange, double reach);
@@ -50,9 +41,6 @@ template <class Pose>
 [[nodiscard]] skinctl::Xyz<double> gravity_in_hand(const Pose& X_WT) {
   return {-9.81 * X_WT.axis_z().z, 9.81 * X_WT.axis_y().z, -9.81 * X_WT.axis_x().z};
 }
-
-/// The opening that the hand reports in this posture [m].
-[[nodiscard]] double opening_of(const Grasp& grasp, const skinctl::JointPosition<hand_joints>& q);
 
 /// Where the fingers are in the hand's frame: the origins of each finger's links, and its tip.
 [[nodiscard]] std::array<std::array<skinctl::Xyz<double>, 5>, 4> skeleton(

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -16,7 +15,6 @@
 #include "examples/packing_oranges/live.hpp"
 #include "examples/packing_oranges/report.hpp"
 #include "examples/packing_oranges/taught_plan.hpp"
-#include "examples/packing_oranges/teach.hpp"
 #include "examples/packing_oranges/ur10e.hpp"
 #include "examples/support/job.hpp"
 #include "examples/support/program.hpp"
@@ -73,98 +71,6 @@ int show_grasps(std::uint64_t seed, const std::string& page) {
   const bool held = std::all_of(figures.begin(), figures.end(), [](const auto& f) { return f.held; });
   return code(held ? Exit::fine : Exit::broken);
 }
-/// So many people teach the place in the box, each one lesson: how many are understood, and how exactly.
-int lessons(int count, std::uint64_t first) {
-  int understood = 0, released = 0;
-  double square = 0, worst = 0, meant = 0;
-  for (int i = 0; i < count; ++i) {
-    const auto lesson = teach_place(first + static_cast<std::uint64_t>(i));
-    if (!lesson) continue;
-    const auto far = [](const auto& a, const auto& b) { return norm(skinctl::Xyz<double>(a - b)); };
-    const double off = far(lesson->taught, lesson->rested), aside = far(lesson->taught, lesson->meant);
-    // The place that the person went for, by their own patience of 4 mm and what the hand gives when it lets go.
-    if (aside > 0.006) continue;
-    ++understood, released += lesson->released ? 1 : 0;
-    square += off * off, meant += aside * aside, worst = std::max(worst, off);
-  }
-  const double n = std::max(1, understood);
-  std::printf(
-      "%d lessons: the place that was meant %d times, with the opening of the hand %d times; %.3f mm rms "
-      "from where "
-      "the hand rested, %.3f at worst; %.1f mm rms from what was meant\n",
-      count, understood, released, 1e3 * std::sqrt(square / n), 1e3 * worst, 1e3 * std::sqrt(meant / n));
-  return code(understood >= 0.95 * count && released >= 0.95 * count ? Exit::fine : Exit::broken);
-}
-/// So many people teach arm and hand; what each one showed packs `settings.supply.oranges` others, lying elsewhere.
-int lessons_by_hand(int count, const RunSettings& settings, bool onto, bool quiet) {
-  int understood = 0, used = 0, right = 0, of = 0;
-  int by_touch = 0, ends_at_touch = 0;
-  double largest = 0, set_down = 0, fell = 0;
-  struct Figure {
-    const char* what;
-    const char* unit;
-    double HandLesson::* value;
-    double scale, square = 0, worst = 0;
-  } figures[] = {
-      {"hand around the orange, from where it rested", "mm", &HandLesson::take, 1e3},
-      {"... turned", "degrees", &HandLesson::take_turned, 180 / M_PI},
-      {"... from what was meant", "mm", &HandLesson::take_meant, 1e3},
-      {"hand in the box, from where it rested", "mm", &HandLesson::put, 1e3},
-      {"... turned", "degrees", &HandLesson::put_turned, 180 / M_PI},
-      {"... from what was meant", "mm", &HandLesson::put_meant, 1e3},
-      {"fingertips around the orange, from what was meant", "mm", &HandLesson::fingers, 1e3},
-  };
-  std::map<std::string, std::vector<std::uint64_t>> refused;
-  examples::job::Progress progress(quiet);
-  for (int i = 0; i < count; ++i) {
-    progress.show("%d of %d lessons", i, count);
-    const std::uint64_t seed = settings.seed + static_cast<std::uint64_t>(i);
-    std::string why;
-    const auto lesson = teach_with_hand(seed, onto, 0, &why);
-    if (!lesson) {
-      refused[why.substr(0, why.find(" = "))].push_back(seed);
-      continue;
-    }
-    ++understood;
-    for (Figure& f : figures) {
-      const double x = f.scale * (*lesson).*f.value;
-      f.square += x * x, f.worst = std::max(f.worst, x);
-    }
-    if (settings.supply.oranges == 0) continue;
-    RunSettings s = settings;
-    s.seed = seed;
-    s.hand = {true, true};
-    s.work.shown = lesson->shown;
-    const Outcome out = run_ur5(s, {}, {});
-    used += out.over && out.right() == s.supply.oranges;
-    right += out.right(), of += s.supply.oranges;
-    largest = std::max(largest, out.worst_grip());
-    ends_at_touch += lesson->shown.until_touched;
-    for (const auto& a : out.arm) {
-      by_touch += a.set_down_by_touch;
-      set_down = std::max(set_down, a.set_down), fell = std::max(fell, a.fell);
-    }
-  }
-  progress.clear();
-  std::printf(
-      "%d lessons: %d understood; %d used for %d oranges each without a fault, %d of %d oranges right, at "
-      "most %.2f N\n",
-      count, understood, used, settings.supply.oranges, right, of, largest);
-  std::printf(
-      "  %d end at a touch; %d oranges set down by it; at most %.1f N between an orange in the hand and what "
-      "lies there; fell "
-      "%.0f mm at most\n",
-      ends_at_touch, by_touch, set_down, 1e3 * fell);
-  for (const auto& [why, seeds] : refused) {
-    std::printf("  %zu refused, %s: seeds", seeds.size(), why.c_str());
-    for (const std::uint64_t seed : seeds) std::printf(" %llu", static_cast<unsigned long long>(seed));
-    std::printf("\n");
-  }
-  for (const Figure& f : figures)
-    std::printf("  %-50s %6.2f %s rms, %.2f at worst\n", f.what,
-                std::sqrt(f.square / std::max(1, understood)), f.unit, f.worst);
-  return code((settings.supply.oranges == 0 ? understood : used) >= 0.9 * count ? Exit::fine : Exit::broken);
-}
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -172,10 +78,10 @@ int main(int argc, char** argv) {
   app.footer(examples::job::exit_help());
   RunSettings s;
   std::string robot = "ur5", fault = "none", page, gripper = "measures";
-  bool quiet = false, taught = false, grasps = false, faults = false, onto = false;
+  bool quiet = false, grasps = false, faults = false;
   Live live;
-  app.add_option("--oranges", s.supply.oranges, "how many; 0, with --lessons and hands: nothing is packed")
-      ->check(CLI::Range(0, 100000))
+  app.add_option("--oranges", s.supply.oranges, "how many")
+      ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   app.add_option("--robot", robot, "what the arms are: ur5 or ur10e")
       ->check(CLI::IsMember({"ur5", "ur10e"}))
@@ -223,26 +129,14 @@ int main(int argc, char** argv) {
   app.add_option("--worlds", worlds, "instead: so many runs in each of several worlds, as a table")
       ->check(CLI::Range(1, 1000));
   app.add_flag("--faults", faults, "instead: each fault at each step of the plan, as a table");
-  app.add_flag("--teach", taught,
-               "first a person leads an arm to the place in the box where oranges are let go");
   std::string task;
   app.add_option("--task", task,
                  "a task that was taught, as `teach learn` writes it: instead of the plan by hand");
-  int taught_lessons = 0;
-  app.add_option("--lessons", taught_lessons, "instead: so many people teach that place, one lesson each")
-      ->check(CLI::Range(1, 100000));
   app.add_option(
          "--gripper", gripper,
          "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
          "Allegro hands; hand_and_gripper: the first arm has a hand, the second one a gripper, as TOMM")
       ->check(CLI::IsMember({"measures", "open_or_closed", "hand", "hand_and_gripper"}))
-      ->capture_default_str();
-  app.add_flag("--onto", onto,
-               "with --teach or --lessons, and hands: the person presses the orange on what lies in the box; "
-               "used where that is "
-               "as high as --floor says");
-  app.add_option("--floor", s.world.floor, "height of what lies in the box [m]")
-      ->check(CLI::Range(0.0, 0.05))
       ->capture_default_str();
   app.add_flag("--grasps", grasps,
                "instead: three grasps of a hand on three objects, shaken and turned over; --report: their "
@@ -257,19 +151,12 @@ int main(int argc, char** argv) {
   if (const auto end = examples::job::parse(app, argc, argv)) return *end;
   try {
     if (grasps) return show_grasps(s.seed, page);
-    if (!task.empty() && (taught || taught_lessons > 0 || faults))
-      throw std::runtime_error("--task: a plan of its own; not with --teach, --lessons or --faults");
+    if (!task.empty() && faults) throw std::runtime_error("--task: a plan of its own; not with --faults");
     s.fault = fault_named(fault);
     s.honest = world == "honest";
     s.detector.bias = 1e-3 * bias;
     if (!s.honest && s.move_box > 0) throw std::runtime_error("--move-box: not with --world ideal");
     if (!s.honest && s.detector.ghosts > 0) throw std::runtime_error("--ghosts: not with --world ideal");
-    if (onto && (gripper.rfind("hand", 0) != 0 || (!taught && taught_lessons == 0)))
-      throw std::runtime_error("--onto: a lesson with hands: --teach or --lessons, and --gripper hand");
-    if (s.supply.oranges == 0 && (taught_lessons == 0 || gripper != "hand"))
-      throw std::runtime_error("--oranges 0: only with --lessons and --gripper hand");
-    if (taught_lessons > 0 && gripper == "hand") return lessons_by_hand(taught_lessons, s, onto, quiet);
-    if (taught_lessons > 0) return lessons(taught_lessons, s.seed);
     const auto one = [&](const RunSettings& given) {
       return (robot == "ur10e" ? run_ur10e : run_ur5)(given, {}, {});
     };
@@ -287,36 +174,6 @@ int main(int argc, char** argv) {
     s.keep_path = !page.empty();
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";
-    if (taught && s.hand[0]) {
-      const auto lesson = teach_with_hand(s.seed, onto);
-      if (!lesson) {
-        std::fprintf(stderr, "packing_oranges: nothing was taught\n");
-        return code(Exit::not_following);
-      }
-      s.work.shown = lesson->shown;
-      const auto& p = lesson->shown.X_OH.origin();
-      std::printf(
-          "taught in %.1f s: the hand closes at %.1f %.1f %.1f mm from an orange's middle, %.2f mm from "
-          "where it rested; carries "
-          "with %.1f N; opens to %.0f mm in the box, %.2f mm from where it rested\n",
-          lesson->lasted, 1e3 * p.x, 1e3 * p.y, 1e3 * p.z, 1e3 * lesson->take, lesson->shown.hold,
-          1e3 * lesson->shown.opening, 1e3 * lesson->put);
-    } else if (taught) {
-      const auto lesson = teach_place(s.seed);
-      if (!lesson) {
-        std::fprintf(stderr, "packing_oranges: nothing was taught\n");
-        return code(Exit::not_following);
-      }
-      const auto mm = [](const auto& a, const auto& b) { return 1e3 * norm(skinctl::Xyz<double>(a - b)); };
-      std::printf(
-          "taught in %.1f s: put at %.3f %.3f %.3f m in the box, %.2f mm from where the hand rested, %.1f mm "
-          "from "
-          "what was meant\n",
-          lesson->lasted, lesson->taught.x, lesson->taught.y, lesson->taught.z,
-          mm(lesson->taught, lesson->rested), mm(lesson->taught, lesson->meant));
-      s.work.plan.places[place::box].X_MH =
-          skinctl::Transform<skinctl::ObjectFrame, skinctl::Tool>({}, lesson->taught);
-    }
     return run(s, robot, page, live, quiet);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "packing_oranges: %s\n", error.what());

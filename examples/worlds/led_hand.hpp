@@ -7,8 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "skinctl/semantics/features.hpp"
-#include "skinctl/semantics/rules.hpp"
+#include "skinctl/semantics/words.hpp"
 #include "skinctl/testing/random.hpp"
 
 namespace skinctl::testing {

@@ -24,11 +24,6 @@ Position<T> home() {
   return {T(0.3), T(-1.2), T(1.4), T(0.2), T(-0.7), T(0.1)};
 }
 template <class T>
-const CalibratedModel<ur5::Description, T>& loops() {
-  static const auto model = calibrated_from<ur5::Description, T>();
-  return model;
-}
-template <class T>
 const auto& jacobian_at_home() {
   static const auto J = jacobian<5>(link_poses(Arm{}, home<T>()));
   return J;
@@ -53,13 +48,6 @@ TEST_CASE_TEMPLATE("extremes: an arm's kinematics", T, float, double) {
        [](T x) {
          const JointAngles<Arm, T> angles(Arm{}, Position<T>::constant(x));
          return Results<T>(dense<T>(joint_frame<1>(Arm{}, angles).to_parent(Xyz<T>{T(1), T(0), T(0)})));
-       }},
-      {"loop_poses", 0, shows, shows,
-       [](T x) { return Results<T>(loop_poses(loops<T>(), Position<T>::constant(x)).origin[5]); }},
-      {"loop_jacobian", 1, shows, shows,
-       [](T x) {
-         const auto X = loop_poses(loops<T>(), home<T>());
-         return Results<T>(loop_jacobian<ur5::Description>(X, 5, Xyz<T>{x, T(0), x}).linear);
        }},
       {"CentreOfMass::velocity", 1, shows, shows,
        [](T x) {
@@ -105,13 +93,6 @@ TEST_CASE_TEMPLATE("extremes: an arm's kinematics", T, float, double) {
              AnalyticJacobian(jacobian_at_home<T>(), Zyz<T>{T(1), T(1), T(1)}) * Velocity<T>::constant(x);
          return Results<T>(V.linear, V.angles);
        }},
-      {"proper_acceleration", 2, shows, shows,
-       [](T x) {
-         State<6, T> s;
-         s.q = home<T>(), s.dq = Velocity<T>::constant(x);
-         return Results<T>(
-             proper_acceleration<4>(Arm{}, s, Acceleration6<T>::constant(x), Transform<Link<4>, Cell, T>()));
-       }},
   };
   check_rows(rows);
 }
@@ -119,20 +100,6 @@ TEST_CASE_TEMPLATE("extremes: an arm's kinematics", T, float, double) {
 TEST_CASE_TEMPLATE("extremes: an arm's dynamics", T, float, double) {
   using enum Wrong;
   static const Row<T> rows[] = {
-      {"loop_yr_theta", 2, shows, shows,
-       [](T x) {
-         const auto dq = Velocity<T>::constant(x);
-         return Results<T>(loop_yr_theta(loops<T>(), home<T>(), dq, dq, Acceleration6<T>()));
-       }},
-      {"loop_gravity_torque", 0, shows, shows,
-       [](T x) { return Results<T>(loop_gravity_torque(loops<T>(), Position<T>::constant(x))[1]); }},
-      {"loop_mass_matrix, MassMatrix", 0, shows, shows,
-       [](T x) { return Results<T>(loop_mass_matrix(loops<T>(), Position<T>::constant(x))(0, 0)); }},
-      {"loop_forward_dynamics", 1, shows, shows,
-       [](T x) {
-         return Results<T>(loop_forward_dynamics(loops<T>(), home<T>(), Velocity<T>(), Torque<T>::constant(x))
-                               .acceleration);
-       }},
       {"regressor, Regressor", 2, shows, shows,
        [](T x) {
          const auto dq = Velocity<T>::constant(x);

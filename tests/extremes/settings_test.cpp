@@ -27,7 +27,6 @@
 #include "skinctl/skills/one_gripper.hpp"
 #include "skinctl/tactile/slip.hpp"
 #include "skinctl/tactile/squeeze.hpp"
-#include "skinctl/tactile/touch_motion.hpp"
 #include "skinctl/trajectory/gain_schedule.hpp"
 #include "skinctl/trajectory/pursuit.hpp"
 #include "skinctl/trajectory/time_base.hpp"
@@ -64,12 +63,6 @@ TEST_CASE_TEMPLATE("extremes: settings of filters, tanks and time bases", T, flo
   check_part<Slip<T>>("Slip", &Slide::friction, &Slide::max_friction, &Slide::probe, &Slide::reserve,
                       &Slide::noise, &Slide::drop, &Slide::max_drop, &Slide::filter, &Slide::fall,
                       &Slide::min_normal);
-  using Motion = typename TouchMotion<T>::Settings;
-  check_part<TouchMotion<T>>("TouchMotion", &Motion::impact, &Motion::slip, &Motion::window, &Motion::learn,
-                             &Motion::noise);
-  check_refusals(
-      "MotionThresholds", Pair<T>{T(1.5), T(0)},
-      [](const Pair<T>& s) { static_cast<void>(MotionThresholds<T>().settings(s.a)); }, &Pair<T>::a);
   using Estimator = VelocityEstimator<6, 8, 2, T>;
   check_part<Estimator>("VelocityEstimator", &Estimator::Settings::period, &Estimator::Settings::longest,
                         &Estimator::Settings::step);

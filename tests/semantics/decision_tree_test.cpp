@@ -1,10 +1,10 @@
+#include "skinctl/semantics/decision_tree.hpp"
+
 #include <doctest/doctest.h>
 
 #include <limits>
 #include <vector>
 
-#include "skinctl/semantics/activity_tree.hpp"
-#include "skinctl/semantics/recogniser.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;
@@ -100,36 +100,4 @@ TEST_CASE("DecisionTree: one label, equal examples, numbers that are none") {
   Examples stairs;
   for (int i = 0; i < 64; ++i) stairs.push_back({{double(i), 0, 0}, static_cast<std::uint8_t>(i % 2)});
   CHECK(Tree::learn(stairs, {.confidence = 0.5, .min_leaf = 1, .deepest = 4}).nodes().size() <= 15);
-}
-
-TEST_CASE(
-    "ActivityTree: learns the rules from their words, and says unknown where the signals do not suffice") {
-  auto random = seeded(6);
-  std::vector<Example<feature_numbers>> examples;
-  const auto any = [&] {
-    Features f;
-    f.known = true;
-    f.moving = random() % 2 == 0;
-    f.in_hand = random() % 2 == 0;
-    f.carried = f.in_hand && random() % 2 == 0;
-    f.squeezed = f.carried && random() % 2 == 0;
-    f.tool = f.in_hand && random() % 3 == 0;
-    f.left = random() % 2 == 0;
-    f.speed = uniform(random, 0.0, 0.5);
-    return f;
-  };
-  const Rules rules;
-  for (int i = 0; i < 4000; ++i) {
-    const auto f = any();
-    examples.push_back(example(f, rules(f)));
-  }
-  const Recogniser<ActivityTree> recogniser{ActivityTree(ActivityTree::Tree::learn(examples))};
-  int wrong = 0;
-  for (int i = 0; i < 1000; ++i) {
-    const auto f = any();
-    wrong += recogniser.classifier()(f) != rules(f) ? 1 : 0;
-  }
-  CHECK(wrong == 0);
-  CHECK(recogniser.classifier().tree().leaves() <= 16);
-  CHECK(recogniser.classifier()(Features{}) == Activity::unknown);
 }

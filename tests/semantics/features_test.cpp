@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "skinctl/core/real_time.hpp"
 #include "skinctl/semantics/recogniser.hpp"
@@ -12,6 +13,32 @@ using namespace skinctl;
 using namespace skinctl::testing;
 
 namespace {
+/// The word of an instant by rules; in hand and carried, or let go and not left, are their memory.
+Activity word_of(const Features& f) {
+  if (!f.known) return Activity::unknown;
+  if (f.in_hand)
+    return f.squeezed           ? Activity::squeeze
+           : f.tool && f.moving ? Activity::use
+           : f.moving           ? Activity::put
+           : f.carried          ? Activity::hold
+                                : Activity::take;
+  return !f.left ? Activity::release : f.moving ? Activity::reach : Activity::idle;
+}
+/// A tree that has learnt these rules.
+const Recogniser& recogniser() {
+  static const Recogniser taught([] {
+    std::vector<Example<feature_numbers>> examples;
+    for (unsigned bits = 0; bits < 64; ++bits) {
+      Features f;
+      f.known = true;
+      f.moving = bits & 1, f.in_hand = bits & 2, f.carried = bits & 4;
+      f.squeezed = bits & 8, f.tool = bits & 16, f.left = bits & 32;
+      for (int k = 0; k < 8; ++k) examples.push_back(example(f, word_of(f)));
+    }
+    return ActivityTree::learn(examples);
+  }());
+  return taught;
+}
 /// A hand without noise, of which a test says what it does; it stops between its motions.
 class Story {
  public:
@@ -19,6 +46,7 @@ class Story {
     FeatureSettings s;
     s.tools = tools;
     extractor_ = FeatureExtractor<>(s);
+    static_cast<void>(recogniser());  // learnt before the loop
     place(0, {0.5, 0, 0});
     place(1, {0.5, 0.5, 0});
   }
@@ -50,7 +78,7 @@ class Story {
     const AllocationGuard guard;
     const RealTimeScope loop;
     features = extractor_.step(memory_, world_, objects_, hand);
-    said = recogniser_.step(words_, features);
+    said = recogniser().step(words_, features);
   }
   [[nodiscard]] std::string word() const { return describe(said.activity); }
 
@@ -63,8 +91,7 @@ class Story {
  private:
   FeatureExtractor<> extractor_{};
   FeatureExtractor<>::Memory memory_{};
-  Recogniser<> recogniser_{};
-  Recogniser<>::Memory words_{};
+  Recogniser::Memory words_{};
   Nanoseconds period_, t_ = 1s;
   Xyz<double> p_{0, 0, 0.3};
   double force_ = 0;
@@ -190,6 +217,17 @@ TEST_CASE("Features: signals that do not suffice are unknown, never wrong") {
   }
 }
 
+TEST_CASE("Recogniser: a tree learns rules from their words") {
+  for (unsigned bits = 0; bits < 64; ++bits) {
+    Features f;
+    f.known = true;
+    f.moving = bits & 1, f.in_hand = bits & 2, f.carried = bits & 4;
+    f.squeezed = bits & 8, f.tool = bits & 16, f.left = bits & 32;
+    Recogniser::Memory m;
+    CHECK(recogniser().step(m, f).activity == word_of(f));
+  }
+}
+
 TEST_CASE("Recogniser: a word dates from its event, and is sure when it has stood for a while") {
   Story s;
   s.wait(500ms);
@@ -207,7 +245,7 @@ TEST_CASE("Recogniser: a word dates from its event, and is sure when it has stoo
   CHECK(std::abs(seconds<double>(s.said.since - pressed)) < 0.005);
   s.wait(60ms);
   CHECK(s.said.sure);
-  CHECK_THROWS_AS(Recogniser<>({}, -1ns), ConfigurationError);
+  CHECK_THROWS_AS(Recogniser(recogniser().tree(), -1ns), ConfigurationError);
 }
 
 TEST_CASE("Features: a wrong number is refused") {

@@ -213,6 +213,6 @@ TEST_CASE("packing_oranges --task: a damaged, unproved or huge file is refused w
   CHECK(run("--task " + (std::filesystem::temp_directory_path() / "no-such-task").string(), 2)
             .find("cannot read") != std::string::npos);
   const File file(good);
-  run("--task " + file.path() + " --teach", 2);
+  run("--task " + file.path() + " --faults", 2);
   CHECK(run("--task " + file.path() + " --oranges 1", 0).find("right 1 (100.0 %)") != std::string::npos);
 }

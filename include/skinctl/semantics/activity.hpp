@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "skinctl/core/time.hpp"
-#include "skinctl/semantics/rules.hpp"
+#include "skinctl/semantics/words.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 

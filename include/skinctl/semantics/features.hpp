@@ -25,13 +25,11 @@ struct Features {
   Nanoseconds event{};  ///< stamp of the newest change of a bit: when it happened, not when it was decided
   bool known = false;   ///< the signals are good enough to tell; else the bits mean nothing
   bool moving = false;
-  bool in_hand = false;   ///< something is between the fingers
-  bool squeezed = false;  ///< the carried object is pressed harder than it was held
-  bool carried = false;   ///< the object has been moved since contact
-  bool tool = false;      ///< the object is a tool, and another object is near
-  bool wields = false;    ///< the object is a tool
-  bool paused = false;    ///< the hand stands, and moved since contact, squeezing or leaving last changed
-  bool left = true;       ///< the hand has gone away from what it released last
+  bool in_hand = false;           ///< something is between the fingers
+  bool squeezed = false;          ///< the carried object is pressed harder than it was held
+  bool carried = false;           ///< the object has been moved since contact
+  bool tool = false;              ///< the object is a tool, and another object is near
+  bool left = true;               ///< the hand has gone away from what it released last
   std::uint8_t held = no_object;  ///< the object in hand, or the last one that was
   std::uint8_t near = no_object;  ///< the other object nearest to the hand
   ObjectClass held_kind = 0, near_kind = 0;
@@ -43,8 +41,6 @@ struct Features {
   double moved = 0;          ///< distance from where contact began, or ended [m]
   double near_distance = 0;  ///< distance of the hand from `near` [m]; 10 where there is none
   double elapsed = 0;        ///< time since contact began, or ended [s]; at most 10
-  double stood = 0;          ///< time since the hand stopped [s]; 0 while it moves; at most 10
-  double way = 0;            ///< distance from where the hand was slow last [m]
 };
 
 /// Numbers of the features.
@@ -62,7 +58,6 @@ struct FeatureSettings {
   double left_heading = 0.06;  ///< a hand this far away, heading for another object, has left it [m]
   double heading = 0.95;  ///< cosine between velocity and direction from which a hand heads for an object
   Nanoseconds left_after = 1500ms;  ///< time after a release at which a hand has left it in any case
-  double slow = 0.04;               ///< a way begins where the hand was not faster [m/s]
   Nanoseconds longest = 100ms;      ///< a hand that was not seen for longer is unknown
 };
 
@@ -96,8 +91,6 @@ class FeatureExtractor {
     double holding = 0;                ///< largest force until the object was carried [N]
     std::uint8_t nearest = no_object;  ///< object when the fingers began to press
     std::uint8_t released = no_object;
-    Xyz<double> slow{0, 0, 0};  ///< place of the hand where it was slow last [m]
-    bool went = false;          ///< the hand moved since contact, squeezing or leaving last changed
     bool started = false;
   };
 
@@ -122,7 +115,6 @@ class FeatureExtractor {
     length(s.left_stopped, "Features: left_stopped");
     length(s.left_heading, "Features: left_heading");
     require(s.heading > 0 && s.heading <= 1, "Features: heading", s.heading, "> 0, <= 1");
-    require(s.slow >= 0 && s.slow <= 100, "Features: slow", s.slow, "0 to 100 m/s");
     require(s.left_after > 0ns && s.left_after <= 1000s, "Features: left_after", milliseconds(s.left_after),
             "> 0, <= 1e6 ms");
     require(s.longest > 0ns && s.longest <= 10s, "Features: longest", milliseconds(s.longest),
@@ -165,16 +157,8 @@ class FeatureExtractor {
 
     if (flipped(moving_, m.moving, f.time, f.speed)) changed(f, m.moving.since - speed_.lag());
     f.moving = m.moving.on;
-    if (!(f.speed > s_.slow)) m.slow = p;
-    f.way = norm(Xyz<double>(p - m.slow));
-    const double stood = f.moving ? 0 : seconds<double>(f.time - m.moving.since);
-    f.stood = stood < 10 ? stood : 10;
-    const bool was_in_hand = f.in_hand, was_left = f.left, was_squeezed = f.squeezed;
     contact(m, world, objects, hand);
     follow(m, world, objects, hand);
-    const bool same = f.in_hand == was_in_hand && f.left == was_left && f.squeezed == was_squeezed;
-    m.went = f.moving || (m.went && same);
-    f.paused = m.went && !f.moving;
     return f;
   }
 
@@ -241,8 +225,8 @@ class FeatureExtractor {
     f.near = near.object;
     f.near_kind = near.object < Objects::capacity ? objects.objects[near.object].kind : ObjectClass(0);
     f.near_distance = near.distance;
-    f.wields = f.in_hand && f.held_kind < 64 && ((s_.tools >> f.held_kind) & 1u) != 0;
-    if (flipped(tool_, m.tool, f.time, f.wields ? -near.distance : -1e3)) changed(f, f.time);
+    const bool wields = f.in_hand && f.held_kind < 64 && ((s_.tools >> f.held_kind) & 1u) != 0;
+    if (flipped(tool_, m.tool, f.time, wields ? -near.distance : -1e3)) changed(f, f.time);
     f.tool = m.tool.on;
   }
 

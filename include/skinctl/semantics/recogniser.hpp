@@ -1,10 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The activity of a hand, since when, and whether it has stood long enough to be relied upon.
+// The activity of a hand by a learnt tree, since when, and whether it has stood long enough to be relied upon.
 #pragma once
 
-#include "skinctl/semantics/rules.hpp"
+#include "skinctl/semantics/decision_tree.hpp"
+#include "skinctl/semantics/words.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
+
+/// The features as numbers: the six bits, and what is behind them.
+inline constexpr std::size_t feature_numbers = 12;
+[[nodiscard]] inline std::array<double, feature_numbers> numbers(const Features& f) noexcept {
+  const auto bit = [](bool b) { return b ? 1.0 : 0.0; };
+  return {bit(f.moving), bit(f.in_hand), bit(f.squeezed), bit(f.carried), bit(f.tool), bit(f.left),
+          f.speed,       f.force,        f.ratio,         f.moved,        f.elapsed,   f.near_distance};
+}
+/// A tree that tells activities, and an example to learn it from.
+using ActivityTree = DecisionTree<feature_numbers, activities>;
+[[nodiscard]] inline Example<feature_numbers> example(const Features& f, Activity a) noexcept {
+  return {numbers(f), static_cast<std::uint8_t>(a)};
+}
 
 /// An activity as recognised.
 struct Recognised {
@@ -15,12 +29,11 @@ struct Recognised {
   friend bool operator==(const Recognised&, const Recognised&) noexcept = default;
 };
 
-/// Says what a hand does: the word of a classifier of features, `Rules` or a `DecisionTree`, with its
-/// beginning.
+/// Says what a hand does, for a screen: the tree's word, `unknown` where the signals do not suffice, with its
+/// beginning. No task depends on it.
 ///
 /// A word is said at once. `sure` follows after `settle`: a motion is known 40 to 60 ms after it began, and
 /// until then the word before it stands.
-template <class Classifier = Rules>
 class Recogniser {
  public:
   struct Memory {
@@ -31,14 +44,15 @@ class Recogniser {
   };
 
   /// Throws `ConfigurationError` unless `settle` is in [0, 10] s.
-  SKINCTL_COLD explicit Recogniser(const Classifier& classifier = {}, Nanoseconds settle = 60ms)
-      : classifier_(classifier), settle_(settle) {
+  SKINCTL_COLD explicit Recogniser(ActivityTree tree, Nanoseconds settle = 60ms)
+      : tree_(std::move(tree)), settle_(settle) {
     require(settle >= 0ns && settle <= 10s, "Recogniser: settle", milliseconds(settle), "0 to 1e4 ms");
   }
-  [[nodiscard]] const Classifier& classifier() const noexcept { return classifier_; }
+  [[nodiscard]] const ActivityTree& tree() const noexcept { return tree_; }
 
   Recognised step(Memory& m, const Features& f) const noexcept {
-    const Activity word = classifier_(f);
+    const Activity word =
+        f.known ? static_cast<Activity>(tree_.classify(numbers(f)).label) : Activity::unknown;
     if (!m.started || word != m.said.activity) {
       // A bit that changed now dates the word, but not before the word that it ends.
       const bool by_event = word != Activity::unknown && f.event != m.event && f.event <= f.time;
@@ -53,7 +67,7 @@ class Recogniser {
   }
 
  private:
-  Classifier classifier_;
+  ActivityTree tree_;
   Nanoseconds settle_;
 };
 

@@ -16,13 +16,5 @@ union Unwritten {
   V data[N];
   Unwritten() noexcept {}
 };
-/// The same of one value, which a number that owns resources initialises.
-template <class V>
-struct Initialised {
-  V data[1];
-};
-template <class V>
-using UnwrittenIfTrivial =
-    std::conditional_t<std::is_trivially_copyable_v<V>, Unwritten<V, 1>, Initialised<V>>;
 }  // namespace detail
 SKINCTL_END_NAMESPACE

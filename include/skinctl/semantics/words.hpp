@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Activities from features by rules: the corrected set of TUM's, which remembers.
+// The words for what a hand does.
 #pragma once
 
 #include "skinctl/semantics/features.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The activity of a hand by the rules.
+/// The activity of a hand.
 enum class Activity : std::uint8_t { unknown, idle, reach, take, hold, put, squeeze, use, release };
 inline constexpr std::size_t activities = 9;
 
@@ -15,25 +15,6 @@ inline constexpr std::size_t activities = 9;
                                              "put",     "squeeze", "use a tool", "release"};
   return static_cast<std::size_t>(a) < activities ? words[static_cast<std::size_t>(a)] : words[0];
 }
-
-/// The rules, the first that applies; in hand: squeezed: squeeze; a tool that moves near another object: use;
-/// moving: put; carried: hold; else take. Not in hand: not left yet: release; moving: reach; else idle.
-///
-/// `carried` and `left` are the memory of the rules: without them take and hold, idle and release look the
-/// same.
-struct Rules {
-  [[nodiscard]] constexpr Activity operator()(const Features& f) const noexcept {
-    if (!f.known) return Activity::unknown;
-    if (f.in_hand) {
-      if (f.squeezed) return Activity::squeeze;
-      if (f.tool && f.moving) return Activity::use;
-      if (f.moving) return Activity::put;
-      return f.carried ? Activity::hold : Activity::take;
-    }
-    if (!f.left) return Activity::release;
-    return f.moving ? Activity::reach : Activity::idle;
-  }
-};
 
 /// The name of the use of a tool on an object, by their classes: a knife and bread, "cut".
 struct ToolUse {
