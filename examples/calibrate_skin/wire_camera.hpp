@@ -18,8 +18,8 @@ class WireSkin;
 struct Lens {
   skinctl::PinholeCamera camera;
   std::vector<double> distortion;
-  /// Throws `std::runtime_error` for a file that cannot be read, `ConfigurationError` for numbers that no lens
-  /// has.
+  /// Throws `std::runtime_error` for a file that cannot be read, `ConfigurationError` for numbers that no
+  /// lens has.
   static Lens read(const fs::path& file);
   /// Where a camera without distortion would see it.
   [[nodiscard]] Eigen::Vector2d straight(const Eigen::Vector2d& pixel) const;
@@ -38,9 +38,9 @@ class VideoImages {
   std::shared_ptr<Device> device_;
 };
 
-/// Goes through `poses`; in each the lights of the cells `ids` blink their code and the camera looks. `stood`:
-/// where the arm was. Throws `ConfigurationError` for an id beyond a code, `std::runtime_error` where the skin
-/// does not switch its lights or the arm does not stand still.
+/// Goes through `poses`; in each the lights of the cells `ids` blink their code and the camera looks.
+/// `stood`: where the arm was. Throws `ConfigurationError` for an id beyond a code, `std::runtime_error`
+/// where the skin does not switch its lights or the arm does not stand still.
 [[nodiscard]] CameraReport seen_by_camera(const Options& options, const std::vector<std::uint32_t>& ids,
                                           WireSkin& skin, Arm& arm, const std::vector<JointAngles6>& poses,
                                           std::vector<JointAngles6>& stood, std::string& said);

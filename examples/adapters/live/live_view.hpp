@@ -73,8 +73,8 @@ struct WeightRange {
 };
 
 /// Streams cycles to a server: joint states and torque shares of every cycle, cells, contacts and frames at
-/// 30 Hz, the status at 10 Hz, how well each place feels once a second, robot and skin once. What nobody hears
-/// is not encoded, but for those that a new listener is sent at once.
+/// 30 Hz, the status at 10 Hz, how well each place feels once a second, robot and skin once. What nobody
+/// hears is not encoded, but for those that a new listener is sent at once.
 ///
 /// Where the scene's law is blended, its weights are parameters of the server, "weight of LAW". A weight that
 /// the scene refuses goes back to what it was.

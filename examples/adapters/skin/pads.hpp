@@ -10,8 +10,8 @@ namespace adapters::skin {
 
 /// The patches of a file, on the links on which `place_skin` has placed them, for a `SkinOf` of cells of
 /// `Kind`. The file's gain of force, times the cell's own, is the gain of every channel in which the world
-/// pushes: 1 where amounts are newtons; its gain of proximity that of channels that see. Masked cells are masked; a threshold of a cell, which is one of hexagons, has
-/// no part.
+/// pushes: 1 where amounts are newtons; its gain of proximity that of channels that see. Masked cells are
+/// masked; a threshold of a cell, which is one of hexagons, has no part.
 template <skinctl::SensorKind Kind>
 [[nodiscard]] std::vector<skinctl::ChannelPatch<Kind>> pads_of(
     const skinctl::SkinFile& file, const std::vector<skinctl::PlacedSkinPatch>& placed) {

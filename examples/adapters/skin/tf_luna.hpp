@@ -81,9 +81,9 @@ class TfLunaParser {
   Counts counts_;
 };
 
-/// A sensor at a serial line. A frame has no stamp: it gets the time at which it was read, and of several that
-/// were read at once the earlier ones lie 10 ms apart, as the sensor sends them, or closer where the last
-/// reading was less long ago.
+/// A sensor at a serial line. A frame has no stamp: it gets the time at which it was read, and of several
+/// that were read at once the earlier ones lie 10 ms apart, as the sensor sends them, or closer where the
+/// last reading was less long ago.
 class TfLunaLine {
  public:
   using Sample = skinctl::SensorSample<TfLuna>;
