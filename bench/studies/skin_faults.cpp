@@ -2,6 +2,7 @@
 // that fail in one moment; hands.
 //
 //   skin_faults [runs of each kind, 3; 0: neighbours and hands alone]
+//   skin_faults only NAME [runs, 3]: neighbours whose fault's name has this text in it
 //   skin_faults hour [seconds, 3600]: touches by hands that tremble by 2 %, on healthy cells
 #include <algorithm>
 #include <cstdio>
@@ -31,7 +32,7 @@ double loose(double t) {
   const double u = std::fmod(t, 2.0);
   return 0.02 + 0.6 * std::clamp(10 * std::min(u, 1.1 - u), 0.0, 1.0);
 }
-void print_neighbours(std::uint64_t seeds) {
+void print_neighbours(std::uint64_t seeds, const char* only = "") {
   const std::vector<Together> rows = {
       {"2 stuck at 0.9", 2, constant(0.9), 0},
       {"2 stuck at 0.9, noise", 2, constant(0.9), 0.7},
@@ -51,6 +52,7 @@ void print_neighbours(std::uint64_t seeds) {
       int(seeds), "fault", "", "untouched", "elsewhere", "there", "found", "median s", "last s", "false");
   for (const Together& row : rows)
     for (const bool changes : {false, true}) {
+      if (std::strstr(row.name, only) == nullptr) continue;
       std::printf("%-25s %-8s |", row.name, changes ? "changes" : "streams");
       std::size_t found = 0, of = 0, masks = 0;
       SkinFaultResult all;
@@ -142,6 +144,11 @@ int print_hour(double seconds) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "hour") == 0) return print_hour(argc > 2 ? std::atof(argv[2]) : 3600);
+  if (argc > 2 && std::strcmp(argv[1], "only") == 0) {
+    const int seeds = argc > 3 ? std::atoi(argv[3]) : 3;
+    print_neighbours(static_cast<std::uint64_t>(std::max(1, seeds)), argv[2]);
+    return 0;
+  }
   const int runs = argc > 1 ? std::atoi(argv[1]) : 3;
   const auto seeds = static_cast<std::uint64_t>(runs > 0 ? runs : 3);
   print_neighbours(seeds), print_hands(seeds);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "examples/adapters/ur5/driver.hpp"
@@ -27,6 +28,7 @@ struct Arm::Parts {
   std::unique_ptr<simulated_ur5::SimulatedUr5> simulated;
   std::unique_ptr<adapters::ur5::Driver> driver;
   State<6> state;
+  std::optional<JointAngles6> told;  ///< last command
 
   Parts(const ArmOptions& o, const RobotMasses& weight) : options(o) {
     adapters::ur5::DriverConfig config;
@@ -82,6 +84,7 @@ struct Arm::Parts {
     command.time = state.time;
     command.position = JointPosition<6>(q);
     if (!driver->send(command)) throw std::runtime_error("the robot takes no commands: " + driver->error());
+    told = q;
   }
   [[nodiscard]] JointAngles6 measured() const {
     JointAngles6 q{};
@@ -123,7 +126,8 @@ Arm::Stand Arm::go(const JointAngles6& to, double speed) {
 
 void Arm::stay(double duration) {
   Parts& p = *parts_;
-  const JointAngles6 q = p.measured();
+  // Not where it is: an arm that sags would sag each time.
+  const JointAngles6 q = p.told.value_or(p.measured());
   const Nanoseconds begin = p.state.time;
   while (seconds<double>(p.state.time - begin) < duration) p.tell(q), p.hear();
 }

@@ -44,6 +44,20 @@ struct WireOptions {
   fs::path network;                   ///< ids and neighbours of its cells, as `network.json`
 };
 
+/// Eight bits of grey, row by row from the top.
+struct GreyImage {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;
+};
+
+/// A camera that exists, and looks at a skin that exists.
+struct CameraOptions {
+  fs::path lens;                    ///< its intrinsics, see `Lens`; empty: there is none
+  std::function<GreyImage()> take;  ///< its next image
+  double settle =
+      0.2;  ///< time from the skin's word that lights are switched to an image that shows them [s]
+};
+
 struct Options {
   fs::path folder;
   bool shoulder_by_hand = false;  ///< the first link's patch was turned by hand before it was glued on
@@ -52,6 +66,7 @@ struct Options {
   fs::path placed;  ///< a skin file in which first cells of patches lie as somebody placed them; may be empty
   bool masses = true;  ///< false: the model has axes only
   WireOptions wire{};
+  CameraOptions camera_device{};
   ArmOptions arm{};
   std::function<void(const std::string&)> say = [](const std::string&) {};
   /// Told what is going to move before it moves; false: nobody agreed, and nothing moves.

@@ -23,6 +23,10 @@ struct SkinError {
 /// its datagrams over a socket, of which a share is lost. Shares with the reader no more than these.
 [[nodiscard]] SkinError over_wire(const fs::path& folder, std::uint64_t seed, double loss);
 
+/// Places the patches of a calibration by `over_wire` anew, by their lights: the skin is told over the socket
+/// which are on, and images of them are taken through a lens with distortion. Without OpenCV it throws.
+[[nodiscard]] SkinError seen_over_wire(const fs::path& folder, std::uint64_t seed);
+
 /// The model of a calibration against the robot as it is, in a hundred postures, rotors included.
 struct MassError {
   double found = 0,

@@ -6,12 +6,17 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
+#include <memory>
 
 #include "examples/calibrate_skin/calibration.hpp"
 #include "examples/support/job.hpp"
 #include "examples/support/output_file.hpp"
 #include "examples/support/program.hpp"
 #include "skinctl/core/contract.hpp"
+
+#ifdef CALIBRATE_SKIN_HAS_CAMERA
+#include "examples/calibrate_skin/wire_camera.hpp"
+#endif
 
 namespace {
 
@@ -30,9 +35,20 @@ void listen_at(const std::string& where, Options& options, bool no_camera) {
   if (options.wire.network.empty())
     throw skinctl::ConfigurationError(
         "--skin: its datagrams do not say who is joined to whom; --network does");
-  if (!no_camera)
+  if (!no_camera && options.camera_device.lens.empty())
     throw skinctl::ConfigurationError(
-        "--skin: no camera is read yet; --no-camera places the patches by motion alone");
+        "--skin: --camera names the lens of a camera that looks at it; --no-camera places the patches by "
+        "motion alone");
+}
+
+/// The camera is opened when its first image is wanted.
+void look_by([[maybe_unused]] const std::string& device, [[maybe_unused]] Options& options) {
+#ifdef CALIBRATE_SKIN_HAS_CAMERA
+  options.camera_device.take = [device, images = std::shared_ptr<VideoImages>()]() mutable {
+    if (!images) images = std::make_shared<VideoImages>(device);
+    return (*images)();
+  };
+#endif
 }
 
 int run(int argc, char** argv) {
@@ -51,7 +67,7 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   app.add_option("--robot", options.arm.host, "host of a real UR5 that is switched on: it MOVES");
-  std::string skin, write;
+  std::string skin, write, device = "0";
   app.add_option("--skin", skin,
                  "[ADDRESS:]PORT of this computer at which the datagrams of a skin on that robot arrive; its "
                  "accelerations are read in place of simulated ones");
@@ -70,6 +86,16 @@ int run(int argc, char** argv) {
 #ifdef CALIBRATE_SKIN_HAS_CAMERA
   app.add_flag("--images", options.images,
                "the camera's images are rendered, and OpenCV finds the lights in them");
+  app.add_option("--camera", options.camera_device.lens,
+                 "with --skin: the lens of a camera that looks at the robot, a JSON of fx, fy, cx, cy and "
+                 "distortion; the skin is told which lights are on")
+      ->check(CLI::ExistingFile);
+  app.add_option("--camera-device", device, "number of that camera, or the address of its stream")
+      ->capture_default_str();
+  app.add_option("--camera-delay", options.camera_device.settle,
+                 "from the switching of lights to an image that shows them [s]")
+      ->check(CLI::Range(0.0, 5.0))
+      ->capture_default_str();
 #endif
   app.add_option(
          "--placed", options.placed,
@@ -99,6 +125,9 @@ int run(int argc, char** argv) {
   examples::refuse_own_input((options.folder / "skin.json").string(), {options.placed.string()});
   options.camera = !no_camera, options.masses = !no_masses;
   if (!skin.empty()) listen_at(skin, options, no_camera);
+  if (skin.empty() && !options.camera_device.lens.empty())
+    throw skinctl::ConfigurationError("--camera: it looks at a skin that exists; --skin names it");
+  look_by(device, options);
   if (!write.empty()) {
     write_worn(write, seed);
     return job::code(job::Exit::fine);

@@ -87,6 +87,7 @@ std::optional<std::size_t> calibrate(const Options& options, std::uint64_t seed,
                 {"masses", options.masses},
                 {"robot", options.arm.host}};
   if (options.wire.port != 0) which["skin"] = "wire";
+  if (!options.camera_device.lens.empty()) which["lens"] = options.camera_device.lens.string();
   const fs::path described = options.folder / "which.json";
   if (fs::exists(described) && read_json(described) != which)
     throw ConfigurationError(options.folder.string() +

@@ -28,6 +28,11 @@ class WireSkin {
   /// Readings since `begin`, with times from `from` of the robot's clock on. Throws as `mean`.
   [[nodiscard]] skinctl::CellReadings readings(std::uint16_t id, skinctl::Nanoseconds from, double duration,
                                                std::size_t least) const;
+  /// Wants the lights of these cells on, of no others; told in the robot's cycles from now on. Throws as
+  /// `ReceiverCore::show`.
+  void show(const std::vector<std::uint32_t>& ids) { receiver_.show(ids); }
+  /// Whether the skin says that they are.
+  [[nodiscard]] bool shown() const noexcept { return receiver_.shown(); }
   /// Datagrams that came and that were lost, in words.
   [[nodiscard]] std::string said() const;
 

@@ -81,6 +81,15 @@ std::vector<FeltPlace> felt(const Scene& scene, const typename Scene::Memory& me
   return out;
 }
 
+/// The ids of the scene's cells, in the order of its skin; none where the arm feels by other senses.
+template <bool BySkin, class Scene>
+std::vector<std::uint32_t> cells_of(const Scene& scene) {
+  std::vector<std::uint32_t> out;
+  if constexpr (BySkin)
+    for (std::size_t i = 0; i < scene.skin().table().size(); ++i) out.push_back(scene.skin().table()[i].id);
+  return out;
+}
+
 /// The receiver as a source of samples on the robot's clock.
 struct SkinOnRobotClock {
   adapters::skin::Receiver& receiver;
@@ -323,7 +332,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
   const auto memory = std::make_unique<typename Scene::Memory>();
   using Weight = WeightLimits;
   LivePage<Scene> live(s, {{1, Weight::least_task, Weight::most}, {1, Weight::least_skin, Weight::most}},
-                       simulation.get());
+                       simulation.get(), cells_of<by_skin>(scene));
   JobRecorder<Scene> recording(s, live.consumers());
 
   const auto limit = limits(s);
@@ -450,6 +459,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     if constexpr (by_skin) {
       if (!heard && scene.governor().template memory<SkinWatch>(memory->governor).heard)
         heard = true, log.began = t;
+      live.look(scene, *memory);
     }
     LogEntry entry;
     entry.time = t;

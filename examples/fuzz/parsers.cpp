@@ -20,9 +20,11 @@
 #include "examples/adapters/skin/any_skin.hpp"
 #include "examples/adapters/skin/datagram.hpp"
 #include "examples/adapters/skin/icub_can.hpp"
+#include "examples/adapters/skin/lights.hpp"
 #include "examples/adapters/skin/papill_array.hpp"
 #include "examples/adapters/skin/ros1.hpp"
 #include "examples/adapters/skin/serial_datagrams.hpp"
+#include "examples/adapters/skin/tf_luna.hpp"
 #include "examples/adapters/skin/xela.hpp"
 #include "examples/adapters/ur5/rtde.hpp"
 #include "examples/simulated_gripper/device.hpp"
@@ -124,6 +126,18 @@ void any_skin(Bytes bytes) {
     parser.take(piece, [](const adapters::skin::AnySkinPacket&) {});
     return true;
   });
+}
+void tf_luna(Bytes bytes) {
+  adapters::skin::TfLunaParser parser;
+  in_pieces(bytes, [&](Bytes piece) {
+    parser.take(piece, [](const adapters::skin::TfLunaFrame& frame) { static_cast<void>(frame.readings()); });
+    return true;
+  });
+}
+void skin_lights(Bytes bytes) {
+  adapters::skin::Picture picture;
+  if (adapters::skin::parse_picture(bytes, nullptr, picture)) static_cast<void>(picture.on(picture.first));
+  static_cast<void>(adapters::skin::parse_shown(bytes, nullptr));
 }
 void papill_array(Bytes bytes) {
   adapters::skin::PapillArrayParser parser;
@@ -282,6 +296,8 @@ constexpr std::array all{Parser{"rtde_answers", rtde_answers},
                          Parser{"ros1", ros1},
                          Parser{"icub", icub},
                          Parser{"any_skin", any_skin},
+                         Parser{"tf_luna", tf_luna},
+                         Parser{"skin_lights", skin_lights},
                          Parser{"papill_array", papill_array},
                          Parser{"xela", xela},
                          Parser{"allegro_can", allegro_can},

@@ -4,11 +4,12 @@ import {bars, colour, hovers, lines, strip} from './charts.js';
 import {readMcap} from './replay.js';
 import {RobotView} from './robot.js';
 import {reasons} from './reasons.js';
+import {feltWords} from './skin.js';
 import {Stream} from './stream.js';
 import {Timeline} from './timeline.js';
 
 const $ = id => document.getElementById(id);
-const topics = ['/joint_states', '/skinctl/torque_shares', '/skinctl/status', '/skin/cells', '/skin/contacts', '/tf', '/robot_description', '/skin/layout'];
+const topics = ['/joint_states', '/skinctl/torque_shares', '/skinctl/status', '/skin/cells', '/skin/contacts', '/tf', '/robot_description', '/skin/layout', '/skin/felt'];
 const window_s = 90, shown_s = 10;
 const state = {timeline: new Timeline(window_s), live: true, file: null, at: 0, view: null, control: false, names: [], laws: [], errors: 0, work: []};  // work: times of the last frames [ms]
 window.skinctl = state;  // for tests and the curious
@@ -25,6 +26,12 @@ function feed(topic, type, time, bytes) {
   if (topic === '/skin/layout') {
     try { state.layout = JSON.parse(value); } catch (e) { ++state.errors; return; }
     if (state.view) state.view.layout(state.layout);
+    showFelt();
+    return;
+  }
+  if (topic === '/skin/felt') {
+    try { state.felt = JSON.parse(value); } catch (e) { ++state.errors; return; }
+    showFelt();
     return;
   }
   if (topic === '/skinctl/status') { try { value = JSON.parse(value); } catch (e) { ++state.errors; return; } }
@@ -36,6 +43,14 @@ function feed(topic, type, time, bytes) {
   }
   state.heard = performance.now(), state.ended = undefined;
   state.timeline.add(topic, time, value);
+}
+
+/// How well each place feels: on the robot while the box is ticked, and in words.
+function showFelt() {
+  if (!state.felt) return;
+  $('map').hidden = false, $('map-words').textContent = feltWords(state.felt);
+  if (state.view) state.view.felt($('map-on').checked ? state.felt : null);
+  $('map-legend').hidden = !$('map-on').checked;
 }
 
 function legend(element, names, from = 0) {
@@ -286,7 +301,7 @@ function control(allowed) {
 RobotView.create($('robot')).then(view => {
   state.view = view;
   if (state.urdf) view.robot(state.urdf);
-  if (state.layout) view.layout(state.layout);
+  if (state.layout) view.layout(state.layout), showFelt();
 }, error => {
   $('robot').hidden = true, $('no3d').hidden = false;
   $('no3d').textContent = /WebGL/.test(error.message) ? `No picture of the robot: ${error.message}.` : 'No picture of the robot: three.js is missing. On Debian: sudo apt-get install libjs-three';
@@ -301,6 +316,7 @@ if (location.protocol.startsWith('http') && !new URLSearchParams(location.search
 } else {
   chip('open an .mcap file', false);
 }
+$('map-on').addEventListener('change', showFelt);
 $('stop').addEventListener('click', stop);
 $('play').addEventListener('click', () => setPlaying(!state.playing));
 for (const id of ['joints', 'force', 'time']) hovers($(id));

@@ -1,5 +1,5 @@
 // The robot in three dimensions: links, cells as one mesh coloured from one texture, contacts as arrows.
-import {cellsOf, compose, inverse, multiply, rotate} from './skin.js';
+import {cellsOf, compose, feltClass, inverse, multiply, rotate} from './skin.js';
 
 const numbers = (text, otherwise) => (text || otherwise).trim().split(/\s+/).map(Number);
 
@@ -161,6 +161,7 @@ export class RobotView {
           vec3 colour = mix(rest, near, clamp(reading.y, 0.0, 1.0));
           colour = mix(colour, hot, clamp(reading.x, 0.0, 1.0));
           if (reading.z > 0.5) colour = vec3(0.62);
+          if (reading.w > 0.5) colour = reading.w < 1.5 ? vec3(0.16, 0.62, 0.36) : reading.w < 2.5 ? vec3(0.85, 0.64, 0.0) : reading.w < 3.5 ? vec3(0.85, 0.37, 0.01) : vec3(0.70, 0.07, 0.23);
           if (length(at) > 0.93) colour *= 0.6;
           gl_FragColor = vec4(colour, 1.0);
         }`});
@@ -227,6 +228,17 @@ export class RobotView {
       this.values[4 * k + 1] = view.getFloat32(at + fields.proximity, true);
       this.values[4 * k + 2] = view.getUint32(at + fields.status, true) !== 0 ? 1 : 0;
     }
+    this.texture.needsUpdate = true;
+    this.moved = true;
+  }
+  /// Cells in the colours of how well their places feel; null: as they are pressed.
+  felt(map) {
+    if (!this.index) return;
+    for (let k = 0; k < this.cells.length; ++k) this.values[4 * k + 3] = 0;
+    if (map) map.cells.forEach((id, i) => {
+      const k = this.index.get(id);
+      if (k !== undefined) this.values[4 * k + 3] = 1 + feltClass(map.noticed[i]);
+    });
     this.texture.needsUpdate = true;
     this.moved = true;
   }

@@ -35,3 +35,12 @@ export function cellsOf(skin) {
     }
   return out;
 }
+
+/// The class of the least force on a place that somebody notices [N]; null: none does. As in the report.
+export const feltClass = noticed => noticed === null ? 3 : noticed <= 5 ? 0 : noticed <= 25 ? 1 : 2;
+/// A map {cells, noticed, speed} in words.
+export function feltWords({cells, noticed, speed}) {
+  const blind = cells.filter((_, i) => noticed[i] === null), slow = noticed.filter(n => n !== null && feltClass(n) > 0).length;
+  const list = blind.length ? ` (cells ${blind.slice(0, 5).join(', ')}${blind.length > 5 ? ', ...' : ''})` : '';
+  return `${cells.length} places: ${blind.length} feel nothing${list}, ${slow} feel little; the slowest may lead at ${Math.min(...speed).toFixed(2)} m/s.`;
+}

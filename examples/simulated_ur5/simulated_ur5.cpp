@@ -173,6 +173,7 @@ class SimulatedUr5::Network {
     skin_sender_.reset();
   }
   void set_skin_stream(bool on) { skin_on_ = on; }
+  const adapters::skin::Picture& lights() const { return lights_; }
 
  private:
   struct Server {
@@ -545,10 +546,11 @@ class SimulatedUr5::Network {
     const std::chrono::nanoseconds now(t + config_.controller.skin.clock_offset);
     if (config_.skin_loss > 0) {
       send_lossy(samples, now);
-      return;
+    } else {
+      skin_datagrams_ += skin_sender_->send(samples, now);
+      skin_samples_ += samples.size();
     }
-    skin_datagrams_ += skin_sender_->send(samples, now);
-    skin_samples_ += samples.size();
+    if (const auto* wanted = skin_sender_->wanted()) lights_ = *wanted, skin_sender_->lights_shown();
   }
 
   void send_lossy(std::span<const SkinSample> samples, std::chrono::nanoseconds now) {
@@ -601,6 +603,7 @@ class SimulatedUr5::Network {
   std::int64_t cycles_since_state_ = 0;
 
   std::optional<adapters::skin::Sender> skin_sender_;
+  adapters::skin::Picture lights_;
   asio::ip::address skin_address_;
   std::uint16_t skin_port_ = 0;
   bool skin_on_ = true;
@@ -639,6 +642,11 @@ void SimulatedUr5::call(const std::function<void(Controller&)>& f) {
 void SimulatedUr5::set_skin_target(const std::string& host, std::uint16_t port) {
   const auto address = numeric_address(host, "skin host");
   network_->call([&] { network_->set_skin_target(address, port); });
+}
+adapters::skin::Picture SimulatedUr5::lights() {
+  adapters::skin::Picture out;
+  network_->call([&] { out = network_->lights(); });
+  return out;
 }
 void SimulatedUr5::set_skin_stream(bool on) {
   network_->call([&] { network_->set_skin_stream(on); });

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "examples/adapters/skin/authentication.hpp"
+#include "examples/adapters/skin/lights.hpp"
 #include "examples/simulated_ur5/controller.hpp"
 #include "examples/simulated_ur5/dashboard.hpp"
 #include "examples/simulated_ur5/rtde_session.hpp"
@@ -94,6 +95,8 @@ class SimulatedUr5 {
   /// Where the skin's datagrams go from now on; port 0: nowhere. Throws `skinctl::ConfigurationError` for a
   /// host that is no numeric address.
   void set_skin_target(const std::string& host, std::uint16_t port);
+  /// The lights of the skin's cells, as the receiver of its datagrams wanted them last.
+  adapters::skin::Picture lights();
   /// False: the skin falls silent.
   void set_skin_stream(bool on);
 

@@ -212,7 +212,7 @@ job::Exit from_ros1(const std::string& at, const Options& o, const Sink& sink, C
 }
 
 job::Exit run(const Options& o) {
-  for (const char* pad : {"any-skin:", "datagrams:", "papill-array:", "xela:", "xela-forces:"})
+  for (const char* pad : {"any-skin:", "datagrams:", "papill-array:", "tf-luna:", "xela:", "xela-forces:"})
     if (o.from.starts_with(pad) && o.to.starts_with("bag:"))
       skinctl::refuse("--to '" + o.to + "': a bag holds hexagons; other kinds are passed on as datagrams");
   const job::StopSignals signals;
@@ -282,6 +282,8 @@ job::Exit run(const Options& o) {
     exit = from_ros1(*master, o, sink, count, ended);
   else if (const auto line = after(o.from, "any-skin:"))
     exit = skin_bridge::from_any_skin(*line, o.cell, pad());
+  else if (const auto beam = after(o.from, "tf-luna:"))
+    exit = skin_bridge::from_tf_luna(*beam, o.cell, pad());
   else if (const auto pads = after(o.from, "datagrams:"))
     exit = line_of_pads(*pads);
   else if (const auto controller = after(o.from, "papill-array:"))
@@ -293,7 +295,7 @@ job::Exit run(const Options& o) {
   else
     skinctl::refuse("--from '" + o.from +
                     "': expected ros1:[HOST:]PORT, bag:FILE, icub:INTERFACE, icub:/dev/TTY, "
-                    "any-skin:/dev/TTY, papill-array:/dev/TTY, datagrams:/dev/TTY, "
+                    "any-skin:/dev/TTY, papill-array:/dev/TTY, tf-luna:/dev/TTY, datagrams:/dev/TTY, "
                     "xela:HOST[:PORT], xela-forces:HOST[:PORT] or udp:[HOST:]PORT");
   if (writer) writer->close();
   progress.clear();
@@ -317,7 +319,8 @@ int main(int argc, char** argv) {
          "--from", o.from,
          "ros1:[HOST:]PORT (a topic of ROS 1: its master, 11311), bag:FILE (ROS 1), icub:INTERFACE or "
          "icub:/dev/TTY (taxels on CAN, by an slcan adapter), any-skin:/dev/TTY (a pad of magnetometers), "
-         "papill-array:/dev/TTY (a controller's pillars), datagrams:/dev/TTY (those of a pad of your own), "
+         "papill-array:/dev/TTY (a controller's pillars), tf-luna:/dev/TTY (a distance), datagrams:/dev/TTY "
+         "(those of a pad of your own), "
          "xela:HOST[:PORT] or xela-forces:HOST[:PORT] (the "
          "maker's server, 5000: taxels by counts, or by forces where it tells them) or udp:[HOST:]PORT "
          "(datagrams)")
@@ -330,7 +333,8 @@ int main(int argc, char** argv) {
                  "of this computer for the nodes of ROS 1; default: the one on the way to the master");
   app.add_flag("--bias", o.bias, "of papill-array: takes a new zero, for which nothing may touch it for 2 s");
   app.add_option("--baud", o.baud, "of a line with datagrams [bits/s]")->capture_default_str();
-  app.add_option("--cell", o.cell, "of any-skin: id of the pad in its samples")->capture_default_str();
+  app.add_option("--cell", o.cell, "of any-skin and tf-luna: id of the sensor in its samples")
+      ->capture_default_str();
   app.add_option("--key", o.key_file, "file with the key of sealed datagrams")->check(CLI::ExistingFile);
   app.add_flag("--version-2", o.version_2,
                "takes sealed datagrams of version 2 too, whose recordings cannot be told from the skin");

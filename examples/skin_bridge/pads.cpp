@@ -8,6 +8,7 @@
 #include "examples/adapters/skin/any_skin.hpp"
 #include "examples/adapters/skin/papill_array.hpp"
 #include "examples/adapters/skin/serial_datagrams.hpp"
+#include "examples/adapters/skin/tf_luna.hpp"
 #include "examples/adapters/skin/xela.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
 
@@ -88,6 +89,28 @@ Exit from_any_skin(const std::string& device, std::uint32_t cell, const Passing&
   }
   if (line.counts().dropped > 0)
     std::fprintf(stderr, "skin_bridge: %s: %llu bytes belonged to no packet\n", device.c_str(),
+                 number(line.counts().dropped));
+  return exit;
+}
+
+Exit from_tf_luna(const std::string& device, std::uint32_t cell, const Passing& p) {
+  TfLunaLine line(device, cell);
+  Exit exit = Exit::interrupted;
+  while (!p.ended()) {
+    const auto samples = line.poll(Clock::now() + 4ms, now);
+    p.count.messages = line.counts().frames;
+    p.count.refused = line.blinded();
+    p.count.samples += samples.size();
+    if (!samples.empty()) p.to.send<TfLuna>(samples, now());
+    if (!line.closed()) continue;
+    std::fprintf(stderr, "skin_bridge: %s: the line has ended\n", device.c_str());
+    exit = Exit::lost;
+    break;
+  }
+  if (line.blinded() > 0)
+    std::fprintf(stderr, "skin_bridge: %s: blinded in %llu frames\n", device.c_str(), number(line.blinded()));
+  if (line.counts().dropped > 0)
+    std::fprintf(stderr, "skin_bridge: %s: %llu bytes belonged to no frame\n", device.c_str(),
                  number(line.counts().dropped));
   return exit;
 }

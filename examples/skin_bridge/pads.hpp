@@ -23,6 +23,8 @@ struct Passing {
 
 /// An AnySkin at a serial line, as cell `cell` of kind `AnySkin`. `lost` where the line ends.
 examples::job::Exit from_any_skin(const std::string& device, std::uint32_t cell, const Passing& passing);
+/// A TF-Luna at a serial line, as cell `cell` of kind `TfLuna`. `lost` where the line ends.
+examples::job::Exit from_tf_luna(const std::string& device, std::uint32_t cell, const Passing& passing);
 /// XELA's server, as cells of kind `XelaForces`, or `XelaCounts`. Stamps follow the server's clock, where it
 /// tells one. `lost` where the server goes.
 examples::job::Exit from_xela(const std::string& host, std::uint16_t port, bool forces,

@@ -145,6 +145,15 @@ TEST_CASE("CellLife: the sum of a cell and its neighbour lives when neither of t
   CHECK(stuck.rim[0] == 0);
 }
 
+TEST_CASE(
+    "CellLife: neighbours that creep alike do not live by their sum, which creeps faster than it scatters") {
+  const auto creeps = [](double t) { return t < 1 ? 0 : 30 * (t - 1); };
+  Skin skin{{creeps, creeps}};
+  skin.run(5);
+  CHECK(skin.lived[0] == 0);
+  CHECK(skin.rim[0] == 0);
+}
+
 TEST_CASE("CellLife: a sensor at its top shows nothing, and lives if its neighbour does") {
   const auto top = [](double t) { return t < 1 ? 0 : 1000 + 8 * std::sin(60 * t); };
   Skin alone{{top}};

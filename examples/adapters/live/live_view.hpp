@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "examples/adapters/live/felt_map.hpp"
 #include "examples/adapters/live/foxglove_server.hpp"
 #include "skinctl/fusion/detail/blend_goal.hpp"
 #include "skinctl/recording/cycle_messages.hpp"
@@ -72,7 +73,8 @@ struct WeightRange {
 };
 
 /// Streams cycles to a server: joint states and torque shares of every cycle, cells, contacts and frames at
-/// 30 Hz, the status at 10 Hz, robot and skin once. What nobody hears is not encoded.
+/// 30 Hz, the status at 10 Hz, how well each place feels once a second, robot and skin once. What nobody
+/// hears is not encoded, but for those that a new listener is sent at once.
 ///
 /// Where the scene's law is blended, its weights are parameters of the server, "weight of LAW". A weight that
 /// the scene refuses goes back to what it was.
@@ -85,9 +87,10 @@ class LiveView : public skinctl::CycleConsumer<C> {
   /// afterwards. Stop is always obeyed; resume where the server allows control. Throws where `CycleMessages`
   /// does.
   /// @param weights  of a blended law, in its order.
+  /// @param felt  what the loop writes of its skin, which lives longer; null: no topic /skin/felt.
   LiveView(FoxgloveServer& server, Requests& requests, skinctl::RunDescription run,
-           const std::vector<WeightRange>& weights = {})
-      : server_(server), messages_(std::move(run)) {
+           const std::vector<WeightRange>& weights = {}, const FeltMap* felt = nullptr)
+      : server_(server), messages_(std::move(run)), felt_(felt) {
     using namespace skinctl;
     const auto topic = [&](const char* name, const MessageType& type, bool latched = false) {
       return server_.add(Channel{name, "cdr", type.name, type.schema, "ros2msg", latched});
@@ -97,6 +100,7 @@ class LiveView : public skinctl::CycleConsumer<C> {
     status_ = topic("/skinctl/status", ros::String::type());
     cells_ = topic("/skin/cells", SkinCloud::type());
     contacts_ = topic("/skin/contacts", ros::PointCloud::type());
+    if (felt_ != nullptr) felt_topic_ = topic("/skin/felt", ros::String::type(), true);
     tf_ = topic("/tf", ros::Transforms::type());
     robot_ = topic("/robot_description", ros::String::type(), true);
     layout_ = topic("/skin/layout", ros::String::type(), true);
@@ -145,6 +149,8 @@ class LiveView : public skinctl::CycleConsumer<C> {
       if (server_.wanted(cells_)) server_.publish(cells_, now, messages_.cells(r));
       if (server_.wanted(contacts_)) server_.publish(contacts_, now, messages_.contacts(r));
     }
+    if (felt_ != nullptr && felt_->whole() && mapped_.due(now))
+      server_.publish(felt_topic_, now, messages_.encoded(ros::String{felt_->text()}));
     if (said_.due(now)) {
       if (server_.wanted(status_)) server_.publish(status_, now, messages_.status(r, since_, dropped_));
       since_ = {};
@@ -169,11 +175,13 @@ class LiveView : public skinctl::CycleConsumer<C> {
 
   FoxgloveServer& server_;
   skinctl::CycleMessages<C> messages_;
+  const FeltMap* felt_;
   std::vector<double> weights_;  // those that the scene took last
   Requests* requests_ = nullptr;
   std::uint32_t joints_ = 0, shares_ = 0, status_ = 0, cells_ = 0, contacts_ = 0, tf_ = 0, robot_ = 0,
-                layout_ = 0;
-  skinctl::detail::Pace drawn_{std::chrono::milliseconds(33)}, said_{std::chrono::milliseconds(100)};
+                layout_ = 0, felt_topic_ = 0;
+  skinctl::detail::Pace drawn_{std::chrono::milliseconds(33)}, said_{std::chrono::milliseconds(100)},
+      mapped_{std::chrono::seconds(1)};
   skinctl::Status since_;
   std::uint64_t dropped_ = 0;
 };

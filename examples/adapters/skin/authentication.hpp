@@ -13,7 +13,7 @@
 namespace adapters::skin {
 
 /// What a tag belongs to. Each has a key of its own, so that none is taken for another.
-enum class Sealed : std::uint8_t { version_2, samples, question };
+enum class Sealed : std::uint8_t { version_2, samples, question, lights };
 
 /// The secret of a sender and its receiver: 32 bytes. Its memory is wiped at the end.
 class Key {
@@ -38,7 +38,7 @@ class Key {
   std::size_t seal(Sealed what, std::span<std::uint8_t> buffer, std::size_t used) const noexcept;
 
  private:
-  std::array<std::array<std::uint8_t, size>, 3> keys_{};  ///< version 2 knew one: the secret itself
+  std::array<std::array<std::uint8_t, size>, 4> keys_{};  ///< version 2 knew one: the secret itself
 };
 
 /// A question on its way: `SKIQ`, the question, a tag.

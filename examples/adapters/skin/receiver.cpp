@@ -98,6 +98,7 @@ void ReceiverCore::receive(Nanoseconds now) noexcept {
   taken_ = 0;
   replies_ = most_replies;
   if (config_.key && questions_.ask(now) && has_sender_) ask(sender_.data(), sender_size_);
+  if (!shown() && has_sender_) tell_lights(now);
   // Bounded: a flood cannot keep the loop here.
   std::size_t left = config_.max_datagrams;
   while (left > 0) {
@@ -118,6 +119,11 @@ void ReceiverCore::receive(std::span<const std::uint8_t> bytes, const void* from
                            Nanoseconds now) noexcept {
   Datagram datagram;
   if (!parse(bytes, datagram)) {
+    const auto number = parse_shown(bytes, config_.key ? &*config_.key : nullptr);
+    if (number && is_sender(from, from_size)) {
+      shown_ = *number;
+      return;
+    }
     ++statistics_.nonsense;
     return;
   }
@@ -174,7 +180,7 @@ bool ReceiverCore::open(const Datagram& datagram, const void* from, std::size_t 
     clock_memory_ = {};
     return true;
   }
-  if (from_size != sender_size_ || std::memcmp(from, sender_.data(), sender_size_) != 0) {
+  if (!is_sender(from, from_size)) {
     ++statistics_.strangers;
     return false;
   }
@@ -234,6 +240,30 @@ void ReceiverCore::ask(const void* to, std::size_t to_size) noexcept {
   const auto bytes = question_datagram(questions_.newest(), *config_.key);
   static_cast<void>(::sendto(socket_.native_handle(), bytes.data(), bytes.size(), MSG_DONTWAIT,
                              static_cast<const sockaddr*>(to), static_cast<socklen_t>(to_size)));
+}
+
+bool ReceiverCore::is_sender(const void* from, std::size_t from_size) const noexcept {
+  return has_sender_ && from_size == sender_size_ && std::memcmp(from, sender_.data(), sender_size_) == 0;
+}
+
+void ReceiverCore::show(std::span<const std::uint32_t> lit) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  // Above those of an earlier run of this program, and of this one.
+  const auto number = static_cast<std::uint64_t>(std::chrono::nanoseconds(now).count());
+  picture_ = Picture::of(lit, std::max(number, picture_.number + 1));
+  told_lights_.reset();
+}
+
+/// Sends the picture that is wanted; a lost one, or one whose answer is lost, again.
+void ReceiverCore::tell_lights(Nanoseconds now) noexcept {
+  if (told_lights_ && now >= *told_lights_ && now - *told_lights_ < Questions::every) return;
+  told_lights_ = now;
+  std::array<std::uint8_t, largest> bytes;
+  std::size_t size = write_picture(bytes, picture_, config_.key.has_value());
+  if (config_.key) size = config_.key->seal(Sealed::lights, bytes, size);
+  const void* const to = sender_.data();
+  static_cast<void>(::sendto(socket_.native_handle(), bytes.data(), size, MSG_DONTWAIT,
+                             static_cast<const sockaddr*>(to), static_cast<socklen_t>(sender_size_)));
 }
 
 void ReceiverCore::hear(const Datagram& datagram, Nanoseconds now) noexcept {

@@ -13,6 +13,7 @@
 
 #include "examples/adapters/skin/authentication.hpp"
 #include "examples/adapters/skin/datagram.hpp"
+#include "examples/adapters/skin/lights.hpp"
 #include "skinctl/sensing/clock_offset.hpp"
 #include "skinctl/sensing/unrest.hpp"
 
@@ -86,6 +87,12 @@ class ReceiverCore {
   [[nodiscard]] const Statistics& statistics() const noexcept { return statistics_; }
   /// The frozen cells in words; empty: there are none.
   [[nodiscard]] std::string frozen() const;
+  /// From the next poll on the lights of these cells, and of no others, are to be on: the sender is told in
+  /// each poll, at most every 20 ms, until it has answered. Throws `ConfigurationError` for ids that are
+  /// farther apart than a `Picture` has room for.
+  void show(std::span<const std::uint32_t> lit);
+  /// Whether the sender has answered that they are.
+  [[nodiscard]] bool shown() const noexcept { return picture_.number == 0 || shown_ == picture_.number; }
   [[nodiscard]] std::uint16_t port() const { return socket_.local_endpoint().port(); }
   /// The buffer that the system gave [bytes]. Linux cuts it at /proc/sys/net/core/rmem_max.
   [[nodiscard]] std::size_t buffer() const noexcept { return buffer_; }
@@ -126,6 +133,8 @@ class ReceiverCore {
   bool session(const Datagram& datagram) noexcept;
   bool follows(std::int64_t step) noexcept;
   void ask(const void* to, std::size_t to_size) noexcept;
+  void tell_lights(skinctl::Nanoseconds now) noexcept;
+  bool is_sender(const void* from, std::size_t from_size) const noexcept;
   void watch(std::uint32_t cell, std::uint16_t measured, std::uint16_t unrest, bool at_zero) noexcept;
   void hear(const Datagram& datagram, skinctl::Nanoseconds now) noexcept;
 
@@ -148,9 +157,12 @@ class ReceiverCore {
   Statistics statistics_;
   std::size_t buffer_ = 0;
   Questions questions_;
-  std::size_t replies_ = 0;    ///< left in this poll
-  std::uint64_t session_ = 0;  ///< newest one of version 2
-  bool answers_ = false;       ///< a datagram of version 3 was sealed
+  Picture picture_{};        ///< wanted; number 0: none
+  std::uint64_t shown_ = 0;  ///< number of the picture that the sender has answered last
+  std::optional<skinctl::Nanoseconds> told_lights_{};  ///< when it was sent
+  std::size_t replies_ = 0;                            ///< left in this poll
+  std::uint64_t session_ = 0;                          ///< newest one of version 2
+  bool answers_ = false;                               ///< a datagram of version 3 was sealed
   bool has_sender_ = false;
   std::uint32_t newest_ = 0;
   skinctl::Nanoseconds heard_at_{};

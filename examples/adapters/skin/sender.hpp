@@ -11,6 +11,7 @@
 
 #include "examples/adapters/skin/authentication.hpp"
 #include "examples/adapters/skin/datagram.hpp"
+#include "examples/adapters/skin/lights.hpp"
 
 namespace adapters::skin {
 
@@ -44,18 +45,26 @@ class Sender {
   [[nodiscard]] std::uint64_t failed() const noexcept { return failed_; }
   /// With a key: the receiver's questions so far. 0: nobody asks, and nothing will be taken.
   [[nodiscard]] std::uint64_t asked() const noexcept { return asked_; }
-  /// With a key: what came in place of a question, of another key for example.
+  /// The picture that the receiver wants the lights of the cells to show, until `lights_shown` has said that
+  /// they do; null: there is none. An old one that somebody repeats is none.
+  [[nodiscard]] const Picture* wanted() const noexcept { return wants_ ? &picture_ : nullptr; }
+  /// Tells the receiver that the lights are as `wanted` says.
+  void lights_shown() noexcept;
+  /// What came in place of a question or a picture, of another key for example.
   [[nodiscard]] std::uint64_t foreign() const noexcept { return foreign_; }
 
  private:
   void listen() noexcept;
   std::size_t pass_on(std::size_t size) noexcept;
+  bool push(std::span<const std::uint8_t> bytes) noexcept;
 
   boost::asio::io_context io_;
   boost::asio::ip::udp::socket socket_;
   std::optional<Key> key_;
   std::array<std::uint8_t, largest> buffer_{};
   Question question_{};  ///< the newest; zeros: none yet
+  Picture picture_{};    ///< the newest
+  bool wants_ = false;   ///< it is not shown yet, or its answer was lost
   std::uint64_t failed_ = 0, asked_ = 0, foreign_ = 0;
   std::uint32_t sequence_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "examples/adapters/skin/any_skin.hpp"
+#include "examples/adapters/skin/tf_luna.hpp"
 #include "examples/adapters/skin/xela.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/urdf.hpp"
@@ -87,4 +88,25 @@ TEST_CASE("Pads: gains and masks of a file are those of its cells") {
   CHECK_FALSE(pads[0].cells[2].gains.has_value());
   CHECK(pads[0].cells[4].masked);
   CHECK_FALSE(pads[0].cells[5].masked);
+}
+
+TEST_CASE("Pads: a TF-Luna of the file pushes the forearm away from what it sees, and from nothing else") {
+  const SkinFile file = read_skin_file(EXAMPLES_DATA "/tf_luna_skin.json");
+  const auto placed = place_skin(file, arm());
+  ChannelSettings<TfLuna> settings;
+  settings.gate.fill(EventGate<>());
+  const Pads<TfLuna> skin(pads_of<TfLuna>(file, placed), settings);
+  REQUIRE(skin.size() == 1);
+  const auto sees = [&](std::uint16_t centimetres, std::uint16_t strength) {
+    const std::vector<SensorSample<TfLuna>> samples = {
+        {.time = 5ms, .cell = 0, .readings = TfLunaFrame{centimetres, strength, 2200}.readings()}};
+    const auto w = pushed(skin, samples);
+    double most = 0;
+    for (const auto& link : w.data) most = std::max(most, norm(Xyz<double>{link[0], link[1], link[2]}));
+    return most;
+  };
+  CHECK(sees(60, 900) == doctest::Approx(15 * 0.5));  // the file's gain of proximity
+  CHECK(sees(20, 900) == doctest::Approx(15));
+  CHECK(sees(150, 900) == 0);
+  CHECK(sees(60, 50) == 0);
 }

@@ -27,6 +27,10 @@
 #include "examples/support/run_program.hpp"
 #include "skinctl/io/skin_file.hpp"
 
+#ifdef CALIBRATE_SKIN_HAS_CAMERA
+#include "examples/calibrate_skin/wire_camera.hpp"
+#endif
+
 using namespace calibrate_skin;
 
 namespace {
@@ -224,6 +228,53 @@ TEST_CASE(
                     doctest::Contains("cell 7 sent 0 accelerations of the 20 that are needed"));
   CHECK_THROWS_WITH(static_cast<void>(silent.mean(7, 20)), doctest::Contains("0 datagrams of the skin"));
 }
+
+#ifdef CALIBRATE_SKIN_HAS_CAMERA
+TEST_CASE(
+    "Calibrate skin: another one's skin is told over a socket which lights are on, and a camera places it") {
+  const Folder folder("_lights");
+  const SkinError by_motion = over_wire(folder.path, 3, 0), seen = seen_over_wire(folder.path, 3);
+  const Json camera = read_json(folder.path / "camera.json");
+  MESSAGE(camera.at("said").get<std::string>());
+  MESSAGE("by motion " << 1e3 * by_motion.place_rms << " mm, worst " << 1e3 * by_motion.place_worst
+                       << "; by lights " << 1e3 * seen.place_rms << " mm, worst " << 1e3 * seen.place_worst
+                       << ", " << seen.cells << " cells");
+  CHECK(camera.at("by") == "camera");
+  CHECK(camera.at("residual").get<double>() < 0.5);
+  CHECK(seen.cells >= 150);
+  CHECK(seen.wrong_link == 0);
+  CHECK(seen.place_rms < 1e-3);
+  CHECK(seen.turn_rms < 0.0175);
+  std::size_t by_lights = 0;
+  for (const auto& patch : camera.at("patches")) by_lights += patch.value("agreeing", 0) >= 50;
+  CHECK(by_lights >= 3);
+}
+
+TEST_CASE("Calibrate skin: a lens is read, and what no lens is is refused; a device that is none, too") {
+  const Folder folder("_lens");
+  const fs::path file = folder.path / "lens.json";
+  write_json(file, {{"fx", 900}, {"fy", 910}, {"cx", 640}, {"cy", 480}});
+  const Lens plain = Lens::read(file);
+  CHECK(plain.camera.fy == 910);
+  CHECK(plain.straight({3, 4}) == Eigen::Vector2d(3, 4));
+  write_json(file,
+             {{"fx", 900}, {"fy", 910}, {"cx", 640}, {"cy", 480}, {"distortion", {-0.2, 0.05, 0, 0, 0}}});
+  const Lens bent = Lens::read(file);
+  for (const double x : {-0.5, 0.1, 0.6}) {
+    const double y = 0.3, r2 = x * x + y * y, b = 1 - 0.2 * r2 + 0.05 * r2 * r2;
+    const Eigen::Vector2d at = bent.straight({900 * b * x + 640, 910 * b * y + 480});
+    CHECK((at - Eigen::Vector2d(900 * x + 640, 910 * y + 480)).norm() < 0.05);
+  }
+  write_json(file, {{"fx", 900}, {"cx", 640}, {"cy", 480}});
+  CHECK_THROWS_WITH(static_cast<void>(Lens::read(file)), doctest::Contains("a lens needs fx, fy, cx, cy"));
+  write_json(file, {{"fx", -900}, {"fy", 910}, {"cx", 640}, {"cy", 480}});
+  CHECK_THROWS_WITH(static_cast<void>(Lens::read(file)), doctest::Contains("lens: fx, fy"));
+  write_json(file, {{"fx", 900}, {"fy", 910}, {"cx", 640}, {"cy", 480}, {"distortion", {1, 2}}});
+  CHECK_THROWS_WITH(static_cast<void>(Lens::read(file)), doctest::Contains("none or 5"));
+  CHECK_THROWS_WITH(VideoImages((folder.path / "no_such.png").string()),
+                    doctest::Contains("cannot be opened"));
+}
+#endif
 
 TEST_CASE("Calibrate skin: currents that say nothing cost the masses, not the skin") {
   Calibrated& c = calibrated();

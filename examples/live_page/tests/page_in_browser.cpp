@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <numeric>
 
 #include "examples/live_page/page.hpp"
 #include "examples/live_page/tests/simulated_run.hpp"
@@ -59,8 +61,13 @@ struct Served {
     put_page(o);
     for (auto& f : more) o.files.insert(f);
     server = std::make_unique<adapters::live::FoxgloveServer>(std::move(o));
+    for (std::size_t k = 0; !felt.whole(); ++k)  // cell 61 feels nothing, every tenth little
+      felt.look([](std::size_t i) {
+        return i == 60 ? std::pair(std::numeric_limits<double>::infinity(), 0.0)
+                       : std::pair(i % 10 == 5 ? 10.0 : 4.0, 0.25);
+      });
     view = std::make_unique<adapters::live::LiveView<Scene>>(
-        *server, requests, run.description(), std::vector<adapters::live::WeightRange>{{1, 0, 1}});
+        *server, requests, run.description(), std::vector<adapters::live::WeightRange>{{1, 0, 1}}, &felt);
     server->start();
     loop = std::thread([this] {
       CycleThread<Scene> thread({view.get()});
@@ -73,7 +80,13 @@ struct Served {
     loop.join();
   }
   std::atomic<bool> stop{false};
+  static std::vector<std::uint32_t> ids() {
+    std::vector<std::uint32_t> out(260);
+    std::iota(out.begin(), out.end(), 1u);
+    return out;
+  }
   adapters::live::Requests requests;
+  adapters::live::FeltMap felt{ids()};
   SimulatedRun run;
   std::unique_ptr<adapters::live::FoxgloveServer> server;
   std::unique_ptr<adapters::live::LiveView<Scene>> view;
@@ -249,6 +262,17 @@ TEST_CASE(
   const std::string known = "Number(document.getElementById('p-weight of skin joint').value)";
   CHECK(page.evaluate("document.querySelectorAll('#weights input').length") == 1);  // gravity has none
   slide(0.5, "no");
+  CHECK(page.until("!document.getElementById('map').hidden"));
+  CHECK(page.evaluate("document.getElementById('map-words').textContent") ==
+        "260 places: 1 feel nothing (cells 61), 26 feel little; the slowest may lead at 0.00 m/s.");
+  CHECK(page.evaluate("document.getElementById('map-legend').hidden") == true);
+  page.evaluate("document.getElementById('map-on').click()");
+  CHECK(page.evaluate("document.getElementById('map-legend').hidden") == false);
+  if (page.evaluate("!!skinctl.no3d") == false)
+    CHECK(
+        page.evaluate("[59, 60, 65].map(i => skinctl.view.values[4 * skinctl.view.index.get(i + 1) + 3])") ==
+        nlohmann::json({1, 4, 2}));
+  page.evaluate("document.getElementById('map-on').click()");
   CHECK(page.until(known + " === 1"));
   const std::string share =
       "(l => Math.max(...l.map(e => Math.max(...e.value.data.slice(0, 6).map(Math.abs)))))"

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Pads of other makers, played by Python, and a receiver in Python at the other end of skin_bridge.
 
-pad_peers.py PATH/skin_bridge    an AnySkin, a PapillArray, a home-made pad at pseudo terminals (struct), XELA's server
+pad_peers.py PATH/skin_bridge    an AnySkin, a TF-Luna, a PapillArray, a home-made pad at pseudo terminals (struct), XELA's server
                                   (websockets, json)
 """
 import asyncio
@@ -98,6 +98,42 @@ def any_skin():
     check(all(a < b for a, b in zip(stamps, stamps[1:])), "stamps that ascend")
     check(job.returncode == 0 and "149 messages, 149 samples, 2 refused" in said and "87 bytes" in said, said)
     print("AnySkin: %d packets, written by struct and a pseudo terminal, came through" % len(got))
+    os.close(near)
+    os.close(far)
+
+
+def tf_luna():
+    readings = [("near", 0, 1), ("distance", 0, 655.35), ("strength", 0, 65534), ("temperature", -256, 8000)]
+    kind = fingerprint("tf-luna", readings)
+    near, far = os.openpty()
+    tty.setraw(far)
+    here = receiver()
+    job = bridge("tf-luna:" + os.ttyname(far), here, "--cell", "7", "--seconds", "2")
+    time.sleep(0.5)  # it empties the line when it opens it
+    sent = []
+    os.write(near, b"\x59\x01")
+    for k in range(100):
+        distance, strength = 20 + k, 65535 if k == 50 else 300 + k
+        frame = b"YY" + struct.pack("<HHH", distance, strength, (256 + 30) * 8 + k)
+        frame += bytes([sum(frame) & 0xff])
+        os.write(near, frame[:k % 9])  # cut anywhere
+        os.write(near, frame[k % 9:])
+        time.sleep(0.01)
+        if k != 50:
+            sent.append((distance, strength, 30 + k / 8))
+    got = []
+    while len(got) < len(sent):
+        for cell, _, measured, unrest, x in samples(here.recv(2048), kind, 4)[1]:
+            check(cell == 7 and measured == 1 and unrest == 65535, "cell 7, measured once")
+            distance, strength, warm = sent[len(got)]
+            expected = (min(1, max(0, (100 - distance) / 80)), distance / 100, strength, warm)
+            check(all(abs(a - b) < 1e-5 for a, b in zip(x[:2], expected)) and tuple(x[2:]) == expected[2:],
+                  "frame %d: %r, not %r" % (len(got), x, expected))
+            got.append(x)
+    said, _ = job.communicate()
+    check(job.returncode == 0 and "100 messages, 99 samples, 1 refused" in said and "blinded in 1 frames" in said
+          and "2 bytes" in said, said)
+    print("TF-Luna: %d frames, written by struct and a pseudo terminal, came through" % len(got))
     os.close(near)
     os.close(far)
 
@@ -250,6 +286,7 @@ def xela(websockets):
 
 
 any_skin()
+tf_luna()
 papill_array()
 home_made()
 try:

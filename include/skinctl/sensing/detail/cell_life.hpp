@@ -178,7 +178,8 @@ class CellLife {
              life;
     r.alive[k] = life ? seconds<float>(s_.held) : r.alive[k] - dt;
   }
-  /// The life of the sum of a cell and its neighbours, as far as they have been pressed for as long.
+  /// The life of the sum of a cell and its neighbours, as far as they have been pressed for as long. It moves
+  /// by what a steady creep does not explain: cells that drift alike add up faster than their noise does.
   template <class Near>
   void look_around(Memory& m, std::size_t i, const HealthLimitsRow& limits, const Near& near,
                    float dt) const noexcept {
@@ -201,9 +202,9 @@ class CellLife {
     bool life = false;
     float number = 0;
     for (const int w : windows) {
-      if (!(r.age[k] > static_cast<float>(w))) break;
-      const float change = std::abs(over(w, 0, number));
-      life = life || change > limits.moves[k] * std::sqrt(number);
+      if (w > half || !(r.age[k] > static_cast<float>(2 * w))) break;
+      const float change = std::abs(over(w, w, number));
+      life = life || change > limits.moves[k] * std::sqrt(3 * number);  // as rare by noise alone
     }
     if (const float count = r.age[k] - 2 * half; count >= 1) {
       const float change = over(half, half, number);
