@@ -1,5 +1,6 @@
 # Builds PROGRAM for a Cortex-M3 or M4 and runs it in an emulator whose clock goes on by a nanosecond an instruction. With MOST
-# the most instructions of a cycle that it prints must not be more. ARM EMULATOR PROGRAM CORE MOST FOLDER INCLUDE OUTPUT
+# the most instructions of a cycle that it prints must not be more, with LEASHED those of one in which the leash holds a joint.
+# ARM EMULATOR PROGRAM CORE MOST LEASHED FOLDER INCLUDE OUTPUT
 if(CORE STREQUAL "cortex-m4")
   set(core -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16)
   set(machine mps2-an386)
@@ -26,5 +27,13 @@ if(MOST)
   endif()
   if(CMAKE_MATCH_1 GREATER MOST)
     message(FATAL_ERROR "${CMAKE_MATCH_1} instructions a cycle, at most ${MOST} are promised")
+  endif()
+endif()
+if(LEASHED)
+  if(NOT printed MATCHES "on the leash: mean [0-9]+, most ([0-9]+)")
+    message(FATAL_ERROR "${name} prints no instructions of a joint on the leash")
+  endif()
+  if(CMAKE_MATCH_1 GREATER LEASHED)
+    message(FATAL_ERROR "${CMAKE_MATCH_1} instructions a cycle with a joint on the leash, at most ${LEASHED} are promised")
   endif()
 endif()

@@ -4,9 +4,11 @@
 // allocated: the program fails if it is.
 //
 // Promise: a cycle of the preset `tiny` (UR5, 260 cells, float, one sub-step) takes at most 16 000
-// instructions on a Cortex-M4, and nothing is allocated after the start
-// Tried: seven cells pressed and released, an emulator that counts: 12 560 at the mean, 15 760 in the
-// cycle of the press; 64 KB of tables at the start, 7 KB of memory
+// instructions on a Cortex-M4, 22 000 while the leash holds a joint back, and nothing is allocated after the
+// start
+// Tried: seven cells pressed and released by an arm that follows, then pressed while it is held fast; an
+// emulator that counts: 12 680 at the mean and at most 14 600, on the leash 20 040 and 20 520; 121 KB of
+// heap at the start, 7 KB of memory
 //
 // Promise: it needs no operating system, exceptions or run-time types
 // Tried: a whole cycle with 260 cells in float on an emulated Cortex-M7. Also: `bare_metal/`
@@ -87,16 +89,31 @@ int main() {
   State<6, Real32> measured;
   measured.q = {0.0f, -1.2f, 1.4f, -1.8f, -1.57f, 0.0f};
   cycle.start(memory, measured);
+  auto under_way = measured.q;
+  JointVelocity<6, Real32> speed_under_way;
   const auto at_start = mallinfo().arena;
   running = true;
   float farthest = 0;
   int bad = 0;
-  std::uint32_t all = 0, worst = 0;
-  int worst_at = 0;
-  constexpr int cycles = 250;
+  // Of cycles in which no joint is on the leash, and of those in which one is: it is then taken out of the
+  // virtual robot, by a mass matrix and a solution of six equations more.
+  struct Spent {
+    std::uint32_t all = 0, most = 0;
+    int cycles = 0, most_at = 0;
+    void add(std::uint32_t ticks, int k) {
+      all += ticks, ++cycles;
+      if (ticks > most) most = ticks, most_at = k;
+    }
+    void print(const char* what) const {
+      std::printf("%s: mean %u, most %u (cycle %d)\n", what,
+                  unsigned(cycles > 0 ? 40u * (all / unsigned(cycles)) : 0u), unsigned(40u * most), most_at);
+    }
+  } usual, leashed;
+  constexpr int free_cycles = 250, cycles = 350;
   for (int k = 1; k <= cycles; ++k) {
     measured.time = k * 8ms;
-    const float f = k > 50 && k < 120 ? 0.15f : 0.0f;
+    const bool holds = k > free_cycles;
+    const float f = (k > 50 && k < 120) || holds ? 0.15f : 0.0f;
     CellSample samples[7];
     for (std::uint32_t i = 0; i < 7; ++i)
       samples[i] = {.time = measured.time - 2ms, .cell = 150 + i, .force = {f, f, f}};
@@ -107,23 +124,26 @@ int main() {
     start_clock();
     const auto out = cycle.step(memory, input);
     const std::uint32_t spent = ticks();
-    all += spent;
-    if (spent > worst) worst = spent, worst_at = k;
+    (out.status.has(Reason::lead_limited) ? leashed : usual).add(spent, k);
     if (!out.command.valid) ++bad;
     for (std::size_t i = 0; i < 6; ++i)
       if (!(out.command.position[i] - out.command.position[i] == 0.0f)) ++bad;
-    measured.q = out.command.position;
+    // As declared: what is sent now is reached a delay and a period from now.
+    if (!holds) measured.q = under_way, measured.dq = speed_under_way;
+    if (holds) measured.dq = {};
+    under_way = out.command.position, speed_under_way = out.planned.velocity;
     const float moved = measured.q[0] < 0 ? -measured.q[0] : measured.q[0];
     if (moved > farthest) farthest = moved;
     if (k % 50 == 0)
       std::printf("%3d %7.4f %7.4f %7.4f\n", k, double(measured.q[0]), double(measured.q[1]),
                   double(measured.q[2]));
   }
-  std::printf("instructions a cycle: mean %u, most %u (cycle %d)\n", unsigned(40u * (all / cycles)),
-              unsigned(40u * worst), worst_at);
+  usual.print("instructions a cycle");
+  leashed.print("on the leash");
   std::printf("bytes: memory %u, configuration %u, most at the start %u\n", unsigned(sizeof memory),
               unsigned(sizeof cycle), unsigned(at_start));
   std::printf("bad %d, asked for memory in the loop %d, farthest %.3f rad\n", bad, asked_while_running,
               double(farthest));
-  return bad == 0 && asked_while_running == 0 && farthest > 0.001f ? 0 : 1;
+  const bool as_meant = usual.cycles > 150 && leashed.cycles > 50;
+  return bad == 0 && asked_while_running == 0 && farthest > 0.001f && as_meant ? 0 : 1;
 }

@@ -77,6 +77,10 @@ enum class Reason : std::uint8_t {
   count
 };
 
+/// What `status == reason` gives: no bool, in a word that names the remedy. A reason among others is
+/// `status.has(reason)`; no other one, `status == Status(reason)`.
+struct ReasonsAreAskedByHas {};
+
 /// A set of reasons; empty means that everything went as configured. Trivially copyable.
 class Status {
  public:
@@ -95,12 +99,10 @@ class Status {
   /// The reasons of this set that `s` does not hold.
   [[nodiscard]] constexpr Status without(Status s) const noexcept { return from_bits(bits_ & ~s.bits_); }
   friend constexpr bool operator==(Status, Status) noexcept = default;
-  /// Not by `==`: a status holds several reasons.
+  /// Of no use: a status holds several reasons.
   template <std::same_as<Reason> R>
-  constexpr bool operator==(R) const noexcept {
-    static_assert(sizeof(R) == 0,
-                  "a reason among others: status.has(reason); no other one: status == Status(reason)");
-    return false;
+  [[nodiscard]] constexpr ReasonsAreAskedByHas operator==(R) const noexcept {
+    return {};
   }
   [[nodiscard]] constexpr std::uint64_t bits() const noexcept { return bits_; }
   [[nodiscard]] static constexpr Status from_bits(std::uint64_t bits) noexcept {

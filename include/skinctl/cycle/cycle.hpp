@@ -28,7 +28,6 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
   using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
   static_assert(sizeof(detail::SaySkin<Scene::skin_fault, GivenSkin>) > 0);
   static_assert(sizeof(detail::SayTouch<Scene::touch_fault, GivenSkin>) > 0);
-  static_assert(sizeof(detail::Say<Scene::law_fault, typename Scene::Finding::Law>) > 0);
 
   using Loop = detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts>;
   using Loop::guard_;
@@ -39,6 +38,8 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
   using L = typename Loop::L;
   using Skin = typename Loop::Skin;
   using Whole = typename Loop::Whole;
+  template <class Robot>
+  using LawArgument = typename Scene::template Argument<Robot>::type;
 
  public:
   using Loop::joints;
@@ -50,7 +51,8 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
   /// @param robot  a description (`by_position(...)`), or a resolver.
   /// Throws `ConfigurationError` where settings of the law differ from the robot's description.
   template <class Robot>
-  Cycle(const Robot& robot, Skin skin, const L& law) : Loop(Whole{}, robot, std::move(skin), law, Parts{}) {
+  Cycle(const Robot& robot, Skin skin, LawArgument<Robot> law)
+      : Loop(Whole{}, robot, std::move(skin), Scene::taken(law), Parts{}) {
     static_assert(detail::gravity_is_held<Robot, L>,
                   "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
     detail::check_holders<Robot, L>();
@@ -66,7 +68,8 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
   /// Without skin.
   template <class Robot>
     requires std::is_same_v<Skin, NoSkin>
-  Cycle(const Robot& robot, const L& law) : Loop(Whole{}, robot, NoSkin{}, law, Parts{}) {
+  Cycle(const Robot& robot, LawArgument<Robot> law)
+      : Loop(Whole{}, robot, NoSkin{}, Scene::taken(law), Parts{}) {
     static_assert(detail::gravity_is_held<Robot, L>,
                   "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
     detail::check_holders<Robot, L>();

@@ -61,17 +61,17 @@ struct Gated : L {
 
 /// `law` while the robot is touched.
 template <class L>
-  requires(detail::complete_law<L>::role != LawRole::gravity)
+  requires(detail::law_in_sum<L>::role != LawRole::gravity)
 [[nodiscard]] auto when_touched(const L& law) {
-  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
-  return Gated<TouchGate::touched, detail::complete_law<L>>(law);
+  static_assert(sizeof(detail::Say<detail::fault_in_sum<L>(), L>) > 0);
+  return Gated<TouchGate::touched, detail::law_in_sum<L>>(law);
 }
 /// `law` while nothing touches the robot.
 template <class L>
-  requires(detail::complete_law<L>::role != LawRole::gravity)
+  requires(detail::law_in_sum<L>::role != LawRole::gravity)
 [[nodiscard]] auto when_untouched(const L& law) {
-  static_assert(sizeof(detail::Say<detail::fault_in_members<L>(), L>) > 0);
-  return Gated<TouchGate::untouched, detail::complete_law<L>>(law);
+  static_assert(sizeof(detail::Say<detail::fault_in_sum<L>(), L>) > 0);
+  return Gated<TouchGate::untouched, detail::law_in_sum<L>>(law);
 }
 // clang-format off
 template <class L>

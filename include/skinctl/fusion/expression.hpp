@@ -20,7 +20,7 @@ auto as_sum(const L& law) {
   if constexpr (is_fused<L>) {
     return law;
   } else {
-    using Law = complete_law<L>;
+    using Law = law_in_sum<L>;
     return Fused<Sum::normalised, Law>(std::tuple<Law>(law), {1.0});
   }
 }
@@ -97,7 +97,7 @@ template <class A, class B>
   if constexpr (!weighs) {
     return detail::either_law(a, b);
   } else if constexpr (std::is_arithmetic_v<A>) {
-    static_assert(sizeof(detail::Say<detail::fault_in_members<B>(), B>) > 0);
+    static_assert(sizeof(detail::Say<detail::fault_in_sum<B>(), B>) > 0);
     auto sum = detail::as_sum(b);
     auto weights = sum.weights();
     for (double& w : weights) w *= static_cast<double>(a);
@@ -117,8 +117,8 @@ template <class A, class B>
                 "a blend of the whole sum");
   static_assert(!twice, "gravity twice: keep one gravity law; a law of the skin twice: keep one");
   if constexpr (adds && !twice) {
-    static_assert(sizeof(detail::Say<detail::fault_in_members<A>(), A>) > 0);
-    static_assert(sizeof(detail::Say<detail::fault_in_members<B>(), B>) > 0);
+    static_assert(sizeof(detail::Say<detail::fault_in_sum<A>(), A>) > 0);
+    static_assert(sizeof(detail::Say<detail::fault_in_sum<B>(), B>) > 0);
     static_assert(!detail::are_for_two_robots<A, B>,
                   "the laws of a sum are for robots with different numbers of joints");
     return detail::join(detail::as_sum(a), detail::as_sum(b));

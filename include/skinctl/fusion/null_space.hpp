@@ -167,15 +167,15 @@ class NullSpace : public Composable,
 
 /// `second` in the null space of link `Link`, which `first` moves.
 template <std::size_t Link, detail::MeantAsLaw First, detail::MeantAsLaw Second>
-  requires(detail::complete_law<First>::role == LawRole::tracking &&
-           detail::complete_law<Second>::role != LawRole::gravity)
+  requires(detail::law_in_sum<First>::role == LawRole::tracking &&
+           detail::law_in_sum<Second>::role != LawRole::gravity)
 [[nodiscard]] auto task_priority(const First& first, const Second& second,
                                  const NullSpaceSettings& settings = {}) {
-  static_assert(sizeof(detail::Say<detail::fault_in_members<First>(), First>) > 0);
-  static_assert(sizeof(detail::Say<detail::fault_in_members<Second>(), Second>) > 0);
+  static_assert(sizeof(detail::Say<detail::fault_in_sum<First>(), First>) > 0);
+  static_assert(sizeof(detail::Say<detail::fault_in_sum<Second>(), Second>) > 0);
   static_assert(!detail::are_for_two_robots<First, Second>,
                 "the laws of this are for robots with different numbers of joints");
-  return NullSpace<Link, detail::complete_law<First>, detail::complete_law<Second>>(first, second, settings);
+  return NullSpace<Link, detail::law_in_sum<First>, detail::law_in_sum<Second>>(first, second, settings);
 }
 // clang-format off
 template <std::size_t Link, class First, class Second>

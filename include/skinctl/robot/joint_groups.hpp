@@ -56,15 +56,23 @@ template <class X>
 struct IsDrivenGroup : std::bool_constant<IsJointGroup<X> && !has_servo<X::interface>> {};
 }  // namespace detail
 
-/// The joints of a robot with `N` joints by their interface.
+namespace detail {
+/// Whether a joint is in two of the groups of a tuple. Asked by `by_groups`, which the user calls.
+template <class Groups>
+inline constexpr bool repeats_a_joint = false;
+template <class... Groups>
+inline constexpr bool repeats_a_joint<std::tuple<Groups...>> =
+    (std::size_t(std::popcount(Groups::set)) + ... + 0u) !=
+    std::size_t(std::popcount((Groups::set | ... | 0u)));
+}  // namespace detail
+
+/// The joints of a robot with `N` joints by their interface; each joint is in one group.
 template <std::size_t N, class... Groups>
 struct JointGroups {
   static constexpr LinkMask all = joints_between(0, N);
   static constexpr LinkMask named = (Groups::set | ... | 0u);
   static constexpr LinkMask by_torque =
       ((has_servo<Groups::interface> ? LinkMask(0) : Groups::set) | ... | 0u);
-  static_assert((std::size_t(std::popcount(Groups::set)) + ... + 0u) == std::size_t(std::popcount(named)),
-                "a joint is in two groups");
   static_assert((named & ~all) == 0, "a group names a joint that the robot has not");
   static_assert((all & ~named) == 0, "a joint is in no group: each takes positions, velocities or torques");
 
@@ -144,20 +152,17 @@ template <class Subset, std::size_t N, Real T, Interface... Ix>
 
 /// The joints `Set` take positions.
 template <LinkMask Set, Real T = double>
-[[nodiscard]] JointGroup<Interface::position, Set, T> position_joints(
-    const detail::GroupConfiguration<Set, T>& c) {
+[[nodiscard]] JointGroup<Interface::position, Set, T> position_joints(detail::GroupConfiguration<Set, T> c) {
   return {c};
 }
 /// The joints `Set` take velocities.
 template <LinkMask Set, Real T = double>
-[[nodiscard]] JointGroup<Interface::velocity, Set, T> velocity_joints(
-    const detail::GroupConfiguration<Set, T>& c) {
+[[nodiscard]] JointGroup<Interface::velocity, Set, T> velocity_joints(detail::GroupConfiguration<Set, T> c) {
   return {c};
 }
 /// The joints `Set` take torques.
 template <LinkMask Set, Real T = double>
-[[nodiscard]] JointGroup<Interface::torque, Set, T> torque_joints(
-    const detail::GroupConfiguration<Set, T>& c) {
+[[nodiscard]] JointGroup<Interface::torque, Set, T> torque_joints(detail::GroupConfiguration<Set, T> c) {
   return {c};
 }
 
@@ -270,9 +275,12 @@ template <Real T, RobotModel M, class... Groups, class... Parts>
 /// suit the slowest of its loops: `tracking_settings(robot)` of tracking/group_settings.hpp.
 template <RobotModel M, detail::IsJointGroup First, class... Others>
 [[nodiscard]] auto by_groups(const M& model, const First& first, const Others&... others) {
-  return detail::describe_groups<typename First::scalar>(model,
-                                                         detail::those_of<detail::IsGroup>(first, others...),
-                                                         detail::those_of<detail::IsNoGroup>(others...));
+  const auto groups = detail::those_of<detail::IsGroup>(first, others...);
+  constexpr bool repeats = detail::repeats_a_joint<std::remove_const_t<decltype(groups)>>;
+  static_assert(!repeats, "a joint is in two groups");
+  if constexpr (!repeats)
+    return detail::describe_groups<typename First::scalar>(model, groups,
+                                                           detail::those_of<detail::IsNoGroup>(others...));
 }
 
 SKINCTL_END_NAMESPACE

@@ -1,5 +1,5 @@
-// expect: static.*a reason among others: status.has.reason.
-// lines: 11
+// expect: ReasonsAreAskedByHas
+// lines: 6
 // A status holds several reasons: equal to one it is only where there is no other.
 #include "skinctl/core/status.hpp"
 

@@ -1,7 +1,6 @@
 // expect: the Memory of this law holds a pointer
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
+// lines: 10
+#include "tests/compile_fail/sound.hpp"
 
 struct Push : Composable {
   struct Memory {
@@ -19,6 +18,6 @@ struct Push : Composable {
   Memory advance(const Memory& memory, const auto&, double, Opposition) const noexcept { return memory; }
 };
 
-int main() {
-  static_cast<void>(Push{} + GravityControl{});
+auto build() {
+  return Cycle(sound_arm(), Push{} + GravityControl{});
 }

@@ -1,7 +1,6 @@
 // expect: the Memory of this law is not trivially copyable
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
+// lines: 10
+#include "tests/compile_fail/sound.hpp"
 
 struct Push : Composable {
   struct Memory {
@@ -18,6 +17,6 @@ struct Push : Composable {
   Memory advance(const Memory&, const auto&, double, Opposition) const noexcept { return {}; }
 };
 
-int main() {
-  static_cast<void>(Push{} + GravityControl{});
+auto build() {
+  return Cycle(sound_arm(), Push{} + GravityControl{});
 }

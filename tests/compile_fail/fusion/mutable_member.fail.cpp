@@ -1,8 +1,6 @@
 // expect: this law has a mutable member
-// lines: 14
-#include "skinctl/skinctl.hpp"
-
-using namespace skinctl;
+// lines: 10
+#include "tests/compile_fail/sound.hpp"
 
 struct Brake : StatelessLaw<Brake> {
   double gain = 1;
@@ -14,6 +12,6 @@ struct Brake : StatelessLaw<Brake> {
   JointTorque<6> torque(const auto&) const noexcept { return {}; }
 };
 
-int main() {
-  static_cast<void>(SkinJointControl{} + Brake{} + GravityControl{});
+auto build() {
+  return Cycle(sound_arm(), ur5_skin<260>({.force = 20}), SkinJointControl{} + Brake{} + GravityControl{});
 }

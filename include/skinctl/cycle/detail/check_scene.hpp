@@ -82,6 +82,22 @@ struct Scene {
   using Finding = decltype(find_in_scene<Robot, GivenLaw, Skin>());
   static constexpr LawFault law_fault = Finding::fault;
   using Law = std::conditional_t<law_fault == LawFault::none, GivenLaw, WrongLaw<GivenLaw>>;
+  /// How the constructor of a scene takes its law: a wrong one as the type that raises its error. (Clang adds
+  /// lines where the type does not depend on a parameter of the constructor.)
+  template <class>
+  struct Argument {
+    using type = std::conditional_t<law_fault == LawFault::none, const GivenLaw&,
+                                    Say<law_fault, typename Finding::Law>>;
+  };
+  /// The argument as the law of the scene.
+  template <class A>
+  static decltype(auto) taken(const A& law) {
+    if constexpr (law_fault == LawFault::none) {
+      return (law);
+    } else {
+      return Law();
+    }
+  }
 };
 
 }  // namespace detail

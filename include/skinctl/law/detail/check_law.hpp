@@ -267,6 +267,17 @@ constexpr auto find_in_functions() {
   }
 }
 
+/// The fault that keeps a law out of a sum. Memory and members of the other kinds are refused by the scene:
+/// there a compiler names the place with one line of context less.
+template <class L>
+consteval LawFault fault_in_sum() {
+  using enum LawFault;
+  constexpr LawFault f = fault_in_members<L>();
+  return f == heavy_memory || f == pointer_in_memory || f == mutable_member ? none : f;
+}
+/// `L` if it can stand in a sum, else a law that does nothing.
+template <class L>
+using law_in_sum = std::conditional_t<fault_in_sum<L>() == LawFault::none, L, WrongLaw<L>>;
 /// `L` if it has no fault, else a law that does nothing.
 template <class L>
 using complete_law = std::conditional_t<fault_in_members<L>() == LawFault::none, L, WrongLaw<L>>;

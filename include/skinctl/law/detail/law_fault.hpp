@@ -63,10 +63,13 @@ struct Found {
 };
 /// Raises the error for a fault. Used in a `static_assert` of the function that a user calls, so that the
 /// error appears once, with few lines of context. (Reading any member of a class with an error is one more
-/// error in Clang.)
+/// error in Clang.) As the type of a parameter it is raised at the call itself: the least context.
 template <LawFault F, class L>
 struct Say {
   using enum LawFault;
+  constexpr Say() noexcept = default;
+  template <class X>
+  constexpr Say(const X&) noexcept {}
   static_assert(F != no_memory,
                 "this law lacks its Memory: `struct Memory {...};`, or derive from StatelessLaw");
   static_assert(F != heavy_memory,
