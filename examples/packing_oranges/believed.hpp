@@ -66,8 +66,13 @@ class Believed {
     const std::uint8_t k = tracks_.choose(
         m_, [&](const auto& t) { return fits(number(t)) && !is_left(t.p); },
         [&](const auto& t) { return cost(number(t)); });
-    if (k < capacity) goes_for_ = m_.tracks[k].p;
+    if (k < capacity) goes_for_ = m_.tracks[k].p, felt_ = false;
     return k;
+  }
+  /// The fingers, on their way to the orange that was chosen last and around it.
+  void feel(const skinctl::GripperState& fingers) {
+    constexpr double touches = 1, meet = 0.02;  // [N]; nearer than so they press on each other [m]
+    felt_ = felt_ || (fingers.force > touches && fingers.opening > meet);
   }
   /// The hand has the orange that was chosen last, or found none there.
   void took() {
@@ -75,7 +80,14 @@ class Believed {
     if (wary_ > 0) --wary_;
   }
   void failed(const Tray& feed) {
-    tracks_.failed(m_, chosen(), [&](const auto& t) { return t.kind == orange_class && feed.holds(t.p); });
+    const auto is_beside = [&](const auto& t) {
+      const double far = std::hypot(t.p.x - goes_for_.x, t.p.y - goes_for_.y);
+      return t.kind == orange_class && t.sight > 0 && far > apart && far < finger_reaches;
+    };
+    // What fingers met may have been the neighbour.
+    const bool felt = felt_ && std::none_of(m_.tracks.begin(), m_.tracks.end(), is_beside);
+    tracks_.failed(m_, chosen(), felt,
+                   [&](const auto& t) { return t.kind == orange_class && feed.holds(t.p); });
     ++failures_;
     wary_ = 3;
   }
@@ -109,11 +121,13 @@ class Believed {
   static constexpr double carried_within =
       0.35;  ///< way of a bin while it is not seen; the bins are 1 m apart [m]
   static constexpr double left_within =
-      0.06;  ///< what slipped lies so far from where it was taken, at most [m]
+      0.06;                              ///< what slipped lies so far from where it was taken, at most [m]
+  static constexpr double apart = 0.03;  ///< two things are further apart [m]
+  static constexpr double finger_reaches = 0.115;  ///< 55 mm open, a finger, and a neighbour's radius [m]
   /// Its track now: numbers may change while the hand is on its way.
   [[nodiscard]] std::uint8_t chosen() const {
     std::uint8_t best = skinctl::no_object;
-    double least = 0.03;
+    double least = apart;
     for (std::size_t k = 0; k < capacity; ++k) {
       const double far = norm(Place(m_.tracks[k].p - goes_for_));
       if (m_.tracks[k].kind != 0 && far < least) best = static_cast<std::uint8_t>(k), least = far;
@@ -125,7 +139,7 @@ class Believed {
   Tracks::Memory m_;
   Place goes_for_{0, 0, 0};
   std::vector<Place> left_;
-  bool asks_ = false;
+  bool asks_ = false, felt_ = false;
   int failures_ = 0, wary_ = 1;
 };
 
