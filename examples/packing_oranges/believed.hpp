@@ -69,6 +69,8 @@ class Believed {
     if (k < capacity) goes_for_ = m_.tracks[k].p, felt_ = false;
     return k;
   }
+  /// Whether its fingers have room beside the orange that was chosen last: they may touch a neighbour else.
+  void has_room(bool room) { has_room_ = room; }
   /// The fingers, on their way to the orange that was chosen last and around it.
   void feel(const skinctl::GripperState& fingers) {
     constexpr double touches = 1, meet = 0.02;  // [N]; nearer than so they press on each other [m]
@@ -76,20 +78,20 @@ class Believed {
   }
   /// The hand has the orange that was chosen last, or found none there.
   void took() {
+    before_ = m_;
     tracks_.took(m_, chosen());
     if (wary_ > 0) --wary_;
   }
   void failed(const Tray& feed) {
-    const auto is_beside = [&](const auto& t) {
-      const double far = std::hypot(t.p.x - goes_for_.x, t.p.y - goes_for_.y);
-      return t.kind == orange_class && t.sight > 0 && far > apart && far < finger_reaches;
-    };
-    // What fingers met may have been the neighbour.
-    const bool felt = felt_ && std::none_of(m_.tracks.begin(), m_.tracks.end(), is_beside);
-    tracks_.failed(m_, chosen(), felt,
+    tracks_.failed(m_, chosen(), felt_ && has_room_,
                    [&](const auto& t) { return t.kind == orange_class && feed.holds(t.p); });
     ++failures_;
     wary_ = 3;
+  }
+  /// What it took slipped before it was lifted: that take tells nothing of the camera.
+  void slipped() {
+    m_.bias = before_.bias, m_.trial = before_.trial, m_.successes = before_.successes;
+    m_.places = before_.places, m_.since = before_.since, m_.takes = before_.takes;
   }
   /// What was taken there slipped out of the firmest grip: it is left, and somebody is asked once.
   void leave(const Place& p) {
@@ -123,7 +125,6 @@ class Believed {
   static constexpr double left_within =
       0.06;                              ///< what slipped lies so far from where it was taken, at most [m]
   static constexpr double apart = 0.03;  ///< two things are further apart [m]
-  static constexpr double finger_reaches = 0.115;  ///< 55 mm open, a finger, and a neighbour's radius [m]
   /// Its track now: numbers may change while the hand is on its way.
   [[nodiscard]] std::uint8_t chosen() const {
     std::uint8_t best = skinctl::no_object;
@@ -136,10 +137,10 @@ class Believed {
   }
 
   Tracks tracks_;
-  Tracks::Memory m_;
+  Tracks::Memory m_, before_;
   Place goes_for_{0, 0, 0};
   std::vector<Place> left_;
-  bool asks_ = false, felt_ = false;
+  bool asks_ = false, felt_ = false, has_room_ = true;
   int failures_ = 0, wary_ = 1;
 };
 

@@ -30,18 +30,22 @@ void Worker<R>::note(const typename Executor::Memory& was, const typename Execut
 template <class R>
 void Worker<R>::learn(const typename Executor::Memory& was, bool resume) {
   using Phase = typename Executor::Phase;
-  const bool take = executor_.task().steps[was.step].does == &skinctl::activity::Take::rule;
+  using skinctl::StepFailure;
+  const skinctl::Step& step = executor_.task().steps[was.step];
+  const bool take = step.does == &skinctl::activity::Take::rule, lift = step.does == &Lift::rule;
+  const bool squeezes = step.does == &skinctl::activity::Squeeze::rule && step.place == skinctl::no_place;
   const bool began = was.phase == Phase::run || was.phase == Phase::confirm;
-  const bool failed = plan_.phase == Phase::begin_reverse || plan_.tries > was.tries;
-  if (take && began && failed && !empty_) empty_ = true, believed_.failed(feed_tray(arm_));
-  if (take && began && plan_.step != was.step) believed_.took();
+  const bool gives_up = began && plan_.phase == Phase::begin_reverse;
+  const bool lost = gives_up && plan_.why == StepFailure::fact_lost;
+  // What lies is squeezed out of fingers that stand beside its middle, whatever its friction.
+  const bool failed = take ? began && (gives_up || plan_.tries > was.tries) : squeezes && lost;
+  if (failed && !empty_) empty_ = true, believed_.failed(feed_tray(arm_));
+  if ((take || squeezes) && began && plan_.step != was.step && !is_at_feed()) believed_.took();
   if (std::exchange(stood_, false)) believed_.failed(feed_tray(arm_)), empty_ = true;
   if (plan_.phase == Phase::reverse && empty_) empty_ = false, plan_ = Executor::forgiven(plan_);
-  using skinctl::StepFailure;
-  const bool lift = executor_.task().steps[was.step].does == &Lift::rule;
   const bool slips =
-      began && plan_.phase == Phase::begin_reverse && !take &&
-      (plan_.why == StepFailure::fact_lost || (lift && plan_.why == StepFailure::fact_missing));
+      !take && !failed && (lost || (lift && gives_up && plan_.why == StepFailure::fact_missing));
+  if (slips && lift) believed_.slipped();
   if (slips && grip_.slipped())
     plan_ = Executor::forgiven(plan_);
   else if (slips)

@@ -163,7 +163,9 @@ void Worker<R>::look() {
   const std::uint8_t chosen = s_.honest ? believed_.choose(fits, cost) : cheapest(fits, cost);
   if (chosen != skinctl::no_object) {
     object_ = chosen;
-    turned_ = room_beside(chosen).turn;
+    const FingerRoom room = room_beside(chosen);
+    turned_ = room.turn;
+    believed_.has_room(room.room >= FingerRoom::enough);
     return end(true);
   }
   if (now_ - looks_since_ < 1500ms) return;
