@@ -66,18 +66,32 @@ class Believed {
     const std::uint8_t k = tracks_.choose(
         m_, [&](const auto& t) { return fits(number(t)) && !is_left(t.p); },
         [&](const auto& t) { return cost(number(t)); });
-    if (k < capacity) goes_for_ = m_.tracks[k].p;
+    if (k < capacity) goes_for_ = m_.tracks[k].p, felt_ = false;
     return k;
+  }
+  /// Whether its fingers have room beside the orange that was chosen last: they may touch a neighbour else.
+  void has_room(bool room) { has_room_ = room; }
+  /// The fingers, on their way to the orange that was chosen last and around it.
+  void feel(const skinctl::GripperState& fingers) {
+    constexpr double touches = 1, meet = 0.02;  // [N]; nearer than so they press on each other [m]
+    felt_ = felt_ || (fingers.force > touches && fingers.opening > meet);
   }
   /// The hand has the orange that was chosen last, or found none there.
   void took() {
+    before_ = m_;
     tracks_.took(m_, chosen());
     if (wary_ > 0) --wary_;
   }
   void failed(const Tray& feed) {
-    tracks_.failed(m_, chosen(), [&](const auto& t) { return t.kind == orange_class && feed.holds(t.p); });
+    tracks_.failed(m_, chosen(), felt_ && has_room_,
+                   [&](const auto& t) { return t.kind == orange_class && feed.holds(t.p); });
     ++failures_;
     wary_ = 3;
+  }
+  /// What it took slipped before it was lifted: that take tells nothing of the camera.
+  void slipped() {
+    m_.bias = before_.bias, m_.trial = before_.trial, m_.successes = before_.successes;
+    m_.places = before_.places, m_.since = before_.since, m_.takes = before_.takes;
   }
   /// What was taken there slipped out of the firmest grip: it is left, and somebody is asked once.
   void leave(const Place& p) {
@@ -109,11 +123,12 @@ class Believed {
   static constexpr double carried_within =
       0.35;  ///< way of a bin while it is not seen; the bins are 1 m apart [m]
   static constexpr double left_within =
-      0.06;  ///< what slipped lies so far from where it was taken, at most [m]
+      0.06;                              ///< what slipped lies so far from where it was taken, at most [m]
+  static constexpr double apart = 0.03;  ///< two things are further apart [m]
   /// Its track now: numbers may change while the hand is on its way.
   [[nodiscard]] std::uint8_t chosen() const {
     std::uint8_t best = skinctl::no_object;
-    double least = 0.03;
+    double least = apart;
     for (std::size_t k = 0; k < capacity; ++k) {
       const double far = norm(Place(m_.tracks[k].p - goes_for_));
       if (m_.tracks[k].kind != 0 && far < least) best = static_cast<std::uint8_t>(k), least = far;
@@ -122,10 +137,10 @@ class Believed {
   }
 
   Tracks tracks_;
-  Tracks::Memory m_;
+  Tracks::Memory m_, before_;
   Place goes_for_{0, 0, 0};
   std::vector<Place> left_;
-  bool asks_ = false;
+  bool asks_ = false, felt_ = false, has_room_ = true;
   int failures_ = 0, wary_ = 1;
 };
 

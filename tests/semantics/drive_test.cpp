@@ -93,7 +93,7 @@ class Robot {
       for (std::size_t i = 0; i < oranges_.size(); ++i)
         if (!in_box_[i] && norm(Xyz<double>(oranges_[i] - hand)) < 0.017) holds_ = i;
       if (holds_ < oranges_.size()) tracks_.took(m_, target_);
-      if (holds_ == none) ++missed, tracks_.failed(m_, target_, [](const auto&) { return true; });
+      if (holds_ == none) ++missed, tracks_.failed(m_, target_, true, [](const auto&) { return true; });
     } else if (r.does == &activity::Find::rule) {
       if (looks_again_ || !found_) box_W_ = believed(box_at), found_ = true;
     } else if (r.does == &activity::Release::rule) {

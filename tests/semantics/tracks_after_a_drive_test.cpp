@@ -96,7 +96,7 @@ Result drive(std::uint64_t seed, bool told) {
     if (has)
       tracks.took(m, k);
     else
-      tracks.failed(m, k, everywhere), ++out.failed;
+      tracks.failed(m, k, true, everywhere), ++out.failed;
   }
   for (const bool left : there) out.lost += left;
   return out;

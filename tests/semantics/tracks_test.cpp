@@ -1,12 +1,14 @@
 // Promise: things that a detector does not number are taken, ghosts are found out, a bias of the camera too
 // Tried: a kinematic world, 12 oranges and 10 % of takes that miss by chance, in float and double, 40 seeds
-// each: at least 11.7 of 12 taken with 0, 1 and 3 lasting ghosts, flashes and wrong classes; at most 3 failed
-// takes a ghost; with a bias of 25 mm in any direction at least 11.5, without the search below 4
+// each: at least 11.7 of 12 taken with 0, 1 and 3 lasting ghosts, flashes and wrong classes; at most 2.1
+// failed takes a ghost; with a bias of 25 mm in any direction at least 11.5, with 1 and 3 ghosts, too, 11
+// where fingers do not feel and misses push; without the search below 4
 
 #include "skinctl/semantics/tracks.hpp"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -54,6 +56,7 @@ struct Trouble {
   double bias = 0;
   double miss = 0.1;   ///< share of takes that fail by chance
   bool search = true;  ///< for a bias
+  bool feels = true;   ///< fingers tell whether they touched something; else a miss pushes it by 30 mm
 };
 struct Result {
   int taken = 0, failed = 0, doubted = 0, asked = 0;
@@ -64,10 +67,12 @@ Result pack(std::uint64_t seed, const Trouble& trouble) {
   std::normal_distribution<double> noise(0, 0.005);
   const double turn = uniform(rng, -M_PI, M_PI);
   const Xyz<double> bias{trouble.bias * std::cos(turn), trouble.bias * std::sin(turn), 0};
-  const auto place = [](std::size_t k) {
-    return Xyz<double>{0.15 * static_cast<double>(k % 3), 0.15 * static_cast<double>(k / 3), 0.04};
-  };
   std::array<bool, 6> there{}, ghost{};
+  std::array<double, 6> pushed{};
+  const auto place = [&](std::size_t k) {
+    return Xyz<double>{0.15 * static_cast<double>(k % 3), 0.15 * static_cast<double>(k / 3) + pushed[k],
+                       0.04};
+  };
   int given = 0, gone = 0;
   for (int g = 0; g < trouble.ghosts; ++g)
     ghost[static_cast<std::size_t>(2 * g + static_cast<int>(seed % 2))] = true;
@@ -79,7 +84,7 @@ Result pack(std::uint64_t seed, const Trouble& trouble) {
   Xyz<T> hand{T(0.4), T(-0.2), T(0.2)};
   const auto look = [&] {
     for (std::size_t k = 0; k < 6; ++k)
-      if (!there[k] && !ghost[k] && given < 12) there[k] = true, ++given;
+      if (!there[k] && !ghost[k] && given < 12) there[k] = true, pushed[k] = 0, ++given;
     Seen<T> seen;
     const auto add = [&](const Xyz<double>& p) {
       const Xyz<double> q = p + bias;
@@ -100,14 +105,19 @@ Result pack(std::uint64_t seed, const Trouble& trouble) {
     hand = places.aim(m, m.tracks[k].p);
     // Fingers 110 mm apart, along x, around an orange of 76 mm; along y they slip off where not opposite.
     bool has = false;
-    for (std::size_t i = 0; i < 6; ++i)
-      if (there[i] && std::abs(place(i).x - double(hand.x)) < 0.017 &&
-          std::abs(place(i).y - double(hand.y)) < 0.02 && uniform(rng, 0.0, 1.0) > trouble.miss)
+    std::size_t met = 6;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double x = std::abs(place(i).x - double(hand.x)), y = std::abs(place(i).y - double(hand.y));
+      if (!there[i]) continue;
+      if (x < 0.093 && y < 0.038) met = i;
+      if (x < 0.017 && y < 0.02 && uniform(rng, 0.0, 1.0) > trouble.miss)
         there[i] = false, has = true, ++gone;
+    }
+    if (!has && met < 6 && !trouble.feels) pushed[met] += place(met).y > double(hand.y) ? 0.03 : -0.03;
     if (has)
       places.took(m, k);
     else
-      places.failed(m, k, everywhere), ++out.failed;
+      places.failed(m, k, met < 6 && trouble.feels, everywhere), ++out.failed;
   }
   out.taken = gone;
   for (const auto& t : m.tracks) out.doubted += Places<T>::is_doubted(m, t);
@@ -138,7 +148,7 @@ TEST_CASE_TEMPLATE("Tracks: a kinematic world with ghosts, flashes, misses and w
   for (const int ghosts : {0, 1, 3}) {
     const Mean r = pack_often<T>({.ghosts = ghosts});
     CHECK(r.taken >= 11.7);
-    CHECK(r.failed <= 2 + 3 * ghosts);
+    CHECK(r.failed <= 2 + 2.1 * ghosts);
     CHECK(r.doubted >= 0.9 * ghosts);
     CHECK(r.asked <= 0.15);
   }
@@ -148,7 +158,9 @@ TEST_CASE_TEMPLATE("Tracks: a camera that is off by 25 mm is found out; without 
                    T, float, double) {
   const Mean r = pack_often<T>({.bias = 0.025});
   CHECK(r.taken >= 11.5);
-  CHECK(pack_often<T>({.ghosts = 1, .bias = 0.025}).taken >= 11);
+  CHECK(pack_often<T>({.ghosts = 1, .bias = 0.025}).taken >= 11.5);
+  CHECK(pack_often<T>({.ghosts = 3, .bias = 0.025}).taken >= 11.5);
+  CHECK(pack_often<T>({.bias = 0.025, .feels = false}).taken >= 11);
   CHECK(pack_often<T>({.bias = 0.025, .search = false}).taken < 4);
 }
 
@@ -179,10 +191,10 @@ TEST_CASE_TEMPLATE(
   Seen<T> seen{{{T(0.1), T(0.2), T(0.04)}, T(0.005), orange}};
   const auto chosen = [&] { return nearest_to<T>(places, m, {T(0), T(0), T(0)}); };
   show(places, m, seen, 20);
-  places.failed(m, chosen(), everywhere);
+  places.failed(m, chosen(), false, everywhere);
   show(places, m, seen, 1000);
   CHECK(chosen() != no_object);
-  places.failed(m, chosen(), everywhere);
+  places.failed(m, chosen(), false, everywhere);
   show(places, m, seen, 1000);
   CHECK(chosen() == no_object);
   CHECK(Places<T>::is_doubted(m, m.tracks[0]) + Places<T>::is_doubted(m, m.tracks[15]) == 1);
@@ -192,6 +204,47 @@ TEST_CASE_TEMPLATE(
   CHECK(chosen() == no_object);
   for (int n = 0; n < 100; ++n) seen[0].p_W.x += T(0.0005), show(places, m, seen, 1);
   CHECK(chosen() != no_object);
+}
+
+TEST_CASE_TEMPLATE(
+    "Tracks: ghosts that fail one after the other start no search; misses that touch or push do", T, float,
+    double) {
+  const Places<T> places;
+  const T s = T(0.005);
+  const Seen<T> three{
+      {{T(0), T(0), T(0)}, s, orange}, {{T(0.2), T(0), T(0)}, s, orange}, {{T(0.4), T(0), T(0)}, s, orange}};
+  const auto chosen = [&](const auto& m) { return nearest_to<T>(places, m, {T(0), T(0), T(0)}); };
+  for (const bool felt : {false, true}) {
+    CAPTURE(felt);
+    typename Places<T>::Memory m;
+    int takes = 0;
+    for (; takes < 30; ++takes) {
+      show(places, m, three, 30);
+      const std::uint8_t k = chosen(m);
+      if (k == no_object) break;
+      places.failed(m, k, felt, everywhere);
+    }
+    // Two of each, and one as hands lose trust; or two rounds of four beside, then all that once more.
+    CHECK(takes >= (felt ? 12 : 6));
+    CHECK(takes <= (felt ? 20 : 7));
+    CHECK(m.asks == felt);
+  }
+  typename Places<T>::Memory m;
+  Seen<T> pushed = three;
+  for (std::size_t k = 0; k < 2; ++k) {
+    show(places, m, pushed, 30);
+    const std::uint8_t track = chosen(m);
+    const auto is_it = [&](const auto& d) { return norm(Xyz<T>(d.p_W - m.tracks[track].p)) < T(0.01); };
+    std::find_if(pushed.begin(), pushed.end(), is_it)->p_W.y += T(0.03);
+    places.failed(m, track, false, everywhere);
+    CHECK(m.trial == Places<T>::no_trial);
+    show(places, m, pushed, 70);
+  }
+  CHECK(m.trial == 1);
+  places.took(m, chosen(m));  // where it is seen: it was the hand
+  CHECK(m.trial == Places<T>::no_trial);
+  CHECK(m.places == 0);
+  CHECK(norm(m.bias) == T(0));
 }
 
 TEST_CASE_TEMPLATE(
@@ -241,7 +294,8 @@ TEST_CASE_TEMPLATE("Tracks: what is no number, too late or too much is refused, 
   many[3].p_W.y = T(1);
   show(places, m, many, 5);
   CHECK(count<T>(m) == 16);
-  places.took(m, no_object), places.failed(m, no_object, everywhere), places.failed(m, 16, everywhere);
+  places.took(m, no_object), places.failed(m, no_object, true, everywhere),
+      places.failed(m, 16, true, everywhere);
   CHECK(double(m.successes + m.failures) == 0);
 }
 

@@ -5,49 +5,12 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <utility>
 
 #include "skinctl/core/detail/plausible.hpp"
-#include "skinctl/semantics/world.hpp"
+#include "skinctl/semantics/track.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
-
-/// A detector saw a thing of a class: which one of them it was, it cannot tell.
-template <Real T = double>
-struct ClassDetection {
-  Xyz<T> p_W{T(0), T(0), T(0)};  ///< place of the thing in the world [m]
-  T sigma = T(0.005);            ///< deviation of the place along each axis [m], 1e-6 to 100
-  ObjectClass kind = 0;          ///< class of the thing; 0: none
-};
-
-/// A place at which something was seen, and the belief that it is there: log odds `sight + touch`.
-template <Real T = double>
-struct Track {
-  Xyz<T> p{T(0), T(0), T(0)};        ///< place in the world [m]
-  Xyz<T> touched{T(0), T(0), T(0)};  ///< position of the track when a hand found nothing there [m]
-  T sigma = T(0);                    ///< deviation of `p` along each axis [m]
-  T sight = T(0);                    ///< log odds by pictures
-  T touch = T(0);                    ///< log odds by failed takes, <= 0
-  Nanoseconds seen{};                ///< picture that showed it last
-  ObjectClass kind = 0;              ///< class by majority; 0: the place in the memory is free
-  std::uint8_t votes = 0;            ///< pictures of this class, less those of others
-  std::uint8_t fails = 0;            ///< takes that failed here
-};
-
-/// Numbers of tracks. What they hold for a certain detector and gripper is measured there.
-template <Real T = double>
-struct TrackSettings {
-  T wander = T(0.002);        ///< deviation of what things move on their own [m/sqrt(s)]; as ObjectWorld's
-  T max_deviations = T(4);    ///< radius of the association; 1 detection in 900 is further off in three axes
-  T seen_if_there = T(0.95);  ///< share of the pictures in which a thing that is there is detected
-  T seen_if_not = T(0.2);     ///< chance to see what is not there: far above flashes, as a ghost stays
-  T things = T(0.05);  ///< share of things among unseen places, of nothing among those always seen: a guess
-  Nanoseconds doubted = 2s;  ///< a place where takes failed is kept this long without being seen: 60 pictures
-  T taken = T(9), failed = T(1);  ///< prior of takes, Beta(9, 1): 9 of 10 takes of real things succeed
-  T moved = T(0.02);        ///< a thing that moved by more than this is no ghost [m]: 4 sigma of a detection
-  T beside = T(0.018);      ///< step of the search for the bias [m]: fingers open 17 mm wider on each side
-  std::uint8_t places = 2;  ///< places that fail, before ...
-  std::uint8_t takes = 3;   ///< ... takes that succeed, are a fault of camera or hand, not of the places
-};
 
 /// Tracks of at most `Capacity` things, without identity: a value, and pure functions of its memory.
 ///
@@ -65,10 +28,12 @@ struct TrackSettings {
 /// pictures below two failed takes: no ghost is voted up. `touch` is undone when the track moves, as only
 /// real things do.
 ///
-/// Where `places` fail with fewer than `takes` successes in between it may be the camera or the hand: `touch`
-/// does not count, and the next takes, of places where fewest failed, go where things are seen, then `beside`
-/// of there along +x, -x, +y, -y, these twice. Where one succeeds is `bias` from then on (the first: it was
-/// the places, and `touch` counts again); if none does, `asks` is set once.
+/// A take of a ghost fails without contact, and its detections stay in place: two such takes end the belief.
+/// A take that misses a real thing touches it, or moves it. Where that happens at `places` places, with fewer
+/// than `takes` successes in between, the cause is the camera or the hand: `touch` of real things does not
+/// count, and the next takes go to where things are seen, then `beside` of there along +x, -x, +y, -y, these
+/// twice. A take without contact decides no try. The offset of the first success is added to `bias` (without
+/// offset: it was the places, and `touch` counts again); without success `asks` is set once.
 ///
 /// Immutable; what changes is a `Memory`, trivially copyable: `Memory{}` has seen nothing. Nothing allocates.
 template <std::size_t Capacity, Real T = double>
@@ -81,14 +46,13 @@ class Tracks {
   struct Memory {
     std::array<Track<T>, Capacity> tracks{};
     Xyz<T> bias{T(0), T(0), T(0)};    ///< offset from where things are seen to where they are [m]
-    Xyz<T> failed{T(0), T(0), T(0)};  ///< place at which a take failed last [m]
+    Xyz<T> failed{T(0), T(0), T(0)};  ///< place at which a real thing was missed last [m]
     T successes = T(0);               ///< s
     T failures = T(0);                ///< f
     Nanoseconds time{};               ///< time of the newest picture
     std::uint8_t trial = no_trial;    ///< number of the try of the search for the bias; 0: it does not search
-    std::uint8_t places =
-        0;  ///< places that failed, with fewer successes than `takes` of the settings in between
-    std::uint8_t since = 0;  ///< takes that succeeded since such a place failed
+    std::uint8_t places = 0;  ///< places where a real thing was missed, fewer than `takes` successes apart
+    std::uint8_t since = 0;   ///< takes that succeeded since such a place failed
     std::uint8_t takes = 0;  ///< takes that succeeded since the bias changed, at most `takes` of the settings
     std::uint8_t searches = 0;           ///< rounds of tries beside
     bool asks = false, started = false;  ///< a person shall look at camera and hand; a picture was seen
@@ -136,10 +100,10 @@ class Tracks {
       if (!is_detection(seen[i])) done.detections[i] = true, out = Reason::sample_not_finite;
     for (Pair next; (next = nearest(m, seen.first(count), done)).track < Capacity;) {
       done.detections[next.detection] = done.tracks[next.track] = true;
-      update(m.tracks[next.track], seen[next.detection], time);
+      update(m, m.tracks[next.track], seen[next.detection]);
     }
     for (std::size_t k = 0; k < Capacity; ++k)
-      if (m.tracks[k].kind != 0 && !done.tracks[k] && shows(m.tracks[k].p)) miss(m.tracks[k], time);
+      if (m.tracks[k].kind != 0 && !done.tracks[k] && shows(m.tracks[k].p)) miss(m, m.tracks[k]);
     for (std::size_t i = 0; i < count; ++i)
       if (!done.detections[i]) begin(m, seen[i], time);
     return out;
@@ -164,7 +128,7 @@ class Tracks {
   }
   /// Log odds that a thing is there.
   [[nodiscard]] static T belief(const Memory& m, const Track<T>& t) noexcept {
-    return m.trial == no_trial ? t.sight + t.touch : t.sight;
+    return m.trial != no_trial && t.real ? t.sight : t.sight + t.touch;
   }
   /// Whether something is seen there that hands have not found.
   [[nodiscard]] static bool is_doubted(const Memory& m, const Track<T>& t) noexcept {
@@ -186,28 +150,27 @@ class Tracks {
     if (m.trial > 1) m.takes = 1, give_back(m);
     m.trial = no_trial, m.places = m.since = 0;
   }
-  /// The take of a track failed: a hand there has nothing. `fits(track)`: this hand could take that one.
+  /// The take of a track failed: a hand there has nothing. `felt`: the fingers touched something on their way
+  /// or while they closed, other than each other; true for a hand that cannot tell. `fits(track)`: this hand
+  /// could take that one.
   template <class Fits>
-  void failed(Memory& m, std::uint8_t track, const Fits& fits) const noexcept {
+  void failed(Memory& m, std::uint8_t track, bool felt, const Fits& fits) const noexcept {
     if (track >= Capacity || m.tracks[track].kind == 0) return;
     Track<T>& t = m.tracks[track];
-    const bool elsewhere = m.places == 0 || !is_at(t, m.failed);
     if (t.fails < 255) ++t.fails;
-    t.touched = m.failed = t.p;
-    if (m.trial != no_trial) return try_next(m);
+    t.touched = t.p;
+    t.real = t.real || felt;
+    if (m.trial != no_trial && t.real) return try_next(m);
     using std::exp, std::log;
     // Takes fail at one place for one reason: that hands are good does not make a single failure tell more.
     const T rate = (s_.failed + m.failures) / (s_.taken + s_.failed + m.failures + m.successes);
     const T least = s_.failed / (s_.taken + s_.failed);
     t.touch += log(rate > least ? rate : least);
     m.failures += T(1) / (T(1) + exp(-t.sight - t.touch));
-    if (!elsewhere || m.searches == max_searches) return;
-    m.since = 0;
-    if (++m.places < s_.places) return;
-    bool fresh = m.takes < s_.takes;  // where takes succeeded, only a place that is still to try can tell
+    bool fresh = false;  // where takes succeeded, only a place that is still to try can tell
     for (const Track<T>& other : m.tracks)
       fresh = fresh || (other.kind != 0 && other.fails == 0 && other.sight > T(0) && fits(other));
-    if (fresh) m.trial = 1;
+    if (t.real) missed(m, t.p, fresh);
   }
   /// A person has looked: it does not ask that again.
   void answered(Memory& m) const noexcept { m.asks = false, m.searches = max_searches; }
@@ -224,6 +187,15 @@ class Tracks {
   [[nodiscard]] bool is_at(const Track<T>& t, const Xyz<T>& p) const noexcept {
     return dot(t.p - p, t.p - p) <= s_.moved * s_.moved;
   }
+  /// A take missed a real thing at `p`.
+  void missed(Memory& m, const Xyz<T>& p, bool fresh) const noexcept {
+    const bool elsewhere = m.places == 0 || dot(p - m.failed, p - m.failed) > s_.moved * s_.moved;
+    m.failed = p;
+    if (!elsewhere || m.searches == max_searches) return;
+    m.since = 0;
+    if (m.places < 255) ++m.places;
+    if (m.places >= s_.places && (fresh || m.takes < s_.takes)) m.trial = 1;
+  }
   /// All tries failed: once more, without the first; then it asks.
   static void try_next(Memory& m) noexcept {
     if (++m.trial == 2) ++m.searches;
@@ -232,8 +204,9 @@ class Tracks {
     m.trial = m.asks ? no_trial : std::uint8_t(2), m.searches = max_searches;
     if (m.asks) m.places = m.since = 0, give_back(m);
   }
+  /// The hand went beside: real things are believed again, half of `touch` of the others is one more take.
   static void give_back(Memory& m) noexcept {
-    for (Track<T>& t : m.tracks) t.touch = T(0), t.fails = 0;
+    for (Track<T>& t : m.tracks) t.touch = t.real ? T(0) : T(0.5) * t.touch, t.fails = 0;
   }
   /// Along +x, -x, +y, -y, from the second try on.
   [[nodiscard]] Xyz<T> tried(std::uint8_t trial) const noexcept {
@@ -262,25 +235,31 @@ class Tracks {
     }
     return best;
   }
-  void update(Track<T>& t, const ClassDetection<T>& d, Nanoseconds time) const noexcept {
+  void update(Memory& m, Track<T>& t, const ClassDetection<T>& d) const noexcept {
     using std::sqrt;
     const T older = t.sigma * t.sigma, theirs = d.sigma * d.sigma, share = older / (older + theirs);
     t.p = t.p + share * Xyz<T>(d.p_W - t.p);
     t.sigma = sqrt(share * theirs);
     t.sight = detail::smaller(T(t.sight + hit_), cap_);
-    t.seen = time;
+    t.seen = m.time;
     if (t.votes == 0) t.kind = d.kind;
     if (d.kind != t.kind)
       --t.votes;
     else if (t.votes < max_votes)
       ++t.votes;
-    if (t.fails > 0 && !is_at(t, t.touched)) t.touch = T(0), t.fails = 0;
+    if (t.fails > 0 && !is_at(t, t.touched)) moved(m, t), t.touch = T(0), t.fails = 0;
   }
-  void miss(Track<T>& t, Nanoseconds time) const noexcept {
+  void miss(Memory& m, Track<T>& t) const noexcept {
     t.sight += miss_;
     if (t.sight >= -cap_) return;
     t.sight = -cap_;
-    if (t.fails == 0 || time - t.seen > s_.doubted) t = {};
+    if (t.fails > 0 && m.time - t.seen <= s_.doubted) return;
+    if (t.fails > 0) moved(m, t);
+    t = {};
+  }
+  /// The thing that a take missed has moved: it was real, though no finger felt it.
+  void moved(Memory& m, Track<T>& t) const noexcept {
+    if (!std::exchange(t.real, true)) m.trial == no_trial ? missed(m, t.touched, false) : try_next(m);
   }
   /// A new track, in a free place or in that of the least believed one that was not seen now.
   void begin(Memory& m, const ClassDetection<T>& d, Nanoseconds time) const noexcept {

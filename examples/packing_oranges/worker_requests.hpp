@@ -1,0 +1,155 @@
+// The requests of an arm to its skills, and what the outcome of a step teaches it.
+#pragma once
+
+#include "examples/packing_oranges/worker.hpp"
+
+namespace packing {
+
+template <class R>
+void Worker<R>::note(const typename Executor::Memory& was, const typename Executor::Memory& is,
+                     const skinctl::StepRequest&) {
+  using Phase = typename Executor::Phase;
+  const double t = skinctl::seconds<double>(now_);
+  const auto back = [](Phase p) { return p == Phase::begin_reverse || p == Phase::reverse; };
+  const bool same = was.step == is.step && back(was.phase) == back(is.phase) &&
+                    (was.phase == Phase::ask) == (is.phase == Phase::ask) && was.tries == is.tries;
+  if (same && !done_.empty()) {
+    done_.back().to = t;
+    return;
+  }
+  if (!done_.empty()) {
+    done_.back().to = t;
+    const bool failed = back(is.phase) != back(was.phase) ? back(is.phase) : is.tries > was.tries;
+    if (failed) done_.back().why = is.why;
+  }
+  if (is.phase != Phase::finished)
+    done_.push_back({is.step, executor_.task().steps[is.step].does, back(is.phase), is.phase == Phase::ask,
+                     skinctl::StepFailure::none, t, t});
+}
+
+template <class R>
+void Worker<R>::learn(const typename Executor::Memory& was, bool resume) {
+  using Phase = typename Executor::Phase;
+  using skinctl::StepFailure;
+  const skinctl::Step& step = executor_.task().steps[was.step];
+  const bool take = step.does == &skinctl::activity::Take::rule, lift = step.does == &Lift::rule;
+  const bool squeezes = step.does == &skinctl::activity::Squeeze::rule && step.place == skinctl::no_place;
+  const bool began = was.phase == Phase::run || was.phase == Phase::confirm;
+  const bool gives_up = began && plan_.phase == Phase::begin_reverse;
+  const bool lost = gives_up && plan_.why == StepFailure::fact_lost;
+  // What lies is squeezed out of fingers that stand beside its middle, whatever its friction.
+  const bool failed = take ? began && (gives_up || plan_.tries > was.tries) : squeezes && lost;
+  if (failed && !empty_) empty_ = true, believed_.failed(feed_tray(arm_));
+  if ((take || squeezes) && began && plan_.step != was.step && !is_at_feed()) believed_.took();
+  if (std::exchange(stood_, false)) believed_.failed(feed_tray(arm_)), empty_ = true;
+  if (plan_.phase == Phase::reverse && empty_) empty_ = false, plan_ = Executor::forgiven(plan_);
+  const bool slips =
+      !take && !failed && (lost || (lift && gives_up && plan_.why == StepFailure::fact_missing));
+  if (slips && lift) believed_.slipped();
+  if (slips && grip_.slipped())
+    plan_ = Executor::forgiven(plan_);
+  else if (slips)
+    believed_.leave(taken_);
+  if (was.phase == Phase::ask && resume) believed_.answered();
+  if (believed_.asks() && plan_.phase == Phase::begin && does(skinctl::activity::Look::rule))
+    plan_ = Executor::asking(plan_, now_);
+  believed_.write(known_);
+}
+
+template <class R>
+void Worker<R>::perform(const skinctl::StepRequest& r) {
+  using Kind = skinctl::StepRequest::Kind;
+  if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
+  if (report_.phase != skinctl::SkillPhase::running) return;
+  if (does(skinctl::activity::Find::rule)) {
+    if (has_seen_tray(goes_down_for)) end(true);
+    return;
+  }
+  if (parts_.empty()) return look();
+  if (way_.is_aside()) return;
+  if (goes_to_tray()) {
+    if (norm(skinctl::Xyz<double>(hand_at(r.place) - goes_to_)) > strays) begin(r);
+    if (!asked_ && parts_[part_].to.z < s_.carry && !has_seen_tray(goes_down_for)) return;
+  }
+  if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside(parts_[part_].request);
+  const auto told = Set::report_of(memory_->law, ticket_);
+  if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
+  if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
+    if (gripper_.force > parts_[part_].most) return;
+    if (parts_[part_].judges && !judge()) return end(false);
+    if (++part_ == parts_.size()) return end(true);
+    asked_ = false;
+  }
+  if (asked_ && parts_[part_].until_touched) set_down(parts_[part_]);
+  // A finger has come down on something: no further.
+  if (asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
+      gripper_.force > stands_on) {
+    stood_ = true;
+    // Off it: at rest the arm would go on along its spline.
+    Part off{Set::start_skill(A::skills(&skinctl::activity::Reach::rule)), true,
+             at(X_WH_.origin(), X_WH_.origin().z + 0.01)};
+    ask(off);
+    return end(false);
+  }
+  // It goes on from where it was pushed aside to, or its orange has rolled off: it looks anew.
+  if (!asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
+      !is_over(taken_))
+    return end(false);
+  if (!asked_) ask(parts_[part_]);
+}
+
+template <class R>
+void Worker<R>::set_down(Part& part) {
+  constexpr auto first = 160ms;
+  if (now_ - asked_at_ < first) {
+    free_ = wrist_;
+    return;
+  }
+  if (-dot(skinctl::Xyz<double>(wrist_ - free_), s_.shown->way) < std::max(2.0, 0.5 * s_.shown->pressed))
+    return;
+  part.to = X_WH_.origin();
+  part.until_touched = false;
+  part.slowest = 0;
+  asked_ = false;
+  touched_.push_back(part.to);
+}
+
+template <class R>
+void Worker<R>::go_aside(const Goal& request) {
+  Part aside{request, true, X_WH_.origin()};
+  aside.to.x = -side(arm_) * (R::stands - 0.32);
+  if (aside.to.z < s_.carry) aside.to.z = s_.carry;
+  ask(aside);
+  asked_ = false;
+  way_.go();
+}
+
+template <class R>
+void Worker<R>::send(Goal g) {
+  ticket_ = ticket_ == 0xffff ? std::uint16_t(1) : std::uint16_t(ticket_ + 1);
+  g.ticket = ticket_;
+  input_.goal = g;
+}
+
+template <class R>
+void Worker<R>::ask(Part& part) {
+  Goal& g = part.request;
+  const bool starts = g.kind == static_cast<unsigned char>(Goal::Kind::start);
+  if (part.moves) {
+    auto& pose = g.goals.template of<skinctl::PoseGoal<skinctl::Tool>>();
+    pose.has = true;
+    const double way = norm(skinctl::Xyz<double>(part.to - X_WH_.origin()));
+    const double turns = norm(skinctl::log_so3(X_WH_.axes().transpose() * R_));
+    const double time = std::max({0.3, part.slowest, std::sqrt(5.78 * way / s_.acceleration),
+                                  1.875 * way / s_.speed, 1.875 * turns / turning});
+    pose.goal = {X_WB_.inverse() * skinctl::Transform<skinctl::World, skinctl::Tool>(R_, part.to),
+                 skinctl::nanoseconds(time)};
+  }
+  if (starts && part_ > 0 && memory_->law.skill == g.skill)
+    g.kind = static_cast<unsigned char>(Goal::Kind::goal);
+  send(g);
+  asked_ = true;
+  asked_at_ = now_;
+}
+
+}  // namespace packing

@@ -1,0 +1,188 @@
+// The way of each step: the parts that an arm does one after the other, the orange that it looks for, its judgement.
+#pragma once
+
+#include "examples/packing_oranges/worker.hpp"
+
+namespace packing {
+
+template <class R>
+void Worker<R>::begin(const skinctl::StepRequest& r) {
+  using namespace skinctl;
+  report_ = {r.ticket, SkillPhase::running, SkillFailure::none};
+  answer_ = true;
+  asked_ = judging_ = false;
+  parts_.clear();
+  part_ = 0;
+  looks_since_ = now_;
+  const std::uint8_t skill = A::skills(r.does);
+  const auto here = X_WH_.origin();
+  constexpr double passing = 0.06;
+  if (s_.shown) R_ = mark() == box_class ? s_.shown->X_WH.axes() : s_.shown->X_OH.axes();
+  if (r.does == &activity::Look::rule) return;
+  if (r.does == &activity::Find::rule) return;
+  if (r.does == &activity::ReachAbove::rule) {
+    if (!s_.shown) R_ = turned(turned_);
+    const auto p = known_.objects[object_].X_WO.origin();
+    if (here.z < 0.8 * s_.carry) {
+      add(skill, at(here, s_.carry), passing);
+      grip({gripper_range.opening, 5, 0.15});
+    }
+    add(skill, at(p + beside_, s_.above), s_.above_near);
+    if (parts_.size() == 1) grip({gripper_range.opening, 5, 0.15});
+  } else if (r.does == &activity::Reach::rule) {
+    const auto p = known_.objects[object_].X_WO.origin();
+    taken_ = at(p, std::clamp(p.z, 0.032, 0.044)) + beside_;
+    if (!is_over(taken_) || empty_) return end(false);
+    add(skill, taken_, 0.003);
+    if (s_.honest && believed_.is_wary())
+      parts_.back().slowest = 1.875 * norm(skinctl::Xyz<double>(taken_ - here)) / Believed::wary_speed;
+  } else if (r.does == &activity::Squeeze::rule) {
+    squeezed_ = {};
+    judging_ = true;
+    add_squeeze(skill);
+  } else if (r.does == &activity::Carry::rule) {
+    R_ = turned_at(r.place);
+    const auto p = hand_at(r.place);
+    add(skill, at(here, s_.carry), passing);
+    hold_lightly();
+    add(skill, at(p, std::max(p.z, s_.carry)), 0.01);
+    hold_lightly();
+  } else if (r.does == &Lift::rule) {
+    add(skill, at(here, s_.carry), passing);
+    grip({0, grip_.hold(), 0.02});
+  } else if (r.does == &activity::Put::rule) {
+    if (!s_.shown) R_ = turned_at(r.place);
+    const auto p = goes_to_ = hand_at(r.place);
+    if (here.z < 0.8 * s_.carry && std::hypot(p.x - here.x, p.y - here.y) > strays)
+      add(skill, at(here, s_.carry), passing);
+    add(skill, at(p, s_.carry), passing);
+    if (mark() == box_class && s_.shown && s_.shown->until_touched) {
+      // From before where it was touched in the lesson to beyond.
+      constexpr double before = 0.035, beyond = 0.045, speed = 0.04;
+      add(skill, p - before * s_.shown->way, 0.01);
+      add(skill, p + beyond * s_.shown->way, 0.01);
+      parts_.back().until_touched = true;
+      parts_.back().slowest = 1.875 * (before + beyond) / speed;
+      return;
+    }
+    const bool as_shown = mark() == box_class && s_.shown;
+    const double floor = s_.honest ? tray_bottom : 0;
+    add(skill, as_shown ? p : at(p, floor + std::max(p.z, taken_.z + s_.let_go)), 0.01);
+  } else if (r.does == &GoBack::rule) {
+    if (!s_.shown) R_ = straight_;
+    const Tray feed = feed_tray(arm_);
+    add(skill, at(here, s_.carry), passing);
+    add(skill, {feed.x, feed.y, s_.carry}, 0.2);
+  } else if (r.does == &activity::Reverse::rule) {
+    const std::uint8_t let_go = Set::template index<behaviour::LetGo>();
+    if (features_.in_hand && features_.carried) {
+      add(skill, at(here, s_.carry), passing);
+      add(skill, at(taken_, s_.carry), passing);
+      add(skill, taken_, 0.01);
+    }
+    parts_.push_back({Set::start_skill(let_go), false, {}});
+    add(skill, at(features_.in_hand && features_.carried ? taken_ : here, s_.carry), 0.05);
+  } else {
+    if (r.does == &activity::Take::rule && empty_) return end(false);  // the same place, at once
+    parts_.push_back({Set::start_skill(skill), false, {}});
+    // It may wait for the box with the orange in the hand, and somebody pushes it meanwhile.
+    if (r.does == &activity::Take::rule && next_does(activity::Carry::rule)) grip({0, s_.lightly, 0.08});
+    if (s_.shown && r.does == &activity::Release::rule && mark() == box_class)
+      grip({s_.shown->opening, 5, 0.15});
+  }
+}
+
+template <class R>
+void Worker<R>::hold_lightly() {
+  grip({0, s_.lightly, 0.02});
+  parts_.back().most = 1.3 * s_.lightly;
+}
+
+template <class R>
+void Worker<R>::add_squeeze(std::uint8_t skill) {
+  parts_.push_back({Set::start_skill(skill), false, {}});
+  parts_.back().judges = true;
+  if (now_at().place == skinctl::no_place) return;
+  add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
+  grip({0, grip_.hold(), 0.02});
+}
+
+template <class R>
+skinctl::Xyz<double> Worker<R>::hand_at(std::uint8_t place) const {
+  const auto& [mark, X_MH] = executor_.task().places[place];
+  const Tray& box = found_.at[0];
+  if (mark == box_class && s_.shown)
+    return s_.shown->X_WH.origin() + skinctl::Xyz<double>{box.x - box_tray.x, box.y - box_tray.y, 0};
+  const auto p = seen_by(arm_, X_MH.origin());
+  if (mark == 0) return p + seen_by(arm_, {-R::stands, 0, 0});
+  const Tray& tray = mark == bin_class ? found_.at[1 + arm_] : box;
+  return p + skinctl::Xyz<double>{tray.x, tray.y - side(arm_) * s_.aside, 0};
+}
+
+template <class R>
+skinctl::Rotation<double> Worker<R>::turned_at(std::uint8_t place) const {
+  const Plan& plan = executor_.task();
+  const skinctl::Rotation<double> T{{side(arm_), 0, 0}, {0, side(arm_), 0}, {0, 0, 1}};
+  for (std::size_t i = 0; i < plan.place_count; ++i)
+    if (plan.places[i].mark == orange_class)
+      return T * (plan.places[place].X_MH.axes() * plan.places[i].X_MH.axes().transpose()) * T * straight_;
+  return straight_;
+}
+
+template <class R>
+FingerRoom Worker<R>::room_beside(std::uint8_t orange) const {
+  std::array<skinctl::Xyz<double>, Objects::capacity> others;
+  std::size_t count = 0;
+  for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
+    const auto& o = known_.objects[k];
+    if (k != orange && o.known && now_ - o.time < 1s) others[count++] = o.X_WO.origin();
+  }
+  return finger_room(known_.objects[orange].X_WO.origin() + beside_, straight_,
+                     std::span(others).first(count), s_.turns);
+}
+
+template <class R>
+void Worker<R>::look() {
+  // A person was asked while it held an orange: that one first goes back to where it came from.
+  if (features_.in_hand) return end(false);
+  const bool sees = now_ - last_picture_ < 300ms;
+  if (!sees) looks_since_ = now_;
+  const auto fits = [&](std::uint8_t k) {
+    const auto& o = known_.objects[k];
+    const auto p = o.X_WO.origin();
+    return sees && o.known && now_ - o.time <= 500ms && o.sigma <= 0.003 && o.misses == 0 && p.z <= 0.07 &&
+           feed_tray(arm_).holds(p);
+  };
+  // The nearest one with room for its fingers; else where there is most.
+  const auto cost = [&](std::uint8_t k) {
+    const double room = room_beside(k).room;
+    return room < FingerRoom::enough
+               ? 10 - room
+               : norm(skinctl::Xyz<double>(known_.objects[k].X_WO.origin() - X_WH_.origin()));
+  };
+  const std::uint8_t chosen = s_.honest ? believed_.choose(fits, cost) : cheapest(fits, cost);
+  if (chosen != skinctl::no_object) {
+    object_ = chosen;
+    const FingerRoom room = room_beside(chosen);
+    turned_ = room.turn;
+    believed_.has_room(room.room >= FingerRoom::enough);
+    return end(true);
+  }
+  if (now_ - looks_since_ < 1500ms) return;
+  answer_ = false;
+  end(true);
+}
+
+template <class R>
+bool Worker<R>::judge() {
+  judging_ = false;
+  const auto k = squeeze_.result(squeezed_);
+  if (!k.known) return false;
+  const std::uint8_t border = now_at().border;
+  answer_ = border == skinctl::no_border || k.stiffness >= executor_.task().borders[border];
+  // Each side of an orange gives by half of the closing.
+  judged_.push_back({2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
+  return true;
+}
+
+}  // namespace packing
