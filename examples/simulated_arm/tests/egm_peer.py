@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 
-from protobuf_peer import DOUBLE, ENUM, MANY, ONE, UINT, check, classes
+from protobuf_peer import DOUBLE, ENUM, MANY, ONE, UINT, check, classes, peer
 
 MESSAGES = {
     "Header": [("seqno", 1, UINT, ONE), ("tm", 2, UINT, ONE), ("mtype", 3, ENUM, ONE)],
@@ -104,6 +104,7 @@ def control(program, Robot, Sensor):
 def main():
     Robot, Sensor = classes("egm", MESSAGES, ("Robot", "Sensor"))
     (control if "--controller" in sys.argv else lead)(sys.argv[1], Robot, Sensor)
+    peer.end()
 
 
 main()

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-from protobuf_peer import DOUBLE, ENUM, MANY, ONE, UINT, check, classes
+from protobuf_peer import DOUBLE, ENUM, MANY, ONE, UINT, check, classes, peer
 
 MESSAGES = {
     "Header": [("id", 1, UINT, ONE), ("number", 2, UINT, ONE), ("reflected", 3, UINT, ONE)],
@@ -140,6 +140,7 @@ def control(program, Monitoring, Command):
 def main():
     Monitoring, Command = classes("fri", MESSAGES, ("Monitoring", "Command"))
     (control if "--controller" in sys.argv else lead)(sys.argv[1], Monitoring, Command)
+    peer.end()
 
 
 main()

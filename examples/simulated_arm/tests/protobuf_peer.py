@@ -1,11 +1,14 @@
 """What the peers by Google's protobuf share: messages from a table of their fields."""
+import os
 import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../support"))
+from peer import Peer, skip, version  # noqa: E402
 
 try:
     from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 except ImportError:
-    print("skipped: no protobuf; sudo apt-get install python3-protobuf")
-    sys.exit(77)
+    skip("python3-protobuf")
 
 UINT, ENUM, DOUBLE = 13, 5, 1  # an enumeration is a number on the wire
 ONE, MANY = 1, 3
@@ -28,7 +31,6 @@ def classes(package, messages, names):
     return [get(pool.FindMessageTypeByName(package + "." + name)) for name in names]
 
 
-def check(holds, what):
-    if not holds:
-        print("failed:", what)
-        sys.exit(1)
+
+peer = Peer("protobuf %s, %s" % (version("protobuf"), "controller" if "--controller" in sys.argv else "job"))
+check = peer.require

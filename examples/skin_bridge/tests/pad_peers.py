@@ -7,6 +7,7 @@ pad_peers.py PATH/skin_bridge    an AnySkin, a TF-Luna, a PapillArray, a home-ma
 import asyncio
 import json
 import os
+import platform
 import socket
 import struct
 import subprocess
@@ -14,13 +15,15 @@ import sys
 import time
 import tty
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../support"))
+from peer import Peer, skip  # noqa: E402
+
 PROGRAM = sys.argv[1]
+peer = Peer("struct of Python %s" % platform.python_version())
 
 
 def check(holds, what):
-    if not holds:
-        print("failed:", what)
-        sys.exit(1)
+    peer.require(holds, what)
 
 
 def fingerprint(name, readings):
@@ -292,6 +295,7 @@ home_made()
 try:
     import websockets
 except ImportError:
-    print("skipped: no websockets; sudo apt-get install python3-websockets")
-    sys.exit(77)
+    skip("python3-websockets")
+peer.name += ", websockets %s" % websockets.__version__
 xela(websockets)
+peer.end()
