@@ -71,7 +71,6 @@ RobotConfiguration<3> base_configuration(bool brakes) {
                           .delay = 40ms,
                           .lag = 60ms,
                           .virtual_damping = 1};
-  c.dead_band = {0.16, 0.16, 0.18};  // v^2/(2 a): what brakes slowly needs its way to stop, or is slowed
   c.coulomb_friction = brakes ? JointTorque<3>::constant(1e4) : JointTorque<3>{12, 12, 5};
   return c;
 }
