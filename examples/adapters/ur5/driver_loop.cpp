@@ -14,6 +14,7 @@ constexpr double allowed = 0.1;       // of a slider at zero and of states that 
 constexpr double program_starts = 1;  // until our program is seen to run [s]
 constexpr auto window = std::chrono::milliseconds(250);  // over which the clocks are compared
 constexpr int windows = 3;                               // in a row that must disagree
+constexpr int most_reads = 64;                           // of the states that have waited, at once
 
 }  // namespace
 
@@ -106,21 +107,12 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
     if (end == RtdeEnd::closed) return fail(Fault::stream_closed);
     if (end == RtdeEnd::nonsense) return fail(Fault::nonsense, "a package of impossible size");
     if (end == RtdeEnd::time_over) continue;
-    // The newest of what has come counts; time is the controller's, so that skipped packages lose nothing.
-    for (std::optional<Package> next = p; next; next = rtde_.next()) {
-      Report newer;
-      if (next->type == package::message) {
-        rtde_.hear(next->payload);
-      } else if (!is_state(*next, newer) || !std::isfinite(newer.timestamp)) {
-        ++nonsense_;
-      } else if (newer.timestamp > report_.timestamp) {
-        report_ = newer;
-        fresh = true;
-      } else {
-        ++stood_;
-      }
-    }
+    fresh = take(p);
+    // What has waited does not fit the framer at once, and the first part of it is long past.
+    for (int k = 0; silent_waits_ > 0 && k < most_reads && rtde_.read(p, Timeout(0)) == RtdeEnd::none; ++k)
+      fresh = take(p) || fresh;
   }
+  heard_at_ = Clock::now();
   if (silent_waits_ > 0)
     window_ = Clock::now(), window_stamp_ = report_.timestamp;  // states came late, all at once
   silent_waits_ = 0;
@@ -140,6 +132,26 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
   return Heard::state;
 }
 
+/// The newest of what has come counts; time is the controller's, so that skipped packages lose nothing. False
+/// without a newer state.
+bool Driver::take(const Package& first) noexcept {
+  bool fresh = false;
+  for (std::optional<Package> next = first; next; next = rtde_.next()) {
+    Report newer;
+    if (next->type == package::message) {
+      rtde_.hear(next->payload);
+    } else if (!is_state(*next, newer) || !std::isfinite(newer.timestamp)) {
+      ++nonsense_;
+    } else if (newer.timestamp > report_.timestamp) {
+      report_ = newer;
+      fresh = true;
+    } else {
+      ++stood_;
+    }
+  }
+  return fresh;
+}
+
 void Driver::take_echo() noexcept {
   const std::int32_t behind = (posted_ - report_.echo + echo_numbers) % echo_numbers;
   const bool known = report_.echo > 0 && report_.echo <= echo_numbers && behind < kept;
@@ -153,6 +165,11 @@ skinctl::Nanoseconds Driver::clock() const noexcept {
   // equal.
   return skinctl::nanoseconds(report_.timestamp * 1e-3) * 1000 +
          silent_waits_ * skinctl::nanoseconds(1 / config_.rate);
+}
+
+skinctl::Nanoseconds Driver::clock_now() const noexcept {
+  if (silent_waits_ == 0) return clock();
+  return skinctl::nanoseconds(report_.timestamp * 1e-3) * 1000 + (Clock::now() - heard_at_);
 }
 
 bool Driver::send(skinctl::Interface interface, const double (&numbers)[6]) noexcept {
