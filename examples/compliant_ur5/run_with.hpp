@@ -90,8 +90,8 @@ std::vector<std::uint32_t> cells_of(const Scene& scene) {
   return out;
 }
 
-/// The receiver as a source of samples on the robot's clock. Of the cycles that a silent robot owes, which run
-/// at once, only the last asks for any: the others are of a time before the samples that have come.
+/// The receiver as a source of samples on the robot's clock. Of the cycles that a silent robot owes, which
+/// run at once, only the last asks for any: the others are of a time before the samples that have come.
 struct SkinOnRobotClock {
   static constexpr Nanoseconds behind = 5ms;  ///< so far the cycle's time may lag
   adapters::skin::Receiver& receiver;

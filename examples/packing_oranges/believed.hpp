@@ -41,8 +41,8 @@ class Believed {
     Trays at = first_trays;
     std::array<skinctl::Nanoseconds, tray_count> seen{};
   };
-  /// Brings them up to date: each is the believed place of its class that was seen last, the bins each the one
-  /// near where it was.
+  /// Brings them up to date: each is the believed place of its class that was seen last, the bins each the
+  /// one near where it was.
   void find(FoundTrays& known) const {
     for (std::size_t n = 0; n < tray_count; ++n) {
       Tray& tray = known.at[n];
