@@ -2,9 +2,9 @@
 //
 // Promise: an arm that something kept from its way goes on to its goal when it is free, without being
 // thrown: torques of the virtual robot beyond the joints' limits keep their direction
-// Tried: a UR5 held up by a clearance for 1, 2 and 10 s while its plan goes on, 36 ways: at most 0.10 rad
-// beyond the goal, where joints limited one by one went 4.2 rad beyond it; at most 1.75 times the plan's
-// peak; there 0.63 s after the plan's duration is over once more. Robots by torque are limited joint by
+// Tried: a UR5 held up by a clearance for 1, 2 and 10 s while its plan goes on, 36 ways: at most 0.18 rad
+// beyond the goal, where joints limited one by one went 4.2 rad beyond it; at most 3.2 times the plan's
+// peak; there 0.33 s after the plan's duration is over once more. Robots by torque are limited joint by
 // joint: their torque is real. Also: `robot/joint_limits_test.cpp`
 
 #include <doctest/doctest.h>
@@ -148,9 +148,9 @@ struct Worst {
                  << " s later than planned from the release, at last " << run.end << " rad off, "
                  << run.change << " rad/s^2");
     CHECK(kept > 2 * runs / 3);
-    CHECK(run.beyond < 0.17);  // while the torque turns round its direction is not that asked for
-    CHECK(run.fast < 2.2);
-    CHECK(run.arrived < 0.8);
+    CHECK(run.beyond < 0.19);  // while the torque turns round its direction is not that asked for
+    CHECK(run.fast < 3.5);     // it catches up with a plan that went on
+    CHECK(run.arrived < 0.5);
     CHECK(run.end < 1e-4);
     CHECK(run.change < 15.001);
   }

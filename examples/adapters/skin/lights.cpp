@@ -9,16 +9,16 @@ namespace adapters::skin {
 namespace {
 
 template <class T>
-void put(std::span<std::uint8_t> into, std::size_t at, T value) noexcept {
+void write_number(std::span<std::uint8_t> into, std::size_t at, T value) noexcept {
   for (std::size_t k = 0; k < sizeof(T); ++k) into[at + k] = static_cast<std::uint8_t>(value >> (8 * k));
 }
 template <class T>
-T get(std::span<const std::uint8_t> from, std::size_t at) noexcept {
+T read_number(std::span<const std::uint8_t> from, std::size_t at) noexcept {
   T value = 0;
   for (std::size_t k = sizeof(T); k > 0; --k) value = static_cast<T>(value << 8 | from[at + k - 1]);
   return value;
 }
-bool begins(std::span<const std::uint8_t> bytes, const char* magic) noexcept {
+bool has_magic(std::span<const std::uint8_t> bytes, const char* magic) noexcept {
   return bytes.size() >= 4 && std::memcmp(bytes.data(), magic, 4) == 0;
 }
 
@@ -42,43 +42,43 @@ Picture Picture::of(std::span<const std::uint32_t> lit, std::uint64_t number) {
 
 std::size_t write_picture(std::span<std::uint8_t> into, const Picture& picture, bool sealed) noexcept {
   std::memcpy(into.data(), "SKIL", 4);
-  put(into, 4, std::uint16_t(sealed));
-  put(into, 6, picture.count);
-  put(into, 8, picture.number);
-  put(into, 16, picture.first);
+  write_number(into, 4, std::uint16_t(sealed));
+  write_number(into, 6, picture.count);
+  write_number(into, 8, picture.number);
+  write_number(into, 16, picture.first);
   const std::size_t size = (std::size_t(picture.count) + 7) / 8;
   std::copy_n(picture.bits.begin(), size, into.begin() + Picture::header);
   return Picture::header + size;
 }
 
 bool parse_picture(std::span<const std::uint8_t> bytes, const Key* key, Picture& out) noexcept {
-  if (!begins(bytes, "SKIL") || bytes.size() < Picture::header) return false;
-  const auto count = get<std::uint16_t>(bytes, 6);
+  if (!has_magic(bytes, "SKIL") || bytes.size() < Picture::header) return false;
+  const auto count = read_number<std::uint16_t>(bytes, 6);
   const std::size_t size = (std::size_t(count) + 7) / 8;
-  if (get<std::uint16_t>(bytes, 4) != (key != nullptr) || count > Picture::most ||
+  if (read_number<std::uint16_t>(bytes, 4) != (key != nullptr) || count > Picture::most ||
       bytes.size() != Picture::header + size + (key != nullptr ? tag_size : 0))
     return false;
   if (count % 8 != 0 && bytes[Picture::header + size - 1] >> (count % 8) != 0) return false;
   if (key != nullptr && !key->made(Sealed::lights, bytes)) return false;
-  const auto first = get<std::uint32_t>(bytes, 16);
+  const auto first = read_number<std::uint32_t>(bytes, 16);
   if (first + count < first) return false;  // ids end before the row does
   out = {};
-  out.number = get<std::uint64_t>(bytes, 8), out.first = first, out.count = count;
+  out.number = read_number<std::uint64_t>(bytes, 8), out.first = first, out.count = count;
   std::copy_n(bytes.begin() + Picture::header, size, out.bits.begin());
   return true;
 }
 
 ShownBytes shown_datagram(std::uint64_t number) noexcept {
   ShownBytes out{'S', 'K', 'I', 'A'};
-  put(std::span(out), 4, number);
+  write_number(std::span(out), 4, number);
   return out;
 }
 
 std::optional<std::uint64_t> parse_shown(std::span<const std::uint8_t> bytes, const Key* key) noexcept {
-  if (!begins(bytes, "SKIA") || bytes.size() != ShownBytes().size() + (key != nullptr ? tag_size : 0) ||
+  if (!has_magic(bytes, "SKIA") || bytes.size() != ShownBytes().size() + (key != nullptr ? tag_size : 0) ||
       (key != nullptr && !key->made(Sealed::lights, bytes)))
     return std::nullopt;
-  return get<std::uint64_t>(bytes, 4);
+  return read_number<std::uint64_t>(bytes, 4);
 }
 
 }  // namespace adapters::skin
