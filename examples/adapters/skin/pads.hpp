@@ -21,7 +21,7 @@ template <skinctl::SensorKind Kind>
     const auto gains = [&](double own) {
       skinctl::GainsOf<Kind> g;
       for (std::size_t c = 0; c < g.channel.size(); ++c)
-        g.channel[c] *=
+        g.channel[c] =
             own * (skinctl::KindTable<Kind>::is_seen(c) ? patch.gains.proximity : patch.gains.force);
       return g;
     };
