@@ -310,9 +310,9 @@ TEST_CASE("Displaced robot: let go, it goes on with what pushes it") {
   goes_on(Loop<Interface::velocity>(declared(), truth));
 }
 
-TEST_CASE(
-    "Displaced robot: a joint gets as fast as its leash says, whether or not the robot tells its speed") {
-  for (const double acceleration : {5.0, 15.0, 100.0})
+// A leash without the way in which the robot stops kept it at 0.8 rad/s with 5 rad/s^2.
+TEST_CASE("Displaced robot: a joint gets as fast as its limit, whether or not the robot tells its speed") {
+  for (const double acceleration : {3.0, 5.0, 15.0, 100.0})
     for (const bool says_speeds : {true, false}) {
       auto c = declared();
       c.limits = limits_of<ur5::Description>(acceleration);
@@ -321,19 +321,14 @@ TEST_CASE(
       Loop<Interface::position> loop(c, truth);
       loop.says_speeds = says_speeds;
       double fastest = 0;
-      while (loop.now < 3s) {
+      while (loop.now < 5s) {
         loop.step([](double, const Row&) { return Row{60}; });
         fastest = std::max(fastest, std::abs(loop.command.velocity[0]));
       }
-      const double d = 0.016, t_u = 0.05, rest = 0.02 + acceleration * d * (0.008 + d / 2);
-      const double most =
-          std::min(M_PI, acceleration * (t_u + std::sqrt(t_u * t_u + 2 * rest / acceleration)));
       CAPTURE(acceleration);
       CAPTURE(says_speeds);
-      MESSAGE("at " << acceleration << " rad/s^2 a joint gets " << fastest << " rad/s fast");
-      // Between positions that this robot holds, its speed dips, and is measured then.
-      CHECK(fastest <= 1.06 * most);
-      CHECK(fastest >= 0.97 * most);
+      CHECK(fastest <= 1.001 * c.limits.velocity()[0]);
+      CHECK(fastest >= 0.97 * c.limits.velocity()[0]);
     }
 }
 
