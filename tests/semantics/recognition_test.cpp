@@ -19,6 +19,7 @@ using namespace skinctl::testing;
 
 namespace {
 constexpr int people = sanitized ? 1 : 4;
+constexpr double least = sanitized ? 0.84 : 0.88;  ///< share that is right: two teach less than six
 const Recogniser& recogniser() {
   static const Recogniser taught(learnt_words(9000, sanitized ? 2 : 6));
   return taught;
@@ -61,7 +62,7 @@ TEST_CASE("Recogniser: what other people mean, and contact in time, at every rat
   for (const double rate : {100.0, 250.0, 1000.0}) {
     CAPTURE(rate);
     const Heard h = hear(500, {.rate = rate});
-    CHECK(h.right >= 0.88 * h.all);
+    CHECK(h.right >= least * h.all);
     CHECK(h.unknown <= 0.001 * h.all);
     CHECK(h.contacts == people * 10);
     CHECK(h.latest <= 0.030);
