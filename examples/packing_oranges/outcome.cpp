@@ -16,7 +16,6 @@ WorkSettings by_hand(WorkSettings s) {
   s.judge_to = 3.4;
   s.judge_span = 1.5;
   s.turns = false;
-  if (s.shown) s.hold = s.shown->hold;
   return s;
 }
 

@@ -67,10 +67,7 @@ struct ArmOutcome {
   std::uint64_t obstacle = 0;              ///< the same with what moves through the room
   double into_obstacle = 0;                ///< its own speed when they met [m/s]
   int gave_way = 0;                        ///< how often, to something that its skin saw
-  double set_down = 0;        ///< largest force between table or box and an orange in the hand [N]
-  double fell = 0;            ///< farthest that an orange fell when it was let go in the box [m]
-  int set_down_by_touch = 0;  ///< how often it ended to lower an orange because that was touched
-  double hold = 0;            ///< force of carrying in the end [N]
+  double hold = 0;                         ///< force of carrying in the end [N]
   std::vector<skinctl::Xyz<double>>
       slipped;          ///< places of oranges that slipped out of the firmest grip, and are left
   int empty_takes = 0;  ///< how often a hand found nothing where it believed an orange

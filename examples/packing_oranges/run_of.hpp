@@ -71,9 +71,8 @@ class Run {
     for (std::size_t a = 0; a < arms; ++a) {
       WorkSettings work = s.hand[a] ? by_hand(s.work) : s.work;
       work.honest = s.honest;
-      if (!s.hand[a]) work.shown.reset();  // by a hand, which this arm has not
       workers_.push_back(std::make_unique<Worker<R>>(a, work, world_.joints(a)));
-      if (s.hand[a]) hands_[a] = std::make_unique<Hand>(grasp(s), world_.fingers(a));
+      if (s.hand[a]) hands_[a] = std::make_unique<Hand>(around_a_ball(), world_.fingers(a));
       touchers_.push_back(std::make_unique<Toucher<R>>(s, skin.places().size(), s.seed * 7919 + 4 + a));
       next_touch_[a] = s.touch_every * (a == 0 ? 0.4 : 0.9);
       if (s.obstacle > 0) eyes_.emplace_back(skin.places(), s.seed * 7919 + 9 + a);
@@ -122,7 +121,7 @@ class Run {
     for (std::size_t a = 0; a < arms; ++a) {
       if (!s.hand[a]) continue;
       out[a].hand = hand_body(around_a_ball(), out[a].flange, reach_of_gripper);
-      out[a].hand->takes_part = grasp(s).takes_part;
+      out[a].hand->takes_part = around_a_ball().takes_part;
       out[a].home = {0.6, -1.6, 1.8, -1.77, -1.57, 0.6};  // over its bin: a hand is wider than a gripper
     }
     return out;
@@ -130,7 +129,6 @@ class Run {
   [[nodiscard]] static WorldSettings worlds(const RunSettings& s) {
     WorldSettings out = s.world;
     out.trays_move = s.honest || s.move_box > 0;
-    out.wrists = s.work.shown && s.work.shown->until_touched;
     return out;
   }
   [[nodiscard]] static SupplySettings supplies(const RunSettings& s) {
@@ -142,9 +140,6 @@ class Run {
     DetectorSettings out = s.detector;
     out.numbers = !s.honest;
     return out;
-  }
-  [[nodiscard]] static Grasp grasp(const RunSettings& s) {
-    return s.work.shown ? s.work.shown->grasp : around_a_ball();
   }
   [[nodiscard]] double time() const { return skinctl::seconds<double>(world_.now()); }
   [[nodiscard]] bool faulty(Fault f) const {
@@ -232,7 +227,6 @@ class Run {
       const bool sees = passer_ && s_.see_each_other;
       const auto samples = touchers_[a]->samples(world_.now(), sees ? look(a) : std::span<const double>{});
       if (sees) w.look_around(world_.joints(a), samples);
-      w.feel(world_.wrist(a));
       const auto out =
           w.step(world_.now(), world_.joints(a), gripper(a), samples, places.grants[a].granted, resume);
       if (out.command.valid) world_.command(a, out.command.position, out.planned.velocity);
@@ -278,7 +272,6 @@ class Run {
     const ArmRecord& r = world_.record(a);
     if (w.carries() && !(touchers_[a]->force() > 0)) square_[a] += r.square, samples_[a] += r.samples;
     world_.clear_shake(a);
-    watch_fall(a, w);
     if (!granted) o.waited += 0.008;
     while (o.judged.size() < w.judged().size()) {
       const auto& j = w.judged()[o.judged.size()];
@@ -299,20 +292,6 @@ class Run {
       if (world_.there(k) && far < least) best = k, least = far;
     }
     return best;
-  }
-  /// How far an orange falls that is let go in the box.
-  void watch_fall(std::size_t a, const Worker<R>& w) {
-    Falling& f = falling_[a];
-    const bool opens = w.lets_go_in_box();
-    if (opens && !f.opened)
-      for (std::size_t k = a * slots; k < (a + 1) * slots; ++k)
-        if (world_.there(k) && world_.touched(k).count() >= 0 && world_.now() - world_.touched(k) < 5ms)
-          f = {k, world_.orange(k).z, f.opened};
-    f.opened = opens;
-    if (f.slot < arms * slots && world_.now() - world_.touched(f.slot) > 300ms) {
-      out_.arm[a].fell = std::max(out_.arm[a].fell, f.from - world_.orange(f.slot).z);
-      f.slot = arms * slots;
-    }
   }
   [[nodiscard]] Scenery scenery() const {
     Scenery out;
@@ -362,8 +341,6 @@ class Run {
       o.worst_grip = world_.record(a).worst_grip;
       o.worst_force = world_.record(a).worst_force;
       o.shake = samples_[a] > 0 ? std::sqrt(square_[a] / static_cast<double>(samples_[a])) : 0;
-      o.set_down = world_.record(a).set_down;
-      o.set_down_by_touch = static_cast<int>(workers_[a]->touched().size());
       o.other_arm = world_.record(a).other_arm;
       o.walls = world_.record(a).walls;
       o.longest_at_wall = world_.record(a).longest_at_wall;
@@ -397,12 +374,6 @@ class Run {
   std::vector<std::unique_ptr<Toucher<R>>> touchers_;
   std::array<double, arms> next_touch_{}, touch_until_{}, square_{}, asked_since_{-1, -1};
   std::array<std::uint64_t, arms> samples_{};
-  struct Falling {
-    std::size_t slot = arms * slots;
-    double from = 0;
-    bool opened = false;
-  };
-  std::array<Falling, arms> falling_{};
   std::optional<Passer> passer_;
   std::optional<BoxMover> mover_;
   std::vector<Eyes> eyes_;

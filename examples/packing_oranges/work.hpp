@@ -1,27 +1,12 @@
 // The numbers of the work, and its log.
 #pragma once
 
-#include <optional>
-
 #include "examples/packing_oranges/hand.hpp"
 #include "examples/packing_oranges/plan.hpp"
 #include "skinctl/semantics/executor.hpp"
 #include "skinctl/semantics/world.hpp"
 
 namespace packing {
-
-/// How an orange is taken and let go, as a person showed it with the first arm and its hand. The second arm does the same, seen
-/// from its side of the box.
-struct Shown {
-  skinctl::Transform<skinctl::ObjectFrame, skinctl::Tool> X_OH;  ///< where the hand closes, beside an orange
-  skinctl::Transform<skinctl::World, skinctl::Tool> X_WH;        ///< where in the box it opens
-  Grasp grasp;                                                   ///< how the fingers stand
-  double hold = 2.5;                                             ///< force of carrying [N]
-  double opening = 0.11;                                         ///< how far it opens to let go [m]
-  bool until_touched = false;  ///< it is set down in the direction `way` until it presses with ...
-  skinctl::Xyz<double> way{0, 0, -1};
-  double pressed = 0;  ///< ... half of this [N]
-};
 
 /// Numbers of the motions and of the judgement.
 struct WorkSettings {
@@ -41,7 +26,6 @@ struct WorkSettings {
   bool honest = false;  ///< the detector tells no numbers: it takes what it believes, see `Believed`
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
   Plan plan = pack_oranges;
-  std::optional<Shown> shown{};  ///< by leading arm and hand
   skinctl::ExecutorSettings executor{.max_place_wait = 12s};
 };
 

@@ -67,8 +67,6 @@ class Worker {
   /// How often it gave way to something unknown, and a person set it right.
   [[nodiscard]] int gave_way() const { return gave_way_; }
   [[nodiscard]] int set_right() const { return set_right_; }
-  /// What pulls the hand, as the sensor at the wrist says [N, the World's axes].
-  void feel(const skinctl::Xyz<double>& wrist) { wrist_ = wrist; }
 
   /// A cycle.
   typename Scene::Output step(skinctl::Nanoseconds now, const skinctl::State<6>& measured,
@@ -84,17 +82,13 @@ class Worker {
            plan_.phase == Executor::Phase::run;
   }
   [[nodiscard]] bool goes_back() const { return !done_.empty() && done_.back().back; }
-  [[nodiscard]] bool lets_go_in_box() const {
-    return !done_.empty() && !goes_back() && does(skinctl::activity::Release::rule) && mark() == box_class;
-  }
   /// Whether it is limited for the other arm.
   [[nodiscard]] bool kept() const { return kept_; }
+
   /// Of the next cycle.
   void request(skinctl::CycleRequest asked) { input_.request = asked; }
   [[nodiscard]] const std::vector<Done>& done() const { return done_; }
   [[nodiscard]] const std::vector<Judged>& judged() const { return judged_; }
-  /// Where the hand stood when it had set something down.
-  [[nodiscard]] const std::vector<skinctl::Xyz<double>>& touched() const { return touched_; }
   [[nodiscard]] const skinctl::StepRequest& request() const { return request_; }
   [[nodiscard]] const skinctl::Features& features() const { return features_; }
   [[nodiscard]] const skinctl::Transform<skinctl::World, skinctl::Tool>& hand() const { return X_WH_; }
@@ -138,7 +132,6 @@ class Worker {
     Goal request;
     bool moves = false;
     skinctl::Xyz<double> to{0, 0, 0};
-    bool until_touched = false;
     double slowest = 0;   ///< it takes at least so long [s]
     bool judges = false;  ///< it is a squeeze
     double most = 1e9;    ///< force of a finger at which it has ended, at most [N]
@@ -159,9 +152,6 @@ class Worker {
     return std::hypot(X_WH_.origin().x - p.x, X_WH_.origin().y - p.y) < 0.05;
   }
   static constexpr double stands_on = 3;  ///< force of a finger that stands on something [N]
-  /// On the way of a part that ends where something is touched: there the arm stops. The wrist's weight is what it was when
-  /// the hand began to be slow.
-  void set_down(Part& part);
   /// Whether it is on its way to a place in box or bin.
   [[nodiscard]] bool goes_to_tray() const {
     return does(skinctl::activity::Put::rule) && plan_.phase == Executor::Phase::run && mark() != 0;
@@ -282,9 +272,7 @@ class Worker {
   skinctl::Nanoseconds seen_at_{-1s}, pressed_at_{-1s}, return_by_{}, given_way_{};
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};
-  skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{}, asked_at_{};
-  skinctl::Xyz<double> wrist_{0, 0, 0}, free_{0, 0, 0};
-  std::vector<skinctl::Xyz<double>> touched_;
+  skinctl::Nanoseconds now_{}, last_picture_{}, looks_since_{};
   std::vector<Done> done_;
   std::vector<Judged> judged_;
 };

@@ -37,14 +37,6 @@ Worker<R>::Worker(std::size_t arm, const WorkSettings& settings, const skinctl::
   const Plan& plan = executor_.task();
   for (std::size_t i = plan.place_count; i-- > 0;)
     if (plan.places[i].mark == orange_class) beside_ = seen_by(arm, plan.places[i].X_MH.origin());
-  if (s_.shown) {
-    // Seen from its own side of the box.
-    const skinctl::Rotation<double> turned{{side(arm), 0, 0}, {0, side(arm), 0}, {0, 0, 1}};
-    s_.shown->X_OH = {turned * s_.shown->X_OH.axes(), turned * s_.shown->X_OH.origin()};
-    s_.shown->way = turned * s_.shown->way;
-    s_.shown->X_WH = {turned * s_.shown->X_WH.axes(), turned * s_.shown->X_WH.origin()};
-    beside_ = s_.shown->X_OH.origin();
-  }
   input_.measured = measured;
 }
 

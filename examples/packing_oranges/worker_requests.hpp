@@ -80,7 +80,6 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
     if (++part_ == parts_.size()) return end(true);
     asked_ = false;
   }
-  if (asked_ && parts_[part_].until_touched) set_down(parts_[part_]);
   // A finger has come down on something: no further.
   if (asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
       gripper_.force > stands_on) {
@@ -96,22 +95,6 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
       !is_over(taken_))
     return end(false);
   if (!asked_) ask(parts_[part_]);
-}
-
-template <class R>
-void Worker<R>::set_down(Part& part) {
-  constexpr auto first = 160ms;
-  if (now_ - asked_at_ < first) {
-    free_ = wrist_;
-    return;
-  }
-  if (-dot(skinctl::Xyz<double>(wrist_ - free_), s_.shown->way) < std::max(2.0, 0.5 * s_.shown->pressed))
-    return;
-  part.to = X_WH_.origin();
-  part.until_touched = false;
-  part.slowest = 0;
-  asked_ = false;
-  touched_.push_back(part.to);
 }
 
 template <class R>
@@ -149,7 +132,6 @@ void Worker<R>::ask(Part& part) {
     g.kind = static_cast<unsigned char>(Goal::Kind::goal);
   send(g);
   asked_ = true;
-  asked_at_ = now_;
 }
 
 }  // namespace packing

@@ -17,11 +17,10 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
   const std::uint8_t skill = A::skills(r.does);
   const auto here = X_WH_.origin();
   constexpr double passing = 0.06;
-  if (s_.shown) R_ = mark() == box_class ? s_.shown->X_WH.axes() : s_.shown->X_OH.axes();
   if (r.does == &activity::Look::rule) return;
   if (r.does == &activity::Find::rule) return;
   if (r.does == &activity::ReachAbove::rule) {
-    if (!s_.shown) R_ = turned(turned_);
+    R_ = turned(turned_);
     const auto p = known_.objects[object_].X_WO.origin();
     if (here.z < 0.8 * s_.carry) {
       add(skill, at(here, s_.carry), passing);
@@ -51,25 +50,15 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
     add(skill, at(here, s_.carry), passing);
     grip({0, grip_.hold(), 0.02});
   } else if (r.does == &activity::Put::rule) {
-    if (!s_.shown) R_ = turned_at(r.place);
+    R_ = turned_at(r.place);
     const auto p = goes_to_ = hand_at(r.place);
     if (here.z < 0.8 * s_.carry && std::hypot(p.x - here.x, p.y - here.y) > strays)
       add(skill, at(here, s_.carry), passing);
     add(skill, at(p, s_.carry), passing);
-    if (mark() == box_class && s_.shown && s_.shown->until_touched) {
-      // From before where it was touched in the lesson to beyond.
-      constexpr double before = 0.035, beyond = 0.045, speed = 0.04;
-      add(skill, p - before * s_.shown->way, 0.01);
-      add(skill, p + beyond * s_.shown->way, 0.01);
-      parts_.back().until_touched = true;
-      parts_.back().slowest = 1.875 * (before + beyond) / speed;
-      return;
-    }
-    const bool as_shown = mark() == box_class && s_.shown;
     const double floor = s_.honest ? tray_bottom : 0;
-    add(skill, as_shown ? p : at(p, floor + std::max(p.z, taken_.z + s_.let_go)), 0.01);
+    add(skill, at(p, floor + std::max(p.z, taken_.z + s_.let_go)), 0.01);
   } else if (r.does == &GoBack::rule) {
-    if (!s_.shown) R_ = straight_;
+    R_ = straight_;
     const Tray feed = feed_tray(arm_);
     add(skill, at(here, s_.carry), passing);
     add(skill, {feed.x, feed.y, s_.carry}, 0.2);
@@ -87,8 +76,6 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
     parts_.push_back({Set::start_skill(skill), false, {}});
     // It may wait for the box with the orange in the hand, and somebody pushes it meanwhile.
     if (r.does == &activity::Take::rule && next_does(activity::Carry::rule)) grip({0, s_.lightly, 0.08});
-    if (s_.shown && r.does == &activity::Release::rule && mark() == box_class)
-      grip({s_.shown->opening, 5, 0.15});
   }
 }
 
@@ -110,12 +97,9 @@ void Worker<R>::add_squeeze(std::uint8_t skill) {
 template <class R>
 skinctl::Xyz<double> Worker<R>::hand_at(std::uint8_t place) const {
   const auto& [mark, X_MH] = executor_.task().places[place];
-  const Tray& box = found_.at[0];
-  if (mark == box_class && s_.shown)
-    return s_.shown->X_WH.origin() + skinctl::Xyz<double>{box.x - box_tray.x, box.y - box_tray.y, 0};
   const auto p = seen_by(arm_, X_MH.origin());
   if (mark == 0) return p + seen_by(arm_, {-R::stands, 0, 0});
-  const Tray& tray = mark == bin_class ? found_.at[1 + arm_] : box;
+  const Tray& tray = mark == bin_class ? found_.at[1 + arm_] : found_.at[0];
   return p + skinctl::Xyz<double>{tray.x, tray.y - side(arm_) * s_.aside, 0};
 }
 

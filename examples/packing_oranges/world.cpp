@@ -46,9 +46,8 @@ std::string collides(int type, int with) {
 
 void write_gripper(std::string& xml, std::size_t arm, double flange) {
   const std::string meets = collides(is_arm[arm], meets_arm[arm]);
-  xml += "<body name='" + name("palm", arm, 0) + "' pos='" + list({0, 0, flange}) + "'><site name='" +
-         name("wrist", arm, 0) + "'/><geom type='box' size='0.035 0.06 0.025' pos='0 0 0.03' mass='0.5'" +
-         meets + "/>";
+  xml += "<body name='" + name("palm", arm, 0) + "' pos='" + list({0, 0, flange}) +
+         "'><geom type='box' size='0.035 0.06 0.025' pos='0 0 0.03' mass='0.5'" + meets + "/>";
   for (std::size_t f = 0; f < 2; ++f) {
     const double way = f == 0 ? 1 : -1;
     xml += "<body name='" + name("finger", arm, f) + "' pos='" + list({0, 0, finger_reach}) +
@@ -74,8 +73,7 @@ constexpr double finger_radius = 0.0098;
 void write_hand(std::string& xml, std::size_t arm, const HandBody& h) {
   const std::string meets = collides(is_arm[arm], meets_arm[arm]);
   xml += "<body name='" + name("palm", arm, 0) + "' " + placed(h.palm) + ">" + inertial(h.palm) +
-         "<site name='" + name("wrist", arm, 0) +
-         "'/><geom type='box' size='0.012 0.055 0.0475' pos='-0.012 0 -0.0475'" + meets + "/>";
+         "<geom type='box' size='0.012 0.055 0.0475' pos='-0.012 0 -0.0475'" + meets + "/>";
   for (std::size_t i = 0; i < 16; ++i) {
     xml += "<body name='" + name("knuckle", arm, i) + "' " + placed(h.links[i]) + "><joint name='" +
            name("finger", arm, i) + "' type='hinge' axis='0 0 1' limited='true' range='" +
@@ -119,8 +117,8 @@ void write_arm(std::string& xml, std::size_t arm, const ArmBody& body) {
 // A wooden tray on a wooden table, and what it holds.
 constexpr double tray_mass = 1.5, tray_friction = 0.4;  // [kg], of its weight
 
-/// Walls, and a bottom where something fills it or it moves: on two slides then, which hold it by friction.
-void write_tray(std::string& xml, std::size_t k, double fill, bool moves) {
+/// Walls, and where it moves a bottom, and two slides, which hold it by friction.
+void write_tray(std::string& xml, std::size_t k, bool moves) {
   const Tray& t = first_trays[k];
   xml += "<body name='" + name("tray", 0, k) + "' pos='" + list({t.x, t.y, 0}) + "'>";
   if (moves) {
@@ -138,8 +136,7 @@ void write_tray(std::string& xml, std::size_t k, double fill, bool moves) {
     add(side * (t.half_x + half), 0, half, t.half_y, t.wall);
     add(0, side * (t.half_y + half), t.half_x + 2 * half, half, t.wall);
   }
-  if (const double height = std::max(fill, moves ? tray_bottom : 0); height > 0)
-    add(0, 0, t.half_x, t.half_y, height);
+  if (moves) add(0, 0, t.half_x, t.half_y, tray_bottom);
   xml += "</body>";
 }
 
@@ -160,8 +157,7 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSetti
       "<option timestep='0.001' cone='elliptic' impratio='100' gravity='0 0 -9.81'/><worldbody>"
       "<geom type='plane' size='2 2 0.1'" +
       collides(is_table, 0) + "/>";
-  for (std::size_t k = 0; k < tray_count; ++k)
-    write_tray(xml, k, k == 0 ? settings.floor : 0, settings.trays_move);
+  for (std::size_t k = 0; k < tray_count; ++k) write_tray(xml, k, settings.trays_move);
   for (std::size_t arm = 0; arm < arms; ++arm) write_arm(xml, arm, bodies[arm]);
   xml +=
       "<body name='obstacle' mocap='true' pos='0 0 9'><geom name='obstacle' type='capsule' size='0.04 0.2'" +
@@ -178,10 +174,7 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSetti
     if (!bodies[arm].hand)
       xml += "<joint joint1='" + name("slide", arm, 0) + "' joint2='" + name("slide", arm, 1) +
              "' polycoef='0 1 0 0 0' solref='0.004 1'/>";
-  xml += "</equality><sensor>";
-  for (std::size_t arm = 0; arm < arms && settings.wrists; ++arm)
-    xml += "<force site='" + name("wrist", arm, 0) + "'/>";
-  return xml + "</sensor></mujoco>";
+  return xml + "</equality></mujoco>";
 }
 }  // namespace
 
@@ -449,10 +442,7 @@ struct World::Bodies {
       const mjContact& contact = data->contact[c];
       const auto g1 = static_cast<std::size_t>(contact.geom1), g2 = static_cast<std::size_t>(contact.geom2);
       const int o1 = owner[g1], o2 = owner[g2];
-      if (o1 < 0 && o2 < 0) {
-        set_down(c, contact);
-        continue;
-      }
+      if (o1 < 0 && o2 < 0) continue;
       if (o1 >= 0 && o2 >= 0) {
         other.fill(true);
         for (const int g : {contact.geom1, contact.geom2}) {
@@ -523,19 +513,6 @@ struct World::Bodies {
     mj_contactForce(model, data, c, f);
     const int link = link_of.empty() ? -1 : link_of[static_cast<std::size_t>(body)];
     (link < 0 ? m.phalanges.palm : m.phalanges.links[static_cast<std::size_t>(link)]) += f[0];
-  }
-  /// An orange on the table, or in the box, that fingers hold.
-  void set_down(int c, const mjContact& contact) {
-    const int o1 = orange_of[static_cast<std::size_t>(contact.geom1)],
-              o2 = orange_of[static_cast<std::size_t>(contact.geom2)];
-    const int orange = std::max(o1, o2);
-    if (orange < 0 || orange == the_thing || (o1 >= 0 && o2 >= 0)) return;
-    const Slot& o = slot[static_cast<std::size_t>(orange)];
-    if (o.touched.count() < 0 || now() - o.touched > 2ms) return;
-    double f[6];
-    mj_contactForce(model, data, c, f);
-    double& most = arm[static_cast<std::size_t>(orange) / slots].record.set_down;
-    most = std::max(most, f[0]);
   }
   /// How fast the point of geom `g` at a contact moves into the other side.
   [[nodiscard]] double speed_into(const mjContact& contact, int g) const {
@@ -623,15 +600,6 @@ skinctl::State<16> World::fingers(std::size_t arm) const {
     s.dq[i] = b_->data->qvel[m.finger_v[i]];
   }
   return s;
-}
-Xyz<double> World::wrist(std::size_t arm) {
-  Bodies& b = *b_;
-  if (!b.settings.wrists) return {0, 0, 0};
-  // What the sensor's body gets from the arm, in its axes.
-  double f[3];
-  mju_rotVecMat(f, b.data->sensordata + 3 * arm, b.data->xmat + 9 * b.arm[arm].palm);
-  const auto noisy = [&](double x) { return -x + 0.1 * b.normal(b.random); };
-  return {noisy(f[0]), noisy(f[1]), noisy(f[2])};
 }
 const std::array<double, 4>& World::true_tips(std::size_t arm) const {
   return b_->arm[arm].true_tips;

@@ -28,8 +28,6 @@ struct WorldSettings {
   double period = 0.008;     ///< between two commands [s]; the servo interpolates over it
   Thing thing{};             ///< far away until it is put somewhere
   double friction = 0.8;     ///< of an orange
-  double floor = 0;          ///< height of what lies in the box, under everything [m]
-  bool wrists = false;       ///< the arms have force sensors at their wrists
   bool trays_move = false;   ///< box and bins slide on the table when they are pushed
   bool interpolate = true;   ///< false: commands are steps, as a servo without interpolation takes them
 };
@@ -42,13 +40,11 @@ struct Orange {
 
 /// What happened in the world, for judges that stand beside it.
 struct ArmRecord {
-  double force = 0;           ///< of a finger that holds now, their mean, without noise [N]
-  double worst_force = 0;     ///< the largest so far [N]
-  double worst_grip = 0;      ///< the same while both fingers hold something [N]
-  double square = 0;          ///< sum of the squared acceleration of a fingertip [m^2/s^4], of ...
-  std::uint64_t samples = 0;  ///< ... so many milliseconds since `clear_shake`
-  double set_down =
-      0;  ///< the largest force with which something that it held was on the table or in the box [N]
+  double force = 0;                   ///< of a finger that holds now, their mean, without noise [N]
+  double worst_force = 0;             ///< the largest so far [N]
+  double worst_grip = 0;              ///< the same while both fingers hold something [N]
+  double square = 0;                  ///< sum of the squared acceleration of a fingertip [m^2/s^4], of ...
+  std::uint64_t samples = 0;          ///< ... so many milliseconds since `clear_shake`
   std::uint64_t other_arm = 0;        ///< milliseconds in which it touched the other arm
   std::uint64_t walls = 0;            ///< ... a wall or the table
   std::uint64_t longest_at_wall = 0;  ///< ... a wall or the table without a break
@@ -94,9 +90,6 @@ class World {
   [[nodiscard]] skinctl::GripperState gripper(std::size_t arm) const;
   /// The joints of a hand: angles to the steps of its encoders (333.3 degrees in 65 536).
   [[nodiscard]] skinctl::State<16> fingers(std::size_t arm) const;
-  /// What pulls and pushes the hand and what it holds, weight and inertia included: the reading of the wrist's sensor, with
-  /// 0.1 N of noise along each of the World's axes [N]. Without a sensor: 0.
-  [[nodiscard]] skinctl::Xyz<double> wrist(std::size_t arm);
   /// What its fingertips feel: index, middle, ring, thumb [N].
   [[nodiscard]] const std::array<double, 4>& tips(std::size_t arm) const;
   /// The same without noise.

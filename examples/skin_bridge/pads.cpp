@@ -71,17 +71,15 @@ Exit pass_xela(XelaClient& client, const Passing& p) {
   return Exit::interrupted;
 }
 
-}  // namespace
-
-Exit from_any_skin(const std::string& device, std::uint32_t cell, const Passing& p) {
-  AnySkinLine line(device, cell);
+/// Passes on what a serial line tells; `count` takes over its counts.
+template <class Kind, class Line, class Count>
+Exit from_line(Line& line, const std::string& device, const Passing& p, const Count& count) {
   Exit exit = Exit::interrupted;
   while (!p.ended()) {
     const auto samples = line.poll(Clock::now() + 4ms, now);
-    p.count.messages = line.counts().packets;
-    p.count.refused = line.counts().breaks;
+    count();
     p.count.samples += samples.size();
-    if (!samples.empty()) p.to.send<AnySkin>(samples, now());
+    if (!samples.empty()) p.to.send<Kind>(samples, now());
     if (!line.closed()) continue;
     std::fprintf(stderr, "skin_bridge: %s: the line has ended\n", device.c_str());
     exit = Exit::lost;
@@ -93,25 +91,24 @@ Exit from_any_skin(const std::string& device, std::uint32_t cell, const Passing&
   return exit;
 }
 
+}  // namespace
+
+Exit from_any_skin(const std::string& device, std::uint32_t cell, const Passing& p) {
+  AnySkinLine line(device, cell);
+  return from_line<AnySkin>(line, device, p, [&] {
+    p.count.messages = line.counts().packets;
+    p.count.refused = line.counts().breaks;
+  });
+}
+
 Exit from_tf_luna(const std::string& device, std::uint32_t cell, const Passing& p) {
   TfLunaLine line(device, cell);
-  Exit exit = Exit::interrupted;
-  while (!p.ended()) {
-    const auto samples = line.poll(Clock::now() + 4ms, now);
+  const Exit exit = from_line<TfLuna>(line, device, p, [&] {
     p.count.messages = line.counts().frames;
     p.count.refused = line.blinded();
-    p.count.samples += samples.size();
-    if (!samples.empty()) p.to.send<TfLuna>(samples, now());
-    if (!line.closed()) continue;
-    std::fprintf(stderr, "skin_bridge: %s: the line has ended\n", device.c_str());
-    exit = Exit::lost;
-    break;
-  }
+  });
   if (line.blinded() > 0)
     std::fprintf(stderr, "skin_bridge: %s: blinded in %llu frames\n", device.c_str(), number(line.blinded()));
-  if (line.counts().dropped > 0)
-    std::fprintf(stderr, "skin_bridge: %s: %llu bytes belonged to no frame\n", device.c_str(),
-                 number(line.counts().dropped));
   return exit;
 }
 

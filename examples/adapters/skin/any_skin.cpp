@@ -4,8 +4,6 @@
 #include <bit>
 #include <cmath>
 
-#include "examples/adapters/serial.hpp"
-
 namespace adapters::skin {
 namespace {
 
@@ -43,28 +41,6 @@ std::array<std::uint8_t, AnySkinParser::size> any_skin_bytes(const AnySkinPacket
       out[4 * k + b] = static_cast<std::uint8_t>(std::bit_cast<std::uint32_t>(packet[k]) >> (8 * b));
   out[out.size() - 2] = '\r', out[out.size() - 1] = '\n';
   return out;
-}
-
-AnySkinLine::AnySkinLine(const std::string& device, std::uint32_t cell, unsigned speed)
-    : fd_(open_serial(device, speed)), cell_(cell) {}
-
-bool AnySkinLine::read(can::Deadline deadline) noexcept {
-  std::array<std::uint8_t, 4096> bytes;
-  for (bool looked = false; count_ == 0 && !closed_; looked = true) {
-    if (looked && std::chrono::steady_clock::now() >= deadline) break;  // whatever it floods us with
-    // No more bytes than packets that there is room for.
-    const auto room = std::span(bytes).first(std::min(bytes.size(), (max_packets - 1) * AnySkinParser::size));
-    std::size_t n = 0;
-    const Read read = read_some(fd_, room, n, deadline);
-    closed_ = read == Read::closed;
-    if (read != Read::some) return false;
-    parser_.take(room.first(n), [this](const AnySkinPacket& packet) {
-      Sample& s = samples_[count_++];
-      s = {.cell = cell_, .readings = packet};
-      unrest_.measure(memory_, s), unrest_.tell(memory_, s);
-    });
-  }
-  return count_ > 0;
 }
 
 }  // namespace adapters::skin

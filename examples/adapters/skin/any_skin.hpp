@@ -7,11 +7,9 @@
 #include <chrono>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <utility>
 
-#include "examples/adapters/can/link.hpp"
-#include "skinctl/sensing/cell_sample.hpp"
+#include "examples/adapters/skin/sensor_line.hpp"
 #include "skinctl/sensing/unrest.hpp"
 
 namespace adapters::skin {
@@ -62,6 +60,7 @@ class AnySkinParser {
  public:
   static constexpr std::size_t size = 4 * 4 * AnySkin::chips + 2;  ///< bytes of a packet
   static constexpr std::array<std::uint8_t, 2> end_of_packet{'\r', '\n'};
+  static constexpr skinctl::Nanoseconds max_step = std::chrono::milliseconds(7);  ///< between two packets
   struct Counts {
     std::uint64_t packets = 0;
     std::uint64_t dropped = 0;  ///< bytes that belong to no packet
@@ -101,51 +100,25 @@ class AnySkinParser {
 [[nodiscard]] std::array<std::uint8_t, AnySkinParser::size> any_skin_bytes(
     const AnySkinPacket& packet) noexcept;
 
-/// A pad at a serial line. Each packet is a measurement. It has no stamp: it gets the time at which it was
-/// read, and of several that were read at once the earlier ones lie 7 ms apart, as a pad sends them, or
-/// closer where the last reading was less long ago. `unrest` is in steps of 1/6 uT, about one of the chip's.
-class AnySkinLine {
+/// A pad at a serial line. Each packet is a measurement. `unrest` is in steps of 1/6 uT, about one of the
+/// chip's.
+class AnySkinLine : public SensorLine<AnySkin, AnySkinParser> {
  public:
-  using Sample = skinctl::SensorSample<AnySkin>;
+  using SensorLine::SensorLine;
 
-  /// @param cell  id of the pad in its samples. Throws `ConnectionError` where `device` is no serial line.
-  explicit AnySkinLine(const std::string& device, std::uint32_t cell = 0, unsigned speed = 115200);
-
-  /// The packets that have arrived, waiting for the first one until `deadline`, at most `max_packets`; `now`
-  /// is asked for the time [ns], never falling, once bytes are there. Empty: none came, or the line is
-  /// closed.
+  /// The packets that have arrived, see `SensorLine::poll`.
   template <class Now>
   [[nodiscard]] std::span<const Sample> poll(can::Deadline deadline, Now&& now) {
-    count_ = 0;
-    if (!read(deadline)) return {};
-    const skinctl::Nanoseconds t = now();
-    const auto n = static_cast<std::int64_t>(count_);
-    const auto step = heard_ ? std::min((t - last_) / n, max_step) : max_step;
-    for (std::int64_t k = 0; k < n; ++k) samples_[static_cast<std::size_t>(k)].time = t - (n - 1 - k) * step;
-    last_ = t, heard_ = true;
-    return std::span(samples_).first(count_);
+    return SensorLine::poll(deadline, now, [this](const AnySkinPacket& packet, Sample& s) {
+      s.readings = packet;
+      unrest_.measure(memory_, s), unrest_.tell(memory_, s);
+      return true;
+    });
   }
-  /// The board was unplugged, or its end of the line was closed.
-  [[nodiscard]] bool closed() const noexcept { return closed_; }
-  [[nodiscard]] const AnySkinParser::Counts& counts() const noexcept { return parser_.counts(); }
-
-  static constexpr skinctl::Nanoseconds max_step =
-      std::chrono::milliseconds(7);  ///< between packets that are read at once
-  /// Of one poll, 0.45 s of the wire; more wait in the system.
-  static constexpr std::size_t max_packets = 64;
 
  private:
-  bool read(can::Deadline deadline) noexcept;
-
-  can::Descriptor fd_;
-  std::uint32_t cell_;
-  AnySkinParser parser_;
   skinctl::Unrest<AnySkin> unrest_{1.0 / 60000};
   skinctl::Unrest<AnySkin>::Memory memory_;
-  std::array<Sample, max_packets> samples_{};
-  std::size_t count_ = 0;
-  skinctl::Nanoseconds last_{};
-  bool heard_ = false, closed_ = false;
 };
 
 }  // namespace adapters::skin

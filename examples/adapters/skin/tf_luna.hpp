@@ -7,11 +7,9 @@
 #include <chrono>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <utility>
 
-#include "examples/adapters/can/link.hpp"
-#include "skinctl/sensing/cell_sample.hpp"
+#include "examples/adapters/skin/sensor_line.hpp"
 
 namespace adapters::skin {
 
@@ -48,7 +46,8 @@ struct TfLunaFrame {
 /// low byte of the sum of those eight. Of bytes that damage changed one in 256 sums is right by chance.
 class TfLunaParser {
  public:
-  static constexpr std::size_t size = 9;  ///< bytes of a frame
+  static constexpr std::size_t size = 9;                                           ///< bytes of a frame
+  static constexpr skinctl::Nanoseconds max_step = std::chrono::milliseconds(10);  ///< between two frames
   struct Counts {
     std::uint64_t frames = 0;
     std::uint64_t dropped = 0;  ///< bytes that belong to no frame
@@ -81,49 +80,25 @@ class TfLunaParser {
   Counts counts_;
 };
 
-/// A sensor at a serial line. A frame has no stamp: it gets the time at which it was read, and of several
-/// that were read at once the earlier ones lie 10 ms apart, as the sensor sends them, or closer where the
-/// last reading was less long ago.
-class TfLunaLine {
+/// A sensor at a serial line. A frame is a measurement unless the sensor was blinded.
+class TfLunaLine : public SensorLine<TfLuna, TfLunaParser> {
  public:
-  using Sample = skinctl::SensorSample<TfLuna>;
-  static constexpr skinctl::Nanoseconds max_step =
-      std::chrono::milliseconds(10);             ///< between frames that are read at once
-  static constexpr std::size_t max_frames = 64;  ///< of one poll; more wait in the system
+  using SensorLine::SensorLine;
 
-  /// @param cell  id of the sensor in its samples. Throws `ConnectionError` where `device` is no serial line.
-  explicit TfLunaLine(const std::string& device, std::uint32_t cell = 0, unsigned speed = 115200);
-
-  /// The measurements that have arrived, waiting for the first frame until `deadline`; `now` is asked for the
-  /// time [ns], never falling, once bytes are there. Empty: none came, or the line is closed.
+  /// The measurements that have arrived, see `SensorLine::poll`.
   template <class Now>
   [[nodiscard]] std::span<const Sample> poll(can::Deadline deadline, Now&& now) {
-    count_ = 0;
-    if (!read(deadline)) return {};
-    const skinctl::Nanoseconds t = now();
-    const auto n = static_cast<std::int64_t>(count_);
-    const auto step = heard_ ? std::min((t - last_) / n, max_step) : max_step;
-    for (std::int64_t k = 0; k < n; ++k) samples_[static_cast<std::size_t>(k)].time = t - (n - 1 - k) * step;
-    last_ = t, heard_ = true;
-    return std::span(samples_).first(count_);
+    return SensorLine::poll(deadline, now, [this](const TfLunaFrame& frame, Sample& s) {
+      s.readings = frame.readings(), s.measured = 1;
+      blinded_ += frame.measured() ? 0u : 1u;
+      return frame.measured();
+    });
   }
-  /// The sensor was unplugged, or its end of the line was closed.
-  [[nodiscard]] bool closed() const noexcept { return closed_; }
-  [[nodiscard]] const TfLunaParser::Counts& counts() const noexcept { return parser_.counts(); }
   /// Frames that were none because it was blinded.
   [[nodiscard]] std::uint64_t blinded() const noexcept { return blinded_; }
 
  private:
-  bool read(can::Deadline deadline) noexcept;
-
-  can::Descriptor fd_;
-  std::uint32_t cell_;
-  TfLunaParser parser_;
-  std::array<Sample, max_frames> samples_{};
-  std::size_t count_ = 0;
   std::uint64_t blinded_ = 0;
-  skinctl::Nanoseconds last_{};
-  bool heard_ = false, closed_ = false;
 };
 
 }  // namespace adapters::skin

@@ -46,11 +46,11 @@ struct Resolved {
 /// - its ends, within its limits of velocity and acceleration, and of jerk (`MaxJerk`), see
 ///   `JointLimits::move`;
 /// - the leash: `E = B0 + A d (tau + d/2) + (d + tau + t_u) |dq|` about the measured position q,
-///   less the gap, and ahead of a robot that moves its way to stop, `dq^2 / 2A`; with d = delay + period, the
-///   lag tau, the undeclared lag t_u that is borne, and the dead band B0. The second term fades within 5 T of
-///   a joint that rests although it is pushed. A robot that follows as declared gets as fast as its limits.
-///   One that is held fast pulls the command back (`lead_limited`); laws do not count on after 5 T
-///   (`blocked`).
+///   less the gap, and ahead the way to stop, `u^2 / 2A`, from the speed u that is both measured and
+///   commanded; with d = delay + period, the lag tau, the undeclared lag t_u that is borne, and the dead band
+///   B0. The second term fades within 5 T of a joint that rests although it is pushed. A robot that follows
+///   as declared gets as fast as its limits. One that is held fast pulls the command back (`lead_limited`);
+///   laws do not count on after 5 T (`blocked`).
 /// - Who moves away pays: p is the position that the sent commands should have brought, by declared delay and
 ///   lag of each group. Of a residual r = q - p beyond B0 the gap takes what the robot moved beyond its
 ///   farthest place. A gap beyond `largest_gap` is displaced: it brakes until `resume`.

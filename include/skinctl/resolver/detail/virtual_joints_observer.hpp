@@ -97,13 +97,16 @@ class VirtualJointsObserver {
   }
   /// E: by what a rest point may be ahead of the robot, or behind: the dead band; what acceleration owes
   /// before it shows, less and less where the robot does not answer; delay, lag and undeclared lag at the
-  /// measured speed; and ahead of a robot that moves its stopping distance.
+  /// measured speed; and the way to stop from the speed that is both measured and commanded, as a joint that
+  /// is told to rest owes none, whatever it says.
   SKINCTL_INLINE Leash<N, T> leash(const Memory& m) const noexcept {
     const Row dq = m.measured.dq, y = m.measured.q, zero = T(0);
-    const Row u = magnitude(dq), stop = p_.limits.stopping_distance(u);
+    const Row both = clamp(Row(m.rate), smaller(dq, zero), dq - smaller(dq, zero));
+    const Row stop = p_.limits.stopping_distance(magnitude(both));
     const Row answers = Row(T(1)) - p_.per_held * Row(m.held_for);
-    const Row most = Row(p_.dead_band) + Row(p_.owed) * answers + p_.latest * u;
-    Row above = y + most + select(dq > zero, stop, zero), below = y - most - select(dq < zero, stop, zero);
+    const Row most = Row(p_.dead_band) + Row(p_.owed) * answers + p_.latest * magnitude(dq);
+    Row above = y + most + select(both > zero, stop, zero),
+        below = y - most - select(both < zero, stop, zero);
     if constexpr (takes_position(Ix)) {
       const Row upper = p_.limits.upper(), lower = p_.limits.lower();
       above = clamp(above, lower, upper), below = clamp(below, lower, upper);
