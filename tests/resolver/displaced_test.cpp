@@ -196,6 +196,26 @@ TEST_CASE("Displaced robot: beyond the largest gap it holds until it has been me
   CHECK(std::abs(loop.joints.q()[1] - pose[1]) > 0.1);
 }
 
+TEST_CASE("Displaced robot: by velocity it goes on from where it is as soon as somebody agrees") {
+  JointTruth<6> truth;
+  truth.delay = truth.lag = 0.008;
+  Loop<Interface::velocity> loop(declared(), truth);
+  const auto push = [](double, const Row&) { return Row{0, 20}; };
+  loop.run(1);
+  for (const double moved : {0.4, -0.4}) {
+    CAPTURE(moved);
+    loop.joints.truth().gap[1] += moved;
+    loop.run(1, push);
+    CHECK(loop.status.has(Reason::displaced));
+    const double before = loop.joints.q()[1];
+    CHECK(loop.sent[1] == 0);
+    loop.robot.resume(loop.memory);
+    loop.run(1, push);
+    CHECK_FALSE(loop.status.has(Reason::displaced));
+    CHECK(std::abs(loop.joints.q()[1] - before) > 0.1);
+  }
+}
+
 TEST_CASE("Displaced robot: the largest gap is a number of its description") {
   JointTruth<6> truth;
   truth.delay = truth.lag = 0.008;

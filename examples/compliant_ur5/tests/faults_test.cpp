@@ -35,7 +35,7 @@ struct Case {
   const char* words;
 };
 
-void check(const std::vector<Case>& cases, std::size_t together = skinctl::testing::sanitized ? 2 : 8,
+void check(const std::vector<Case>& cases, std::size_t together = skinctl::testing::sanitized ? 2 : 4,
            const std::vector<Interface>& interfaces = {Interface::position, Interface::velocity}) {
   std::vector<std::pair<Interface, const Case*>> all;
   // Under the sanitizers the interfaces take turns: a fault meets the same code on its way to either.

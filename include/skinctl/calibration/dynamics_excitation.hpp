@@ -64,7 +64,7 @@ class DynamicsExcitation : public Excitation {
     require(!kept.empty(), "motions within the torque limits", 0, ">= 1: choose another home or less range");
     parts_ = kept;
     information_ = best;
-    announce(0, duration_, -1);
+    announce(0, duration_, all_joints);
   }
   template <RobotModel M>
   DynamicsExcitation(const M& model, const Eigen::VectorXd& home, const ExcitationLimits& limits)

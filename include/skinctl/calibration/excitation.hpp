@@ -134,6 +134,8 @@ class Excitation {
       require(limits.acceleration(j) > 0.2, "acceleration limit", limits.acceleration(j), "> 0.2 rad/s^2");
     }
   }
+  static constexpr int all_joints = -1;
+  /// Adds to `announcements` in words what `joint`, or `all_joints`, does from `from` to `to` [s].
   void announce(double from, double to, int joint) {
     double way = 0, speed = 0;
     for (double t = from; t < to; t += 0.01) {
@@ -224,7 +226,7 @@ class SkinExcitation : public Excitation {
           part(together, s.duration, 1.5, 0.04 + 0.08 * x, 1.5 + std::fmod(0.618 * double(j), 1.0)));
     }
     for (Eigen::Index j = 0; j < n; ++j) announce(single * double(j), single * double(j + 1), int(j));
-    announce(together, s.duration, -1);
+    announce(together, s.duration, all_joints);
   }
 };
 

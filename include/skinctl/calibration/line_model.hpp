@@ -84,7 +84,8 @@ inline double angle_about(const Eigen::Vector3d& axis, const Eigen::Vector3d& fr
 }
 }  // namespace detail::fit
 
-/// @param lines  of the joints at home, any point of each.
+/// @param lines  axes of the joints at home, all in one frame with z up: unit directions, any point of each
+///               [m].
 /// @param home   positions of the joints there [rad].
 template <std::size_t N>
 [[nodiscard]] LineModel<N> line_model(const std::array<AxisLine, N>& lines,

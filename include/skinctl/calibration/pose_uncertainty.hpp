@@ -111,9 +111,9 @@ namespace detail {
 }
 
 /// The reason for which a cell of a patch is masked, as the skin file says it; empty: it counts. Cells are
-/// masked like dead ones where their torque is off by more than `limit`. They are not weighted: weights by
-/// their uncertainty lower the error of the sum by 0.4 % at 5 deg and 5 % at 15 deg, and make a touch feel
-/// lighter than it is.
+/// masked like dead ones where their torque is off by more than the share `limit` of it, rms. They are not
+/// weighted: weights by their uncertainty lower the error of the sum by 0.4 % at 5 deg and 5 % at 15 deg, and
+/// make a touch feel lighter than it is.
 [[nodiscard]] inline std::string mask_reason(const std::vector<Eigen::MatrixXd>& configurations,
                                              const UncertainPatch& patch, std::size_t cell,
                                              double limit = 0.3) {

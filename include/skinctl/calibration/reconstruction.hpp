@@ -93,7 +93,8 @@ SKINCTL_BEGIN_NAMESPACE
   return finish();
 }
 
-/// The start alone, which is the classical method: rotations from neighbour to neighbour along the tree.
+/// A reconstruction without its least squares, which is the classical method: rotations from neighbour to
+/// neighbour along the tree.
 [[nodiscard]] inline Reconstruction procrustes_chain(const PatchGraph& patch, const RestReadings& readings,
                                                      const ReconstructionSettings& settings = {}) {
   detail::require_patch(patch, readings, settings);

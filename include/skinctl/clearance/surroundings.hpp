@@ -36,8 +36,9 @@ struct Obstacle {
 /// Capsules of a robot that stay clear of obstacles, and that it tells others, at most.
 inline constexpr std::size_t max_exposed_capsules = 12;
 
-/// At most `Most` obstacles at an instant: the part `around` of a cycle's input, if its scene has a
-/// `ClearanceAround`, and what a robot tells others (`occupied`), in the `World` that they share.
+/// At most `Most` obstacles at an instant: those that a robot sees (`Input::around` of a scene with a
+/// `ClearanceAround`, in `Base`), or the space that it tells others it may fill (`occupied`), moved to the
+/// `World` that they share.
 template <std::size_t Most, Frame F = Base, Real T = double>
 struct Surroundings {
   static constexpr std::size_t capacity = Most;

@@ -143,8 +143,7 @@ class Impedance : public Composable {
     Space::follow_branch(next.space, memory.plan.at(T(0), settings_.space), space_.site(known));
     return next;
   }
-  /// The target is at rest, the skin does not push against the law, and no joint is faster than `still`
-  /// [rad/s].
+  /// The target is at rest, no touch holds the law off (`held`), and no joint is faster than `still` [rad/s].
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
     return !memory.held && Space::stands(memory.plan.at(T(0), settings_.space)) &&

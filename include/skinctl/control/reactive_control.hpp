@@ -8,7 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Eqs. (8)-(14) for a `JointReference` from a sensor: see `ReactivePlan`.
+/// Joint Control, eqs. (8)-(14) of the paper that README.md names, for a `JointReference` from a sensor: see
+/// `ReactivePlan`.
 template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
 class ReactiveJoint : public Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<N, T>>, Damping> {
  public:
@@ -17,7 +18,8 @@ class ReactiveJoint : public Tracking<JointSpace<N, T>, ReactivePlan<JointSpace<
 template <DescribedRobot R>
 ReactiveJoint(const R&) -> ReactiveJoint<R::joints, typename R::scalar>;
 
-/// Eqs. (15)-(21) for a `PoseReference` of the tool `P` on link `Ix` from a sensor.
+/// Operational Control, eqs. (15)-(21) of that paper, for a `PoseReference` of the tool `P` on link `Ix` from
+/// a sensor.
 template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>>

@@ -126,7 +126,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     (recorders.start(input.measured), ...);
   }
   static_cast<void>(skin.poll());  // samples from before the start are old
-  Nanoseconds heard_at = Stopwatch::now(), later_at = heard_at;
+  Nanoseconds heard_at = Stopwatch::now(), clock_moved_at = heard_at;
 
   const auto rehearsal = std::make_unique<typename C::Memory>();
   std::vector<CellSample> rehearsed;  // the last samples, as new ones
@@ -166,15 +166,15 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
     if (heard == Heard::silent) {
       ++report.silent;
       input.now += options.period;  // the robot's clock goes on without a state
-      later_at = now;
+      clock_moved_at = now;
     } else if (report.cycles == 0 || input.measured.time > input.now) {
       input.now = input.measured.time;
-      later_at = now;
-    } else if (2 * (now - later_at) > 3 * options.period) {
+      clock_moved_at = now;
+    } else if (2 * (now - clock_moved_at) > 3 * options.period) {
       // Its clock stands or went back: by this computer's, so that the state grows old and the guard brakes.
       ++report.stood;
       input.now += options.period;
-      later_at += options.period;
+      clock_moved_at += options.period;
     }
     input.samples = skin.poll();
     report.samples += input.samples.size();

@@ -43,8 +43,8 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
 
   SKINCTL_INLINE DampedInverse(const Of& J, const SingularityDamping<T>& damping) noexcept
       : DampedInverse(J, damping, [&]() SKINCTL_INLINE_LAMBDA { return damping; }) {}
-  /// @param damping  its zone.
-  /// @param within   gives the damping within the zone.
+  /// @param damping  says where damping begins.
+  /// @param within   gives the damping that is used there; called only there.
   template <class F>
   SKINCTL_INLINE DampedInverse(const Of& J, const SingularityDamping<T>& damping, const F& within) noexcept
       : J_(J), damping_(damping), blocks_(J) {

@@ -141,10 +141,10 @@ struct TwoJointAngles {
 /// nothing.
 template <class Gamma, class Alpha, class Theta, class P>
 struct JointFrame {
-  Gamma gamma;
-  Alpha alpha;
-  Theta theta;
-  P p;  ///< origin of the link's frame in the parent's frame
+  Gamma gamma;  ///< first turn, about the parent's z
+  Alpha alpha;  ///< second turn, about x
+  Theta theta;  ///< that of the joint, about z
+  P p;          ///< origin of the link's frame in the parent's frame
 
   /// Coordinates in the link's axes to coordinates in the parent's axes.
   template <class V>

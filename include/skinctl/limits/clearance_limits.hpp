@@ -126,10 +126,10 @@ class ClearanceLimits {
   /// to the last command, and on to where all joints are at rest, however they brake together.
   [[nodiscard]] Surroundings<max_exposed_capsules, Base, T> occupied(
       const JointCommand<joints, T>& last, const State<joints, T>& measured) const noexcept {
-    const Box box = until_rest(measured.q, last.position, last.velocity);
+    const Box joints_box = until_rest(measured.q, last.position, last.velocity);
     Surroundings<max_exposed_capsules, Base, T> out;
     out.time = measured.time;
-    clearances_.sweep(box.middle, box.half, reach_, out);
+    clearances_.sweep(joints_box.middle, joints_box.half, reach_, out);
     return out;
   }
 

@@ -105,8 +105,8 @@ inline LinkParameters<double> placed_at(const LinkParameters<double>& link, Join
 
 namespace detail {
 
-/// The angle about z between the model's frame of link `i` and the given one, such that its first child has
-/// gamma = 0.
+/// The turn about z from the given frame of link `i` to the model's, `R_model = R_given Rz(turn)`: the gamma
+/// of its first child, which so has 0; none without a child.
 inline Angle own_turn(std::size_t i, std::size_t n, const int* parents, const PlacedLink* placed) noexcept {
   for (std::size_t c = i + 1; c < n; ++c)
     if (parents[c] == static_cast<int>(i)) return decompose_zxz(placed[c].R).gamma;

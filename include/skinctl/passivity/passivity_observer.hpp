@@ -92,7 +92,7 @@ class PassivityObserver {
     static_assert(K <= max_contacts<N>);
     if (memory.started) spend(memory, q);  // half along the old directions, half along the new ones
     typename Memory<N>::Felt now[K];
-    bool taken[max_contacts<N>] = {};
+    bool matched[max_contacts<N>] = {};
     std::size_t count = 0;
     for (const auto& c : contacts) {
       if (!(c.force > T(0))) continue;
@@ -100,9 +100,9 @@ class PassivityObserver {
       f.link = c.link, f.place = c.place, f.normal = c.normal;
       f.force = s_.newtons * c.force;
       for (std::size_t j = 0; j < N; ++j) f.row[j] = c.row[j];
-      const std::size_t old = detail::continued(memory.felt, taken, memory.count, c);
+      const std::size_t old = detail::continued(memory.felt, matched, memory.count, c);
       T growth = f.force;
-      if (old < memory.count) taken[old] = true, growth = f.force - memory.felt[old].force;
+      if (old < memory.count) matched[old] = true, growth = f.force - memory.felt[old].force;
       f.expected = f.force + (growth > T(0) ? T(cycles * growth) : T(0));
     }
     for (std::size_t k = 0; k < count; ++k) memory.felt[k] = now[k];
@@ -129,20 +129,20 @@ class PassivityObserver {
   [[nodiscard]] SKINCTL_INLINE bool allows(const Memory<N>& memory, const JointPosition<N, T>& dq,
                                            const JointVelocity<N, T>& v) const noexcept {
     const T left = memory.energy - s_.reserve * s_.start;
-    T cost(0), taken(0);
+    T cost(0), gained(0);
     bool inward = false;
     for (std::size_t k = 0; k < memory.count; ++k) {
       const auto& f = memory.felt[k];
       inward = inward || along(f.row, v) > T(0);
       const T p = along(f.row, dq), furthest = p > f.ahead ? p : f.ahead;
       cost = cost + (f.expected + T(0.5) * s_.stiffness * furthest) * furthest;
-      if (p < T(0)) taken = taken - f.force * p;
+      if (p < T(0)) gained = gained - f.force * p;
     }
     if (inward && !(cost <= left)) return false;
     const T p = lever(dq), furthest = p > memory.under_way ? p : memory.under_way;
     const T half = T(0.5) * memory.energy, creep = T(creeping) * s_.reserve * s_.start;
     const T most = left > half ? left : (half > creep ? half : creep);
-    return T(0.5) * s_.stiffness * furthest * furthest <= most + taken || !(p > T(0));
+    return T(0.5) * s_.stiffness * furthest * furthest <= most + gained || !(p > T(0));
   }
 
   /// `v` without its parts into the contacts.

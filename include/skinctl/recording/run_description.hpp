@@ -22,7 +22,7 @@ struct LinkPlace {
 /// A frame of `/tf`: a named link, where it is in the model's link that carries it.
 struct RunFrame {
   std::string name;
-  std::size_t link = 0;  ///< an index into the places
+  std::size_t link = 0;  ///< index into the places that `RunDescription::places` fills
   LinkPlace in_link{};
 };
 

@@ -106,7 +106,7 @@ class JointLimits {
   [[nodiscard]] SKINCTL_INLINE const JointPower<N, T>& power() const noexcept { return values_.power; }
   [[nodiscard]] const Values& values() const noexcept { return values_; }
   /// The description that they were taken from, by `limits_of`: the address of its `robot_mark`; else null.
-  [[nodiscard]] const void* robot() const noexcept { return robot_; }
+  [[nodiscard]] const void* robot_identity() const noexcept { return robot_; }
   /// Those of the joints of a subset.
   template <class Set>
   [[nodiscard]] SKINCTL_COLD JointLimits<Set::count, T> part() const {

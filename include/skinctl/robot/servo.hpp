@@ -172,7 +172,7 @@ struct ServoBy<Interface::torque, N, T, Capacity> {
 /// | `gives_way` | whether pushes deflect it: `Memory` then has `deflection` [rad] |
 template <Interface Ix, std::size_t N, Real T, std::size_t Capacity>
 using ServoOf = typename detail::ServoBy<Ix, N, T, Capacity>::type;
-/// Whether commands of the interface say where the joints should be.
+/// Whether commands of the interface say where the joints should be: all but torques do.
 template <Interface Ix>
 inline constexpr bool has_servo = !std::is_same_v<ServoOf<Ix, 1, double, 2>, NoServo>;
 

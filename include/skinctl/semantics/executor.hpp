@@ -155,8 +155,9 @@ class Executor {
       case Phase::ask:
         if (in.resume) {
           m.reverses = 0;
-          on(m, in.now,
-             task_.steps[m.step].failed == ask_person ? std::uint8_t(0) : task_.steps[m.step].failed, {});
+          follow_edge(m, in.now,
+                      task_.steps[m.step].failed == ask_person ? std::uint8_t(0) : task_.steps[m.step].failed,
+                      {});
         }
         break;
       default:
@@ -180,8 +181,8 @@ class Executor {
     m.tries = 0;
     to(m, now, Phase::begin);
   }
-  /// On to where an edge leads.
-  void on(Memory& m, Nanoseconds now, std::uint8_t next, Facts facts) const noexcept {
+  /// Follows an edge with the facts behind it: to the step `next`, to the end, or to a question.
+  void follow_edge(Memory& m, Nanoseconds now, std::uint8_t next, Facts facts) const noexcept {
     m.facts = facts;
     if (next < task_.size) return enter(m, now, next);
     if (next == finish) m.reverses = 0;
@@ -246,12 +247,12 @@ class Executor {
     const Facts now = detail::after(rule, m.facts, no);
     const Facts added = (no ? rule.adds_if_no : rule.adds) & in.seen.told;
     const bool seen = in.seen.hold.has(added) && !(in.seen.hold & (rule.removes - added)).any();
-    if (seen) return on(m, in.now, no ? task_.steps[m.step].no : task_.steps[m.step].done, now);
+    if (seen) return follow_edge(m, in.now, no ? task_.steps[m.step].no : task_.steps[m.step].done, now);
     if (in.now - m.since >= s_.confirm) fail(m, in, StepFailure::fact_missing, true);
   }
   void reverse(Memory& m, const StepInput& in) const noexcept {
     if (in.skill.ticket == m.ticket && in.skill.phase == SkillPhase::finished)
-      return on(m, in.now, task_.steps[m.step].failed, {});
+      return follow_edge(m, in.now, task_.steps[m.step].failed, {});
     if ((in.skill.ticket == m.ticket && in.skill.phase == SkillPhase::failed) ||
         in.now - m.since >= activity::Reverse::rule.timeout)
       to(m, in.now, Phase::ask);

@@ -49,7 +49,7 @@ class Resources {
     std::uint32_t holds = 0;  ///< bit k: it holds place k
   };
   struct Result {
-    std::array<Grant, Robots> grants;
+    std::array<Grant, Robots> grants;  ///< answers to the robots' requests
     Memory memory;
   };
 

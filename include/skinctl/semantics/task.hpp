@@ -87,7 +87,7 @@ enum class TaskError : std::uint8_t {
   const auto i = static_cast<std::size_t>(error);
   return i < std::size(texts) ? texts[i] : "";
 }
-/// The first fault of a task, in the order of the errors.
+/// The first fault of a task that `check` finds: of its parts first, then of the proof, step by step.
 struct TaskFault {
   TaskError error = TaskError::none;
   std::uint8_t step = 0;

@@ -224,7 +224,7 @@ class CellHealth {
  private:
   static constexpr SensorNoise usual_noise{};
   struct Constants {
-    float sigma = 1;
+    float sigma = 1;               ///< noise of the summed forces [steps]
     std::uint16_t equal = 65535;   ///< n of the first rule
     std::uint16_t frozen = 65535;  ///< measurements without unrest
     bool rests_above_zero = false;

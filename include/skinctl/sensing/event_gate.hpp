@@ -63,9 +63,7 @@ class EventGate {
   }
 
  private:
-  T opens_at_{0};
-  T closes_below_{0};
-  T subtract_{0};
+  T opens_at_{0}, closes_below_{0}, subtract_{0};  // [unit of the reading]
 };
 
 SKINCTL_END_NAMESPACE

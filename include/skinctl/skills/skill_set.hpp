@@ -10,7 +10,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// records and replays it, and `Input::goal` brings its requests.
 ///
 /// - Its controllers are one blended sum; a skill is a row of weights. So another skill costs one row, a
-///   controller is computed only while a skill loads it, and gravity is compensated once and whole
+///   controller is computed only while a skill gives it a weight, and gravity is compensated once and whole
 ///   throughout.
 /// - A change moves the shares by a quintic. New controllers start at the present state with share zero, kept
 ///   ones go on: torque and rate are continuous. The time is as configured, and longer where the change would

@@ -11,21 +11,21 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `touch + share change`, of two touches of one kind.
+/// `touch + factor change`, of two touches of one kind.
 template <Topology M, LinkMask Skinned, Scalar T>
 [[nodiscard]] SKINCTL_INLINE constexpr LinkWrenches<M, Skinned, T> led_by(
-    const LinkWrenches<M, Skinned, T>& touch, const T& share,
+    const LinkWrenches<M, Skinned, T>& touch, const T& factor,
     const LinkWrenches<M, Skinned, T>& change) noexcept {
   LinkWrenches<M, Skinned, T> out;
   for (std::size_t k = 0; k < out.count; ++k)
-    for (std::size_t r = 0; r < 6; ++r) out.data[k][r] = touch.data[k][r] + share * change.data[k][r];
+    for (std::size_t r = 0; r < 6; ++r) out.data[k][r] = touch.data[k][r] + factor * change.data[k][r];
   return out;
 }
 template <Topology M, Scalar T>
-[[nodiscard]] SKINCTL_INLINE constexpr JointTouch<M, T> led_by(const JointTouch<M, T>& touch, const T& share,
+[[nodiscard]] SKINCTL_INLINE constexpr JointTouch<M, T> led_by(const JointTouch<M, T>& touch, const T& factor,
                                                                const JointTouch<M, T>& change) noexcept {
   JointTouch<M, T> out;
-  for (std::size_t i = 0; i < M::joints; ++i) out.torque[i] = touch.torque[i] + share * change.torque[i];
+  for (std::size_t i = 0; i < M::joints; ++i) out.torque[i] = touch.torque[i] + factor * change.torque[i];
   return out;
 }
 /// Whether a touch may change: all but that of a scene without skin.

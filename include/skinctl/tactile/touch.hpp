@@ -74,7 +74,7 @@ template <class S>
 struct TouchTable {
   using Memory = typename S::Memory;
   using Sensed = typename detail::SensedOf<S, NoSensors>::type;
-  /// The touch apart by contacts and own pushes, or all of it.
+  /// `S::Touch`, which has contacts and own pushes separate, if there is one; else `S::Wrenches`.
   using Touch = typename detail::ApartOf<S>::type;
   static constexpr bool is_sensor = detail::HasSensed<S>;
   static constexpr bool tells_apart = detail::HasTouch<S>;

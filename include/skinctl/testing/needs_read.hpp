@@ -94,14 +94,14 @@ template <RobotModel M, class L, class... Goal>
   constexpr LinkMask all = (LinkMask(2) << (M::joints - 1)) - 1;
   using Touch = LinkWrenches<M, all, double>;
   using K = NotingQuantities<M, L::needs, double, Touch>;
-  Needs read;
-  read.gravity = L::role == LawRole::tracking;
+  Needs noted;
+  noted.gravity = L::role == LawRole::tracking;
   Seeded rng(17);
   const double dt = 0.002;
   for (int s = 0; s < states; ++s) {
     State<M::joints> x{1ms, rng.template vector<JointPosition<M::joints>>(1), {}};
     Touch touch;
-    const auto known = [&] { return K(model, x, dt, touch, read); };
+    const auto known = [&] { return K(model, x, dt, touch, noted); };
     auto memory = law.start(known());
     [[maybe_unused]] const auto receive = [&](const auto& g) {
       memory = follow_or_receive(law, memory, known(), g).memory;
@@ -121,7 +121,7 @@ template <RobotModel M, class L, class... Goal>
         static_cast<void>(law.advance(memory, known(), dt, o));
     }
   }
-  return read;
+  return noted;
 }
 
 }  // namespace skinctl::testing

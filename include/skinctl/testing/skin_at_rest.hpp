@@ -106,8 +106,8 @@ struct SimulatedAccelerometer {
   return joined(cells, hexagonal_ports(), rng);
 }
 
-/// Directions of up that are the corners of a cube, each off by up to `off` [rad], in an order that any three
-/// span space.
+/// Directions of up, in the axes of the patch's base, that are the corners of a cube in a random orientation,
+/// each turned by `off / 2` rms about each axis [rad]; the first three span space.
 [[nodiscard]] inline std::vector<Eigen::Vector3d> cube_corners(Random& rng, double off = 0.1) {
   std::vector<Eigen::Vector3d> up;
   const Eigen::Matrix3d R = turn(normal3(rng, 1));

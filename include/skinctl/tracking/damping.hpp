@@ -67,7 +67,7 @@ class ConstantDamping {
  public:
   static constexpr Needs needs = {.mass = true};
 
-  /// @param model  the robot; the decays of S_q are eigenvalues of M(q)^-1 K_d over 256 poses within +-pi,
+  /// @param model  the robot; the decays of `S_q = dq - dq_r` [1/s] are eigenvalues of M(q)^-1 K_d over 256 poses within +-pi,
   ///               which the law's constructor checks together with the other gains.
   /// @param K_d    row by row [N m s/rad]. Throws `ConfigurationError` if it is not symmetric (to
   ///               `tolerance<T>` of its largest element) or not positive definite.

@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// Rate, bounds and dead zone of the learning.
 template <std::size_t N, Real T = double>
 struct FrictionLearningSettings {
-  /// g [1/s^2], > 0 and at most `lambda^2 / 4`: beyond it the answer to a step of friction oscillates.
+  /// g [1/s^2], > 0 and at most a quarter of the law's `lambda` squared: beyond it the answer to a step of friction oscillates.
   T rate = T(100);
   JointTorque<N, T> bound;  ///< largest learnt torque [N m]: the friction that is left over, with a margin
   /// e_0 [rad]: a joint that rests within this of its target is left alone. Above the encoder's noise, and

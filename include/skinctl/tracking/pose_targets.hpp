@@ -98,7 +98,8 @@ class PoseTargets {
   /// Largest `rotation_error` of a goal's axes: those of a pose that a person or a file gives with three
   /// digits.
   static constexpr T worst_goal_axes = T(2e-3);
-  /// NaN or infinite if the goal is not finite, or its axes are no rotation.
+  /// Shortest time from `from` to `goal` within the largest velocities [s]; NaN or infinite if the goal is
+  /// not finite, or its axes are no rotation.
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
     if (!(rotation_error(goal.X_BP.axes()) <= worst_goal_axes)) return std::numeric_limits<T>::quiet_NaN();
     const T way = norm(Xyz<T>(goal.X_BP.origin() - from.origin()));

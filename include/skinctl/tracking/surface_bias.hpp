@@ -27,7 +27,7 @@ class Decay {
         rest_of_half_(by_library(half_)) {}
 
   [[nodiscard]] SKINCTL_INLINE const T& kappa() const noexcept { return kappa_; }
-  /// After `t` seconds.
+  /// `exp(-kappa t)`, the share of the bias that is left after `t` [s].
   [[nodiscard]] SKINCTL_INLINE T after(const T& t) const noexcept {
     if constexpr (std::is_floating_point_v<T>) {
       if (t == half_) return rest_of_half_;

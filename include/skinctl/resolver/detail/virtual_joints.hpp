@@ -108,8 +108,15 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     return status;
   }
 
-  /// The user agrees to go on: so does a displaced robot whose gap is `largest_gap` at most.
+  /// The user agrees to go on: so does a displaced robot whose gap is `largest_gap` at most, and one by
+  /// velocity from where it is, as its commands name no place.
   SKINCTL_COLD void resume(Memory& m) const noexcept {
+    if (takes_velocity(Ix) && m.displaced) {
+      const Row moved = m.residual;
+      m.offset.add(moved);
+      m.q.add(moved);
+      m.residual = {};
+    }
     m.stop = m.displaced = false;  // one that still is displaced is found again in the next cycle
   }
 

@@ -13,7 +13,7 @@ namespace detail {
 /// that are beyond its own.
 template <DescribesLimits Description, std::size_t N, Real T>
 SKINCTL_COLD void check_whose(const JointLimits<N, T>& limits) {
-  if (limits.robot() == nullptr || limits.robot() == &robot_mark<Description>) return;
+  if (limits.robot_identity() == nullptr || limits.robot_identity() == &robot_mark<Description>) return;
   const auto own = limits_of<Description, T>();
   const auto check = [](bool within, const char* what, std::size_t i, const T& x, const char* relation,
                         const T& bound) {
