@@ -30,12 +30,12 @@ foreach(entry IN LISTS PROGRAMS)
     message(STATUS "${name}: --help")
     continue()
   endif()
-  # A machine that is busy may take long until a program listens to signals: then it dies of this one, and is tried again.
+  # A machine that is busy may take long until a program listens to signals, or lets its robot wait: it is tried again.
   foreach(wait IN ITEMS 1 5 20)
     set(after ${wait})
     execute_process(COMMAND "${TIMEOUT}" --preserve-status -s TERM -k 30 ${after} "${program}" ${arguments}
       RESULT_VARIABLE code OUTPUT_QUIET ERROR_VARIABLE said)
-    if(NOT code EQUAL 143)
+    if(code EQUAL at_signal)
       break()
     endif()
   endforeach()
