@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <memory>
+#include <vector>
 
 #include "skinctl/skinctl.hpp"
 #include "tests/support/ur5_clearance.hpp"
@@ -44,6 +45,21 @@ struct NearPeople {
     for (const double v : u) fastest = std::max(fastest, std::abs(v));
     const double most = rate * m.nearest;
     return {fastest > most ? most / fastest : 1.0, {}};
+  }
+};
+
+/// The same by what the skin of the forearm sees; its types are deduced.
+struct NearSkin {
+  using Kind = NearSkin;
+  struct Memory {};
+  static constexpr Precedence precedence = Precedence::free;
+
+  template <class Going, class Seen, class U>
+  [[nodiscard]] auto share(Memory&, const Going&, const Seen& seen, const U& u) const noexcept {
+    double fastest = 0;
+    for (const double v : u) fastest = std::max(fastest, std::abs(v));
+    const bool near = seen.template max_proximity<2>() > 0.5 && seen.now > 0ns;
+    return SpeedShare<double>{near && fastest > 0.1 ? 0.1 / fastest : 1.0, {}};
   }
 };
 
@@ -94,6 +110,35 @@ TEST_CASE("A limit of a user's own is one struct: it acts alone, beside others a
   slows(Configurations(plain().with(NearPeople{}), plain().with(NearPeople{})));
   slows(Configurations(plain().with(NearPeople{}, ur5_clearance<4>()),
                        plain().with(NearPeople{}, ur5_clearance<4>())));
+}
+
+TEST_CASE("A limit sees by the skin, whether its types are written or deduced") {
+  const auto arm = by_position(ur5::Model{}, numbers);
+  const auto scene =
+      Cycle(arm, ur5_skin<260>({.force = 20}), SplineJoint<6>(tracking_settings(arm)) + GravityControl{})
+          .with(NearSkin{});
+  const auto fastest = [&](float proximity) {
+    const auto memory = std::make_unique<typename std::remove_const_t<decltype(scene)>::Memory>();
+    State<6> at{.time = 0ns, .q = {0.0, -1.2, 1.4, -1.8, -1.57, 0.3}, .dq = {}};
+    scene.start(*memory, at);
+    double most = 0;
+    for (int k = 1; k <= 100; ++k) {
+      std::vector<CellSample> samples;
+      for (std::uint32_t cell = 0; cell < 260; ++cell)
+        samples.push_back({.time = k * 8ms - 1ms, .cell = cell, .force = {}, .proximity = proximity});
+      typename std::remove_const_t<decltype(scene)>::Input input;
+      input.now = at.time = k * 8ms;
+      input.measured = at;
+      input.samples = samples;
+      if (k == 1) input.goal = {JointGoal<6>{{1.0, -1.2, 1.4, -1.8, -1.57, 0.3}, 1s}};
+      const auto out = scene.step(*memory, input);
+      at.q = out.planned.position, at.dq = out.planned.velocity;
+      most = std::max(most, std::abs(out.planned.velocity[0]));
+    }
+    return most;
+  };
+  CHECK(fastest(0) > 0.9);
+  CHECK(fastest(0.8F) < 0.11);
 }
 
 TEST_CASE("A limit adds its input to a scene, and to no other; taken out, it is gone") {

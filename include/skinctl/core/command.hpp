@@ -120,6 +120,14 @@ struct RobotCommand : detail::IfTaken<(takes_position(Ix) || ...), detail::Comma
         detail::IfTaken<holds_torque, detail::CommandedTorque<N, T>>(planned),
         time(planned.time),
         valid(planned.valid) {}
+
+  /// Calls `f(command.position...)` of some commands, and the same of all other numbers that this one holds.
+  template <class F, class... Commands>
+  static SKINCTL_INLINE void each(F&& f, Commands&... command) noexcept {
+    if constexpr (holds_position) f(command.position...);
+    if constexpr (holds_velocity) f(command.velocity...);
+    if constexpr (holds_torque) f(command.torque...);
+  }
 };
 template <std::size_t N, Real T = double>
 using PositionCommand = RobotCommand<N, T, Interface::position>;

@@ -90,7 +90,8 @@ concept LawMembers = detail::HasMemory<L> && detail::HasNeeds<L> && detail::HasR
 /// | `needs_contacts()` | a touch that finds no contacts is refused | false | one does |
 ///
 /// `seen` has `now`, the end of the interval; `contacts()`, if `finds_contacts`: each a `Found` of the touch;
-/// `pressed()`, `max_proximity<Ix>()` and `coverage()`, as limits see them.
+/// `pressed()`, `max_proximity<Ix>()` and `coverage()`, as limits see them; `skin` and `memory`, for what a
+/// touch alone can tell: `seen.skin.told(seen.memory, cell, channel)` of a `ToldSkin`.
 ///
 /// Optional, for speed alone; the results are the same:
 /// - `evaluate(memory, known, dt)`: torque, next memory, shares and status at once (`Evaluation`). Used in

@@ -188,7 +188,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     each([&](auto k) {
       auto& group = m.template group<k.value>();
       group.time = m.time;
-      if constexpr (takes_velocity(Base::template Group<k.value>::interface))
+      if constexpr (!takes_position(Base::template Group<k.value>::interface))
         std::get<k.value>(this->virtual_).at_sent(group);
     });
 

@@ -132,12 +132,9 @@ struct CommandOf<N, T, std::tuple<Groups...>> {
 template <class Subset, std::size_t N, Real T, Interface... J, Interface... Ix>
 SKINCTL_INLINE void take_part(const RobotCommand<N, T, J...>& whole,
                               RobotCommand<Subset::count, T, Ix...>& out) noexcept {
-  using Out = RobotCommand<Subset::count, T, Ix...>;
   out.time = whole.time;
   out.valid = whole.valid;
-  if constexpr (Out::holds_position) out.position = Subset::of(whole.position);
-  if constexpr (Out::holds_velocity) out.velocity = Subset::of(whole.velocity);
-  if constexpr (Out::holds_torque) out.torque = Subset::of(whole.torque);
+  out.each([](auto& own, const auto& all) SKINCTL_INLINE_LAMBDA { own = Subset::of(all); }, out, whole);
 }
 }  // namespace detail
 

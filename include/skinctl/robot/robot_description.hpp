@@ -38,8 +38,8 @@ template <Interface Ix, RobotModel M, std::size_t N, Real T>
 SKINCTL_COLD void check_masses(const M& model, const JointTorque<N, T>& virtual_inertia,
                                LinkMask joints = joints_between(0, N)) {
   if (!has_assumed_masses(model)) return;
-  if constexpr (Ix != Interface::position && Ix != Interface::velocity) {
-    require_masses(model, Ix == Interface::torque ? "a robot by torque" : "a robot by impedance");
+  if constexpr (takes_torque(Ix)) {
+    require_masses(model, takes_position(Ix) ? "a robot by impedance" : "a robot by torque");
   } else {
     std::array<double, M::joints> about{};  // what turns with each joint, at least
     [&]<std::size_t... L>(std::index_sequence<L...>) {

@@ -195,11 +195,18 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   SKINCTL_COLD void keep_still(typename Resolver::Sent& command,
                                const State<joints, scalar>& measured) const noexcept {
     using Position = JointPosition<joints, scalar>;
-    if constexpr (Resolver::Sent::holds_position)
-      command.position = guard_.believes(measured)
-                             ? measured.q
-                             : Position::constant(std::numeric_limits<scalar>::quiet_NaN());
-    if constexpr (Resolver::Sent::holds_velocity) command.velocity = {};
+    using Torque = JointTorque<joints, scalar>;
+    command.each(
+        [&]<class Numbers>(Numbers& numbers) {
+          if constexpr (std::is_same_v<Numbers, Position>) {
+            numbers = guard_.believes(measured)
+                          ? measured.q
+                          : Position::constant(std::numeric_limits<scalar>::quiet_NaN());
+          } else if constexpr (!std::is_same_v<Numbers, Torque>) {
+            numbers = {};
+          }
+        },
+        command);
   }
   /// Of another scene: it tells where another robot was told to be. It becomes one whose start was refused.
   SKINCTL_COLD Status refuse_memory(Memory& m) const noexcept {

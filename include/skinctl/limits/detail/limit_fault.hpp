@@ -23,13 +23,14 @@ SKINCTL_NAMES(NamesStandOff, NamesOfALimit, stand_off);
 SKINCTL_NAMES(NamesLinks, NamesOfALimit, links);
 SKINCTL_NAMES(NamesReason, NamesOfALimit, reason);
 
-/// The touch of any scene, as limits see it.
+/// The touch of any scene, as limits see it: the members of `Seen`.
 template <class T>
 struct AnySeen {
   struct Pressed;
+  Nanoseconds now;
   [[nodiscard]] const Pressed& pressed() const noexcept;
   template <std::size_t>
-  [[nodiscard]] T nearest() const noexcept;
+  [[nodiscard]] T max_proximity() const noexcept;
   [[nodiscard]] Coverage coverage() const noexcept;
   [[nodiscard]] double noticed(std::size_t) const noexcept;
   [[nodiscard]] bool touched() const noexcept;

@@ -266,7 +266,7 @@ class LimitsOfScene {
     Velocity mean = v;
     const Position straight = going.half_way(v);
     each_group([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
-      if constexpr (std::tuple_element_t<K, typename Sets::StiffGroups>::interface != Interface::velocity)
+      if constexpr (takes_position(std::tuple_element_t<K, typename Sets::StiffGroups>::interface))
         for (const std::size_t i : Set<K>::index) {
           bulges = bulges || magnitude(T(moved[i] - straight[i])) > rounding_of_positions;
           mean[i] = moved[i] / going.dt;

@@ -42,7 +42,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
         command[i] = measured.q[i] + dq * ahead;
       }
       m.q.set(i, command[i]);
-      if constexpr (takes_velocity(Ix)) {
+      if constexpr (!takes_position(Ix)) {
         m.sent.set(i, command[i]);
         m.offset.set(i, T(-0.5) * p_.cycle * m.v[i]);
       }
@@ -77,7 +77,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     out.share = seconds<T>(interval.given(p_.period)) / out.dt;
     if (interval.clock_set || interval.to - m.command.time > 1s + p_.longest_interval) [[unlikely]] {
       set_clock(m, interval);
-    } else if constexpr (takes_velocity(Ix)) {
+    } else if constexpr (!takes_position(Ix)) {
       // The velocity that was sent has been held up to now.
       for (std::size_t i = 0; i < N; ++i)
         m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));
@@ -86,7 +86,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     if constexpr (takes_position(Ix))
       m.displaced = m.displaced || any(magnitude(Row(m.gap)) > Row(p_.largest_gap));
     out.leash = this->leash(m);
-    if constexpr (takes_velocity(Ix)) {
+    if constexpr (!takes_position(Ix)) {
       m.displaced = m.displaced || any(beyond(m, out.leash) > Row(p_.largest_gap));
       if (!m.displaced) take_in(m, out);
       before_ends(m, out);
@@ -111,7 +111,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
   /// The user agrees to go on: so does a displaced robot whose gap is `largest_gap` at most, and one by
   /// velocity from where it is, as its commands name no place.
   SKINCTL_COLD void resume(Memory& m) const noexcept {
-    if (takes_velocity(Ix) && m.displaced) {
+    if (!takes_position(Ix) && m.displaced) {
       const Row moved = m.residual;
       m.offset.add(moved);
       m.q.add(moved);
@@ -133,7 +133,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     } else {
       this->at_sent(m);
     }
-    servo_.correct(m.under_way, this->under_way(m), takes_velocity(Ix) ? command.velocity : Velocity{});
+    servo_.correct(m.under_way, this->under_way(m), !takes_position(Ix) ? command.velocity : Velocity{});
   }
 
  private:
@@ -174,7 +174,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
   /// A clock that leapt, or was set.
   SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept {
     servo_.restart(m.under_way, interval.from);
-    if constexpr (takes_velocity(Ix)) {
+    if constexpr (!takes_position(Ix)) {
       servo_.correct(m.under_way, m.sent.value, m.command.velocity);
       for (std::size_t i = 0; i < N; ++i)
         m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - interval.from));

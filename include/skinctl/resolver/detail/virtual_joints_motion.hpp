@@ -84,7 +84,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
           m.brakes ? mover.brake(room, m.rate, m.last, given) : mover.move(room, m.rate, m.last, wish, given);
       if (!m.brakes)
         out.cut = mover.hold_back(motion, room, leash, m.rate, m.last, given, takes_position(Ix));
-      if constexpr (takes_velocity(Ix)) {
+      if constexpr (!takes_position(Ix)) {
         const JointRoom<N, T> ends{Position(q - c.speed.ends.least), Position(Row(c.speed.ends.most) - q)};
         if (mover.hold_back(motion, room, ends, m.rate, m.last, given, false) != 0)
           out.status |= Reason::position_limited;
@@ -147,11 +147,11 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
     }
     copy_row(torque, command.torque);
     command.valid = true;
-    servo_.send(m.under_way, m.time, under_way(m), takes_velocity(Ix) ? command.velocity : Velocity{});
+    servo_.send(m.under_way, m.time, under_way(m), !takes_position(Ix) ? command.velocity : Velocity{});
   }
   /// What the servo holds: the position of the command, or that which the velocities sent have brought.
   [[nodiscard]] static SKINCTL_INLINE const Position& under_way(const Memory& m) noexcept {
-    return takes_velocity(Ix) ? m.sent.value : m.q.value;
+    return !takes_position(Ix) ? m.sent.value : m.q.value;
   }
 
  private:
@@ -182,8 +182,8 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
       };
       const T wish = motion.velocity[i];
       T most = to_rest(leash.above[i]), least = to_rest(T(-leash.below[i]));
-      if (takes_velocity(Ix) && most < T(0)) most = T(0);
-      if (takes_velocity(Ix) && least > T(0)) least = T(0);
+      if (!takes_position(Ix) && most < T(0)) most = T(0);
+      if (!takes_position(Ix) && least > T(0)) least = T(0);
       T u = wish > most ? most : (wish < least ? least : wish);
       if (u == wish) continue;
       cut |= std::uint64_t(1) << i;

@@ -37,7 +37,7 @@ class VirtualJointsObserver {
       Velocity drift;        ///< of q^ towards the measured position, without motion [rad/s]
     };
     struct ByPosition {};
-    [[no_unique_address]] std::conditional_t<takes_velocity(Ix), ByVelocity, ByPosition> speed;
+    [[no_unique_address]] std::conditional_t<!takes_position(Ix), ByVelocity, ByPosition> speed;
     T dt;               ///< interval of the cycle [s]
     T share;            ///< of that interval that the servo gets for the command
     bool held = false;  ///< the leash has held a joint that rests for 5 T
@@ -70,7 +70,7 @@ class VirtualJointsObserver {
       if (taken_now) (Row(m.measured.q) - deflection).store(m.measured.q);
       residual = Row(m.measured.q) - (Row(expected) - deflection);
     }
-    if constexpr (takes_velocity(Ix)) residual = residual - m.offset.value;
+    if constexpr (!takes_position(Ix)) residual = residual - m.offset.value;
     residual.store(m.residual);
     if (taken_now && m.seen) find_speed(m, before);
     // The first measurement after a start shows whether the robot stands where it was started: the guard
