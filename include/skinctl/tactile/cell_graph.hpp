@@ -90,8 +90,8 @@ class CellGraph {
   }
 
   /// The neighbours as a file lists them, cell by cell. Throws `ConfigurationError` for an index that no cell
-  /// has, a cell that is its own neighbour, a neighbour that is named twice, and for one that does not name
-  /// this cell as its own neighbour.
+  /// has, a cell that is its own neighbour, a neighbour that is named twice, and for a cell whose neighbour
+  /// does not name it in return.
   SKINCTL_COLD explicit CellGraph(std::vector<std::vector<Index>> neighbours) {
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
       auto& list = neighbours[i];

@@ -47,7 +47,7 @@ SKINCTL_COLD inline void require_cover(double radius, double length, const Hexag
 }
 
 /// Adds rings on the half sphere around the z axis on the side of `sign`, from the latitude `first` on. Cells
-/// of two rings have no joints, so the wider of the two distances is kept.
+/// of two rings are not joined by ports, so they keep the wider of the cell's two distances.
 SKINCTL_COLD inline void cover_half_sphere(double radius, double centre, double sign, double first,
                                            double apart, std::vector<Transform<Surface, Cell>>& cells) {
   if (apart > radius) return;

@@ -12,10 +12,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Some cells of a skin under one name. Regions may overlap.
+/// A named set of cells of a skin. Regions may overlap.
 struct Region {
   std::string name;
-  std::vector<std::uint32_t> cells;  ///< ids
+  std::vector<std::uint32_t> cells;  ///< ids of the cells
   double weight = 1;  ///< > 0: multiplies the region's force, to count a delicate place for more
   double force_limit = std::numeric_limits<double>::infinity();  ///< largest weight times force [N], > 0
 };

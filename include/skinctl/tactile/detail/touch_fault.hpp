@@ -117,7 +117,7 @@ consteval TouchFault fault_in_touch() {
     return none;
   }
 }
-/// Says it, at compile time.
+/// States the fault of a touch as a compile error.
 template <TouchFault F, class Touch>
 struct SayTouch {
   using enum TouchFault;

@@ -84,7 +84,7 @@ concept HasNearest = requires(const S& s, const typename S::Memory& m) {
 template <class S, std::size_t Ix>
 concept TellsMaxProximity = HasLinks<S> && ((S::Wrenches::links >> Ix) & 1u) != 0 && HasNearest<S, Ix>;
 
-/// Takes what `each_cell` and `each_point` call.
+/// A function that `each_cell` and `each_point` can call.
 struct TakesWrenches {
   template <class V>
   void operator()(std::size_t, const V&, const V&, double) const noexcept {}
@@ -127,7 +127,7 @@ template <HasTouch S>
 struct ApartOf<S> {
   using type = typename S::Touch;
 };
-/// In place of the contacts of a touch that finds none.
+/// Type of the contacts of a touch that finds none.
 struct NothingFound {};
 
 /// The inputs of two sources, each with its own members.
