@@ -32,7 +32,7 @@ class SendOnDelta {
     bool any = false;
   };
 
-  /// @param patience  of a cell that sends fine changes as well; none by default.
+  /// @param patience  silence after which changes of force from `fine` on are sent as well; never by default.
   /// Throws `ConfigurationError` unless every delta, `keep_alive` and `patience` are > 0, and deltas at most
   /// 1e6.
   explicit SendOnDelta(const Deltas& deltas, Nanoseconds keep_alive = 100ms,
