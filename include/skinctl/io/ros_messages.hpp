@@ -49,8 +49,8 @@ struct JointState {
 struct StampedTransform {
   Nanoseconds time{};
   std::string_view parent, child;
-  Xyz<double> p{0, 0, 0};  ///< origin of the child [m]
-  Rotation<double> R;      ///< axes of the child
+  Xyz<double> p{0, 0, 0};  ///< origin of the child in the parent [m]
+  Rotation<double> R;      ///< axes of the child in the parent
 };
 
 /// tf2_msgs/TFMessage.

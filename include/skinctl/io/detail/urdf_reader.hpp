@@ -28,11 +28,11 @@ class UrdfReader {
   /// The links that move with a joint, as one body.
   struct Body {
     LinkInertia inertia{};
-    bool given = false;    ///< a link has an `<inertial>`
+    bool given = false;    ///< whether a link has an `<inertial>`
     std::size_t link = 0;  ///< the link that the joint carries
-    UrdfShapes shapes{};   ///< of its collision geometry
+    UrdfShapes shapes{};   ///< shapes of its collision geometry
     const Element* bad{};  ///< a link whose moments of inertia no body has: it counts as a point mass
-    std::string fault{};   ///< of these moments
+    std::string fault{};   ///< fault of these moments
     double bad_size = 0;   ///< the largest of those moments [kg m^2]
   };
 
@@ -144,8 +144,8 @@ class UrdfReader {
   void walk(const UrdfLinks& links, const UrdfMotion& motion) {
     struct Step {
       std::size_t link;
-      int carrier;  ///< of the parent link
-      Place X;      ///< of the parent link in the carrier's frame
+      int carrier;  ///< joint that carries the parent link
+      Place X;      ///< pose of the parent link in the carrier's frame
     };
     std::vector<Step> open = {{links.base(), -1, {}}};
     while (!open.empty()) {
@@ -160,7 +160,7 @@ class UrdfReader {
         open.push_back({*child, step.carrier, step.X});
     }
   }
-  /// From a joint's parent link to its child link.
+  /// Moves `carrier` and `X` from a joint's parent link to its child link.
   void pass(const UrdfLinks& links, std::size_t index, const UrdfMotion& motion, int& carrier, Place& X) {
     const UrdfFileJoint& j = links.joints()[index];
     X = product(X, text_.origin(*j.xml, *j.xml));
