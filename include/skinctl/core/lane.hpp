@@ -156,7 +156,7 @@ class Lane {
     return of(detail::from_bits<T, W>((detail::to_bits<T, W>(a.v_) & ~detail::sign_bit<T>) |
                                       (detail::to_bits<T, W>(b.v_) & detail::sign_bit<T>)));
   }
-  /// Correctly rounded; NaN for negative numbers, -0 for -0; never sets errno.
+  /// The square root, correctly rounded; NaN for negative numbers, -0 for -0; never sets errno.
   [[nodiscard]] SKINCTL_INLINE friend Lane sqrt(Lane a) noexcept {
     return of(detail::square_root<T, W>(a.v_));
   }

@@ -120,7 +120,7 @@ template <class C, class S, class X, class Y, class Z>
 SKINCTL_INLINE constexpr auto turn_z(const Turn<C, S>& t, const Triple<X, Y, Z>& v) noexcept {
   SKINCTL_CONTRACT return Triple{t.cos * v.x - t.sin * v.y, t.sin * v.x + t.cos * v.y, v.z};
 }
-/// `Rz(turn)^T v`.
+/// `Rz(turn)^T v`: coordinates in the frame it turned from to coordinates in the turned frame.
 template <class C, class S, class X, class Y, class Z>
 SKINCTL_INLINE constexpr auto turn_back_z(const Turn<C, S>& t, const Triple<X, Y, Z>& v) noexcept {
   SKINCTL_CONTRACT return Triple{t.cos * v.x + t.sin * v.y, t.cos * v.y - t.sin * v.x, v.z};

@@ -14,7 +14,7 @@ namespace detail {
 template <class... Parts>
 struct PartsTogether : Parts... {};
 
-/// `type` is a tuple of those that are left; what is several counts as these.
+/// `type` is a tuple of the types, each once and none that is empty; `PartsTogether` counts as its parts.
 template <class Found, class... Rest>
 struct EachOnce {
   using type = Found;

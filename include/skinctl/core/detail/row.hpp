@@ -36,7 +36,7 @@ struct RowShape {
 
   static constexpr std::size_t held(std::size_t block) noexcept { return block + 1 < blocks ? width : last; }
 
-  /// `Held` numbers from `from` on.
+  /// Loads `Held` numbers from `from` on.
   template <std::size_t Held>
   static SKINCTL_INLINE Block load(const T* from) noexcept {
     if constexpr (!wide) {
