@@ -33,8 +33,8 @@ class Unrest {
     bool any = false;
   };
 
-  /// @param step  step of the readings, as a share of their greatest value. Throws `ConfigurationError` unless
-  /// it is in [1/60000, 0.1].
+  /// @param step  step of the readings, as a share of their greatest value. Throws `ConfigurationError`
+  ///              unless it is in [1/60000, 0.1].
   explicit Unrest(double step = 1.0 / 1024) : per_step_(static_cast<float>(1 / step)) {
     require(step >= 1.0 / 60000 && step <= 0.1, "Unrest: step", step, "1/60000 to 0.1");
   }
