@@ -35,7 +35,7 @@ struct Contact {
 template <std::size_t N>
 inline constexpr std::size_t max_contacts = N + 6;
 
-/// Up to `K` contacts, several of them on one link if need be.
+/// A list of up to `K` contacts, several of them on one link if need be.
 template <std::size_t N, Real T, std::size_t K>
 struct Contacts {
   Contact<N, T> list[K];

@@ -36,8 +36,8 @@ class ContactSkin : public WrappedTouch<ContactSkin<S, Most>, S> {
   /// that the skin does not have.
   SKINCTL_COLD explicit ContactSkin(const S& skin, Regions regions = {})
       : ContactSkin(skin, CellGraph(skin.places()), std::move(regions)) {}
-  /// With the neighbours of `graph`. Throws also if the graph has another number of cells, or joins cells of
-  /// two links.
+  /// Neighbours are those of `graph`. Throws `ConfigurationError` also if the graph has another number of
+  /// cells, or joins cells of two links.
   SKINCTL_COLD ContactSkin(const S& skin, CellGraph graph, Regions regions = {})
       : Base(skin), finder_(skin.places(), std::move(graph)), regions_(std::move(regions)) {
     for (std::size_t k = 0; k < regions_.size(); ++k) {

@@ -20,10 +20,10 @@ struct Surface : FrameTag {};
 struct HexagonalCell {
   double scale = 1;  ///< 1: size of TUM's cell
 
-  static constexpr double edge = 0.014;                ///< [m], at scale 1
+  static constexpr double edge = 0.014;                ///< edge of the hexagon at scale 1 [m]
   static constexpr double port_x = 0.012;              ///< distance of a port from the centre along x [m]
   static constexpr double port_y = 0.007;              ///< distance of a port from the centre along y [m]
-  static constexpr double flat_pitch = 0.02778488798;  ///< [m], 2 sqrt(port_x^2 + port_y^2)
+  static constexpr double flat_pitch = 0.02778488798;  ///< flat skin's pitch [m], 2 sqrt(port_x^2 + port_y^2)
 };
 
 /// The lateral surface of a cylinder around z, from `-length/2` to `length/2` [m].

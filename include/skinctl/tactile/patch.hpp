@@ -98,7 +98,7 @@ class Patch {
     detail::require_cells(placed_, Cells);
     detail::require_gains<Kind>(gains);
   }
-  /// Cells without a link in their type; the link is not checked. Throws as above.
+  /// Takes cells without a link in their type; the link is not checked. Throws as the other constructor.
   template <std::same_as<detail::AnyCell> C>  // of no other type, so that braces are cells of this link
   explicit Patch(std::vector<C> placed, const Gains& gains) : placed_(std::move(placed)), gains_(gains) {
     detail::require_cells(placed_, Cells);

@@ -45,13 +45,13 @@ class Regions {
 
   [[nodiscard]] std::size_t size() const noexcept { return list_.size(); }
   [[nodiscard]] const Region& operator[](std::size_t k) const noexcept { return list_[k]; }
-  /// The number of a region; `size()` if there is none of that name.
+  /// The index of the region `name`; `size()` if there is none of that name.
   [[nodiscard]] std::size_t find(const std::string& name) const noexcept {
     std::size_t k = 0;
     while (k < list_.size() && list_[k].name != name) ++k;
     return k;
   }
-  /// The bit of a region. Throws `ConfigurationError` if there is none of that name.
+  /// The set that holds only the region `name`. Throws `ConfigurationError` if there is none of that name.
   [[nodiscard]] SKINCTL_COLD RegionMask mask(const std::string& name) const {
     const std::size_t k = find(name);
     require(k < list_.size(), ("region \"" + name + "\": number").c_str(), double(k), "the name of a region");

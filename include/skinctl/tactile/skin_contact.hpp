@@ -98,7 +98,7 @@ class ContactFinder {
     }
   }
 
-  /// The contacts at `now`.
+  /// Finds the contacts at `now`, and puts them into `m`.
   ///
   /// @param each   calls `f(i, push)` for each pressed cell with its push [N]; it is called twice.
   /// @param areas  receives the contacts, each split by the direction of its pushes: a hand around an arm

@@ -84,7 +84,7 @@ class Slip {
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
-  /// One sample, `dt` [s] after the last one.
+  /// Takes one sample, `dt` [s] after the last one.
   /// @param force   sum of the forces on the contact's cells [N], as a skin's link wrench has it.
   /// @param inward  inward normal, along which pressure acts, of unit length, along the same axes: minus the
   ///                cells' z.
@@ -155,7 +155,7 @@ class Slip {
   static constexpr double calmly = 3;           ///< threshold in times u: shaking by up to 3 m/s^2 is no slip
   static constexpr double near_highest = 0.85;  ///< share of the highest demand: a contact slips at its mu
   static constexpr double unrest_rises = 0.2, unrest_falls = 5;  ///< time constants of the unrest [s]
-  /// Growth of the normal force with which a grip has not, and has tightened.
+  /// Growth of the normal force up to which a grip has not tightened, and above which it has.
   static constexpr double tightens = 1.05, has_tightened = 1.04;
   static constexpr double tried = 0.9;       ///< share of mu / reserve from which on mu is tried
   static constexpr double after_slip = 0.1;  ///< share of `probe` once the friction has been told

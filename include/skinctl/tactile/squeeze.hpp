@@ -51,8 +51,8 @@ class Squeeze {
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
-  /// One reading: the force [N], and by how much the fingers have closed [m], from any origin. A reading that
-  /// is not finite is ignored.
+  /// Takes one reading: the force [N], and by how much the fingers have closed [m], from any origin. A
+  /// reading that is not finite is ignored.
   void take(Memory& m, const T& force, const T& closing) const noexcept {
     if (!(force - force == T(0)) || !(closing - closing == T(0))) return;
     if (m.count > T(0) && force < m.high - s_.swing) m = {};

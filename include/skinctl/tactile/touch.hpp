@@ -62,7 +62,7 @@ struct TouchGiven {
   std::span<const CellSample> samples;  ///< samples of cells
   const Sensed& sensed;                 ///< readings of other sensors
   const State& measured;                ///< newest good state of the robot
-  Nanoseconds from, to;                 ///< interval
+  Nanoseconds from, to;                 ///< interval `(from, to]`
   std::size_t parts;                    ///< number of equal parts of the interval, >= 1
 };
 template <class Sensed, class State>
@@ -223,7 +223,7 @@ template <class Sensed>
 concept SensesWeights = requires(const Sensed& sensed) { sensed.patch_weights; };
 
 namespace detail {
-/// Both forms of `receive`, for an `Own` that has `take(memory, given, means, front...)`.
+/// Base that gives `Own`, which has `take(memory, given, means, front...)`, both forms of `receive`.
 template <class Own>
 struct TakesTouch {
   /// See `Skin::receive`.

@@ -20,8 +20,8 @@ struct TrustSettings {
   std::vector<SensorNoise> noise{SensorNoise{}};  ///< noise of each cell, or one for all
   /// Sampling period of a cell that sends all readings; the shortest one of a cell that sends only changes.
   Nanoseconds period = 4ms;
-  /// The cells have a proximity sensor: it is a witness, and evidence that a frozen cell drifts. False: its
-  /// readings count, but say nothing of forces.
+  /// Whether the cells have a proximity sensor that is a witness, and evidence that a frozen cell drifts.
+  /// False: its readings count, but say nothing of forces.
   bool proximity = true;
   Nanoseconds seen_for = 25ms;   ///< a proximity above 0.1 for so long, without a jump, is a witness
   double answer = 0.1;           ///< share of a cell's force that a neighbour has to feel to be its witness

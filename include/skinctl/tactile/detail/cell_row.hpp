@@ -50,8 +50,8 @@ template <Real T, std::signed_integral N>
 using UnitWrench = std::array<std::int32_t, 6>;
 
 /// Gate and gain of one channel of a cell, in counts: a magnitude above `opens` passes, while the gate is
-/// open one above `opens - less`, less `subtract`, which is at most `opens - less + 1`. `share` of the
-/// patch's gain, in steps of 2^-15.
+/// open one above `opens - less`; `subtract`, at most `opens - less + 1`, is taken off it. `share` is the
+/// cell's share of its patch's gain, in steps of 2^-15.
 struct ChannelTuning {
   std::uint16_t opens = 0, less = 0, subtract = 0;
   std::uint16_t share = whole;
@@ -128,7 +128,7 @@ struct CellRow {
 /// The data of a patch that its cells share.
 template <class Kind, Real T>
 struct PatchRow {
-  PerChannel<Kind, T> gain{};               ///< [N] per count
+  PerChannel<Kind, T> gain{};               ///< gain of each channel [N] per count
   PerChannel<Kind, double> newton{};        ///< gain for the cones [N] per count
   T moment_step{};                          ///< step of the moments of unit wrenches times 2^24 [m]
   std::uint32_t first = 0, count = 0;       ///< first cell, number of cells

@@ -78,7 +78,7 @@ template <Real T>
 struct Parts {
   Nanoseconds from, to;
   std::size_t count;
-  T length, per_length, per_whole;  ///< [s], [1/s]; 0 for an interval without length
+  T length, per_length, per_whole;  ///< length of a part [s], 1 over it, 1 over the whole [1/s]; 0 without
   T back;                           ///< <= 0: start of the time for which missing impulse is added [s]
   std::uint64_t reach;              ///< length from `back` to the end [ns]
 

@@ -14,7 +14,7 @@ namespace detail {
 template <std::size_t K, Real T>
 struct SampledRow {
   Nanoseconds stamp = Nanoseconds::min();  ///< stamp of the last sample; `min`: silent
-  Nanoseconds begin = Nanoseconds::min();  ///< no missing impulse is added before this time
+  Nanoseconds begin = Nanoseconds::min();  ///< time before which no missing impulse is added
   T held[K] = {};                          ///< numbers of the last sample
   T owed[K] = {};                          ///< impulse to be added in the next interval [s]
   friend bool operator==(const SampledRow&, const SampledRow&) noexcept = default;

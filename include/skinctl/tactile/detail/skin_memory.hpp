@@ -66,7 +66,7 @@ struct SkinMemory {
 
   std::uint32_t heard = 0;                 ///< number of cells that are not silent
   bool owes = false;                       ///< whether impulse is `owed`
-  Nanoseconds begin = Nanoseconds::min();  ///< no missing impulse is added before this time
+  Nanoseconds begin = Nanoseconds::min();  ///< time before which no missing impulse is added
   /// Impulse to be added in the next interval [N s], [N m s]; in `force` where the two are not told apart.
   TouchWrenches<Wrenches> owed{};
 
@@ -76,7 +76,7 @@ struct SkinMemory {
   [[nodiscard]] bool presses(std::size_t i) const noexcept {
     return ((states[i / 64].pressed >> (i % 64)) & 1u) != 0;
   }
-  /// Calls `f(i)` for each of `count` cells from `first` on that is in a state.
+  /// Calls `f(i)` for each of `count` cells from `first` on that is in the state `state`.
   template <class F>
   SKINCTL_INLINE void each_cell(std::uint64_t BlockStates::* state, std::size_t first, std::size_t count,
                                 const F& f) const noexcept {

@@ -19,7 +19,7 @@ template <class Kind>
 struct GivenCell {
   AnyCell placed;
   PerChannel<Kind, EventGate<>> gates;
-  PerChannel<Kind, double> gain;  ///< [N] per unit of each channel
+  PerChannel<Kind, double> gain;  ///< gain of each channel [N] per unit of it
   bool masked = false;            ///< whether the cell is excluded
 };
 

@@ -72,7 +72,7 @@ concept HasLinks = requires {
 /// Whether the wrench on link `Ix` is known, if the touch is of that link at all.
 template <class W, std::size_t Ix>
 concept KnowsWrench = ((W::links >> Ix) & 1u) == 0 || requires(const W& w) { w.template wrench<Ix>(); };
-/// Wrenches of links, as numbers side by side.
+/// Whether a touch holds the wrenches of links, as numbers side by side.
 template <class W>
 concept HoldsWrenches = requires(const W& w) { w.data[0][0]; };
 template <class S>

@@ -17,7 +17,7 @@ struct TrustCell {
   std::uint32_t id = 0, patch = 0;
   std::size_t link = 0;
   std::array<float, 3> place{}, normal{};            ///< place on the link [m]; outward normal
-  PerChannel<Kind, double> gain{};                   ///< [N per unit of each channel]
+  PerChannel<Kind, double> gain{};                   ///< gain of each channel [N] per unit of it
   PerChannel<Kind, EventGate<std::int32_t>> gate{};  ///< gates on counts
   double lone = 0;                                   ///< lone force F_1 [N]
   float rest = 0;                                    ///< initial rest level of one sensor [steps]

@@ -98,7 +98,7 @@ class TrustTables : public WrappedTouch<TrustedSkin<S>, S> {
     noise.resize(cells);
     return noise;
   }
-  /// Masks and trust go in steps of 1/256, so that readings stay whole.
+  /// A mask or trust in whole steps of 1/256, so that readings stay whole.
   static SKINCTL_INLINE float quantised(float share) noexcept {
     return static_cast<float>(static_cast<std::int32_t>(share * 256.0f + 0.5f)) * (1.0f / 256);
   }
@@ -111,7 +111,7 @@ class TrustTables : public WrappedTouch<TrustedSkin<S>, S> {
   [[nodiscard]] float counts_seen() const noexcept {
     return static_cast<float>(Kind::channels[seen_].greatest / Table::step(seen_));
   }
-  /// What cell `i` reads above its rest level [steps]: in its `p`-th pressure, in all.
+  /// Reading of cell `i` above its rest level [steps], of its `p`-th pressure; without `p` the sum of all.
   [[nodiscard]] static SKINCTL_INLINE float above(const Memory& m, std::size_t p, std::size_t i) noexcept {
     const float x = m.now[p][i / 16][i % 16] - m.rest[p][i / 16].whole[i % 16];
     return x > 0 ? x : 0;
