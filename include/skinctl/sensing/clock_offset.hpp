@@ -44,7 +44,7 @@ class ClockOffset {
   /// The result of a message.
   enum class Heard : unsigned char {
     refused,    ///< a time beyond +-73 years: not taken
-    gathering,  ///< no stamps yet
+    gathering,  ///< `stamp` gives no stamps yet
     tied,       ///< `stamp` gives stamps
     leapt       ///< the sender's clock leapt: begins anew with this message
   };
@@ -60,7 +60,7 @@ class ClockOffset {
   };
   /// Trivially copyable; `Memory{}` has heard nothing.
   struct Memory {
-    std::array<Point, window + 1> points{};  ///< one a second, the newest last, and the present second's
+    std::array<Point, window + 1> points{};  ///< fastest message of each second, the newest last
     std::size_t count = 0;
     std::size_t messages = 0;       ///< messages in the present second
     std::array<Piece, 4> pieces{};  ///< the newest first

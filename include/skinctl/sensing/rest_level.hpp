@@ -94,8 +94,8 @@ class RestLevel {
   template <Real T>
   using Step = detail::RestStep<T>;
 
-  /// Throws `ConfigurationError` for a time outside (0 s, 1 h], for `longest` below 50 ms or above 10 s, or a
-  /// `smooth` that is not the shortest of the time constants.
+  /// Throws `ConfigurationError` for a time outside (0 s, 1 h], `longest` outside [50 ms, 10 s], `low_for` or
+  /// `quiet_for` above 2 s, and unless `smooth <= fall <= release <= follow`.
   SKINCTL_COLD explicit RestLevel(const RestSettings& settings = {}) : s_(settings) {
     const auto time = [](Nanoseconds t, const char* name) {
       require(t > 0ns && t <= 1h, name, milliseconds(t), "> 0 ms, <= 1 h");

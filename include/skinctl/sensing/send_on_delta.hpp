@@ -23,7 +23,7 @@ class SendOnDelta {
     float force = 2.0f / 1024;  ///< each of the three forces
     float proximity = 0.004f;
     float acceleration = 1;    ///< each axis [m/s^2]
-    float temperature = 0.5f;  ///< [C]
+    float temperature = 0.5f;  ///< temperature [C]
     float fine = 2.0f / 1024;  ///< each of the three forces, after `patience`; above the noise
   };
   /// The last sample sent; none in `Memory{}`. One per cell.

@@ -44,7 +44,7 @@ struct alignas(64) HealthLimitsRow {
 struct HealthStep {
   float dt = 0, leak = 1, rise = 0, fall = 0;  ///< leak: of the jumps' count; rise, fall: of the masks
   float saturated = 0.2f;
-  float per_gap = 1 / 0.006f;  ///< how much more a cell may move in a longer gap [1/s]
+  float per_gap = 1 / 0.006f;  ///< factor of a gap by which a cell may move more than in 6 ms [1/s]
   /// Longest time between samples that follow each other [s]: a row of seven lost ones, less than a
   /// keep-alive.
   float follows = 0.03f;

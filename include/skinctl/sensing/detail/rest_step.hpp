@@ -26,7 +26,7 @@ template <Real T>
 struct RestStep {
   int pieces = 1;  ///< number of equal pieces of a step, so that changes of state are in their places
   T per_piece = T(1);
-  T dt = T(0), per_dt = T(0);                    ///< [s], [1/s]; 0 s: nothing changes
+  T dt = T(0), per_dt = T(0);                    ///< length [s], 1 over it [1/s]; 0 s: nothing changes
   T begin = T(0), end = T(0);                    ///< share of (reading - m), at both ends, by which m moves
   T begin_mean = T(0), end_mean = T(0);          ///< factor of the mean of m over the step
   T follow = T(0), fall = T(0), release = T(0);  ///< share of r by which the rest level moves, state by state
