@@ -205,7 +205,7 @@ class SkinCloud {
     constexpr std::int64_t most = std::int64_t(1) << 61;
     return std::clamp(t.count(), -most, most);
   }
-  /// Ages and staleness of the cells from `first` on: `N` of them, or `n` where N is 0.
+  /// Writes ages and staleness of the cells from `first` on: `N` of them, or `n` where N is 0.
   template <std::size_t N>
   SKINCTL_INLINE void age_cells(std::size_t first, std::size_t n, std::int64_t at) noexcept {
     if constexpr (N > 0) n = N;

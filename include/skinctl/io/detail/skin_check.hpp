@@ -30,6 +30,7 @@ inline std::string skin_quoted(std::string_view name) {
   return out + (name.size() > 128 ? "...\"" : "\"");
 }
 
+/// Checks a skin file by its rules.
 /// @tparam File  `SkinFile`, whose `check` calls this.
 template <class File>
 class SkinCheck {

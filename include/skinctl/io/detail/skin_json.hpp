@@ -80,7 +80,7 @@ class SkinFields {
     numbers("covariance", to.data(), 21, false);
     if (table_.find("covariance") == nullptr) to.clear();
   }
-  /// A list whose tables have all been used already.
+  /// Checks a list whose tables have all been used already.
   void used_list(const char* key, bool needed) {
     const JsonValue* value = find(key, Kind::list, "a list of tables", needed);
     if (value != nullptr && !value->items.empty())

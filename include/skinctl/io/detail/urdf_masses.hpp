@@ -125,7 +125,7 @@ class UrdfEstimate {
   }
 
  private:
-  static constexpr double bulk_density = 1500;  ///< of arms, castings with motors inside [kg/m^3]
+  static constexpr double bulk_density = 1500;  ///< density of arms, castings with motors inside [kg/m^3]
   static constexpr double wrist_share =
       0.05;  ///< length of a link whose joint and end coincide, over the longest reach
 

@@ -211,7 +211,7 @@ class UrdfReader {
       question("velocity", joint.velocity, "rad/s");
     }
   }
-  /// One warning a file of each kind, however many joints it concerns.
+  /// Adds one warning a file of each kind, however many joints it concerns.
   void warn_of_limits(const Element& robot) {
     std::vector<const UrdfJoint*> questioned, soft;
     for (const UrdfJoint& j : urdf_.joints) {
@@ -269,7 +269,7 @@ class UrdfReader {
                             urdf_number(estimate.given()) + " kg that the file gives, <= 1e5");
     if (!urdf_.assumed.empty()) warn(robot, estimate.words(total));
   }
-  /// From the frames with z on their joints to those of the model, which are turned about z.
+  /// Turns the frames with z on their joints to those of the model, which are turned about z.
   void turn_frames() {
     std::vector<int> parents;
     std::vector<PlacedLink> placed;
