@@ -15,8 +15,8 @@ using Status = int;
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// One reason. The table `faults` of guard/faults.hpp has a row for each: finder, reaction, way back and
-/// text.
+/// A reason for a limit, hold or refusal in a cycle. The table `faults` of guard/faults.hpp has a row for
+/// each: finder, reaction, way back and text.
 enum class Reason : std::uint8_t {
   state_not_finite,
   state_stale,

@@ -10,7 +10,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Several types as one.
+/// Several types as one type, which derives from each.
 template <class... Parts>
 struct PartsTogether : Parts... {};
 

@@ -152,7 +152,7 @@ class Row {
   typename Shape::Block block[Shape::blocks];
 
   Row() = default;
-  /// The same number everywhere.
+  /// A row with the same number everywhere.
   SKINCTL_INLINE Row(const T& x) noexcept {
     unrolled<Shape::blocks>([&](std::size_t k)
                                 SKINCTL_INLINE_LAMBDA { block[k] = typename Shape::Block(x); });
