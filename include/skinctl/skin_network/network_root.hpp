@@ -132,7 +132,8 @@ class NetworkRoot {
     forgot_ = forget_;
     forget_ = false;
   }
-  /// The time at which `tick` has something to do.
+  /// The time at which `tick` begins the next epoch; none if none is due. A stall is found by any later
+  /// `tick`.
   [[nodiscard]] std::optional<Nanoseconds> due() const noexcept { return due_; }
   /// Whether two cells have reported one id in this epoch. All ids are then given anew, once; if two do so
   /// again, one of them lies.

@@ -15,8 +15,8 @@ SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
 
-/// Cells of one link that face away from each other by more than 120 degrees, such as those on the two sides
-/// of a plate, are no neighbours however close they are.
+/// Whether two cells face to the same side, to within 120 degrees. Others, such as those on the two sides of
+/// a plate, are no neighbours however close they are.
 inline bool same_face(const CellPlace& a, const CellPlace& b) noexcept {
   return dot(a.normal, b.normal) > -0.5;
 }
