@@ -30,8 +30,8 @@ inline constexpr Interface all_interfaces[] = {Interface::position, Interface::v
 }
 
 /// The plan of a cycle for `time`, between its stages and for those who watch: the commanded motion, whatever
-/// the interface, and the fused torque, beside a motion the last finite one, or by impedance that which the
-/// motion takes. A robot gets a `RobotCommand`.
+/// the interface, and the torque: the fused one (beside a motion the last finite one), or by impedance the
+/// torque that the motion takes. A robot gets a `RobotCommand`.
 template <std::size_t N, Real T = double>
 struct JointCommand {
   Nanoseconds time{};
@@ -64,21 +64,21 @@ struct JointCommand {
 namespace detail {
 template <std::size_t N, Real T>
 struct CommandedPosition {
-  JointPosition<N, T> position;  ///< [rad], [m]
+  JointPosition<N, T> position;  ///< commanded positions [rad], [m]
   SKINCTL_INLINE explicit CommandedPosition(const JointCommand<N, T>& c) noexcept
       : position(Row<N, T>(c.position)) {}
   CommandedPosition() = default;
 };
 template <std::size_t N, Real T>
 struct CommandedVelocity {
-  JointVelocity<N, T> velocity;  ///< [rad/s], [m/s]
+  JointVelocity<N, T> velocity;  ///< commanded velocities [rad/s], [m/s]
   SKINCTL_INLINE explicit CommandedVelocity(const JointCommand<N, T>& c) noexcept
       : velocity(Row<N, T>(c.velocity)) {}
   CommandedVelocity() = default;
 };
 template <std::size_t N, Real T>
 struct CommandedTorque {
-  JointTorque<N, T> torque;  ///< [N m], [N]
+  JointTorque<N, T> torque;  ///< commanded torques [N m], [N]
   SKINCTL_INLINE explicit CommandedTorque(const JointCommand<N, T>& c) noexcept
       : torque(Row<N, T>(c.torque)) {}
   CommandedTorque() = default;

@@ -24,7 +24,7 @@ class GeneralizedSelfAdjointEigenSolver;
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `Eigen::Matrix<T, Rows, Cols>`, column by column.
+/// `Eigen::Matrix<T, Rows, Cols>`, column-major.
 template <Scalar T, int Rows, int Cols>
 using EigenMatrix = Eigen::Matrix<T, Rows, Cols, 0, Rows, Cols>;
 template <class Plain>
@@ -47,8 +47,8 @@ concept EigenExpression = requires { typename V::PlainObject; };
 /// An array, a vector, a span: numbers without a kind.
 template <class V>
 concept BareNumbers = !EigenExpression<V> && requires(const V& v) { v.data() + v.size(); };
-/// Whether one of them is: as a constant, about which Clang writes one line where it writes four of a
-/// concept.
+/// Whether one of the types is an Eigen expression: as a constant, about which Clang writes one line where it
+/// writes four of a concept.
 template <class... V>
 inline constexpr bool any_eigen = (EigenExpression<V> || ...);
 

@@ -83,10 +83,10 @@ struct GripperState {
   /// Force on the object that it holds [N]; 0 while it holds none. A gripper that does not measure it reports
   /// the force of its goal.
   double force = 0;
-  bool heard = false;    ///< an answer came since the connection; until then the other members mean nothing
-  bool moving = false;   ///< the fingers are on their way to the newest goal
-  bool holding = false;  ///< the fingers stand still because an object is between them
-  /// The opening comes from a sensor. Otherwise it is an estimate from the time since the last goal.
+  bool heard = false;    ///< whether an answer came since the connection; until then the others mean nothing
+  bool moving = false;   ///< whether the fingers are on their way to the newest goal
+  bool holding = false;  ///< whether the fingers stand still because an object is between them
+  /// Whether the opening comes from a sensor. Otherwise it is an estimate from the time since the last goal.
   bool measured = false;
   GripperError error = GripperError::none;
   std::uint16_t code = 0;  ///< the maker's number of the fault

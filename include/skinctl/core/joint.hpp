@@ -86,7 +86,7 @@ struct JointVector {
   operator V() const = delete;  // an Eigen vector has no kind: v = as_eigen(tau) drops it
   // clang-format on
 
-  /// The numbers `f(0)` to `f(N - 1)`.
+  /// A vector of the numbers `f(0)` to `f(N - 1)`.
   template <class F>
   static SKINCTL_INLINE constexpr JointVector generate(F&& f) noexcept {
     JointVector v(unset);
@@ -100,7 +100,7 @@ struct JointVector {
     write(v.data);
     return v;
   }
-  /// The same number for every joint.
+  /// A vector with the same number for every joint.
   static SKINCTL_INLINE constexpr JointVector constant(const T& value) noexcept {
     return generate([&](std::size_t) SKINCTL_INLINE_LAMBDA { return value; });
   }
@@ -111,7 +111,7 @@ struct JointVector {
                                                  SKINCTL_INLINE_LAMBDA { return static_cast<U>(data[i]); });
   }
 
-  /// As an Eigen vector, without a copy.
+  /// A view of the numbers as an Eigen vector, without a copy.
   [[nodiscard]] friend SKINCTL_INLINE EigenMap<EigenMatrix<T, int(N), 1>> as_eigen(JointVector& v) noexcept {
     return EigenMap<EigenMatrix<T, int(N), 1>>(v.data);
   }

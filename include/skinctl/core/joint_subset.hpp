@@ -35,7 +35,8 @@ struct JointSubset {
   /// Whether it holds every joint of the robot.
   static constexpr bool is_all = count == N;
   static constexpr LinkMask set = Set;
-  /// The place of joint `i` in the subset; of a joint that it does not hold, the number of those before it.
+  /// The index of joint `i` in the subset; of a joint that it does not hold, the number of its joints before
+  /// `i`.
   [[nodiscard]] static constexpr std::size_t place(std::size_t i) noexcept {
     return static_cast<std::size_t>(std::popcount(Set & joints_between(0, i)));
   }

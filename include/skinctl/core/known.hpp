@@ -87,7 +87,7 @@ inline constexpr bool is_known = false;
 template <int V>
 inline constexpr bool is_known<TypedConstant<V>> = true;
 
-/// True for the type of a compile-time zero.
+/// Whether `X` is the type of a compile-time zero.
 template <class X>
 inline constexpr bool is_zero = false;
 template <>

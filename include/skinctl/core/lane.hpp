@@ -12,8 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Number of `T` in a register of the target: 32 bytes with AVX (also with AVX-512), 16 with SSE2 or NEON,
-/// else one number.
+/// Number of `T` in a register of the target: 32 bytes with AVX (also with AVX-512), 16 with SSE2 or 64-bit
+/// NEON, else one number.
 template <class T>
 inline constexpr std::size_t native_lanes =
     detail::lane_bytes < sizeof(T) ? 1 : detail::lane_bytes / sizeof(T);
@@ -84,7 +84,7 @@ class Lane {
   static constexpr std::size_t lanes = W;
 
   Lane() = default;
-  /// The same number in every lane.
+  /// A lane with the same number in every lane.
   SKINCTL_INLINE constexpr Lane(T x) noexcept : v_(detail::broadcast<T, W>(x)) {}
   /// The same number in every lane, for `T(0.5)` and `T(2)` in generic code.
   template <class U>
@@ -156,7 +156,7 @@ class Lane {
     return of(detail::from_bits<T, W>((detail::to_bits<T, W>(a.v_) & ~detail::sign_bit<T>) |
                                       (detail::to_bits<T, W>(b.v_) & detail::sign_bit<T>)));
   }
-  /// Correctly rounded; NaN for negative numbers, -0 for -0; never sets errno.
+  /// The square root, correctly rounded; NaN for negative numbers, -0 for -0; never sets errno.
   [[nodiscard]] SKINCTL_INLINE friend Lane sqrt(Lane a) noexcept {
     return of(detail::square_root<T, W>(a.v_));
   }

@@ -7,6 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// Joint positions `q` and velocities `dq` of a measured or virtual robot at `time`.
 template <std::size_t N, Scalar T = double>
 struct State {
   Nanoseconds time{};

@@ -15,8 +15,8 @@ using Status = int;
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// One reason. The table `faults` of guard/faults.hpp has a row for each: finder, reaction, way back and
-/// text.
+/// A reason for a limit, hold or refusal in a cycle. The table `faults` of guard/faults.hpp has a row for
+/// each: finder, reaction, way back and text.
 enum class Reason : std::uint8_t {
   state_not_finite,
   state_stale,
@@ -99,7 +99,7 @@ class Status {
   /// The reasons of this set that `s` does not hold.
   [[nodiscard]] constexpr Status without(Status s) const noexcept { return from_bits(bits_ & ~s.bits_); }
   friend constexpr bool operator==(Status, Status) noexcept = default;
-  /// Of no use: a status holds several reasons.
+  /// Comparison with one reason, which is of no use: a status holds several.
   template <std::same_as<Reason> R>
   [[nodiscard]] constexpr ReasonsAreAskedByHas operator==(R) const noexcept {
     return {};

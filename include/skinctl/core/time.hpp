@@ -34,7 +34,7 @@ template <Scalar T>
 }
 
 /// Seconds to the nearest nanosecond; for configuration, not for the loop. Beyond +-292 years: the nearest
-/// end.
+/// end; NaN: 0.
 [[nodiscard]] constexpr Nanoseconds nanoseconds(double s) noexcept {
   const double ns = s * 1e9;
   if (!(ns > -9.2e18)) return ns != ns ? Nanoseconds{} : Nanoseconds::min();

@@ -27,8 +27,8 @@ enum class LoopEnd : unsigned char {
   interrupted,  ///< the stop flag was set
   lost,         ///< the robot's connection is gone, or a command could not be sent
   no_state,     ///< no state arrived at the beginning
-  displaced  ///< at the beginning the robot stood too far from where it was told to be, at no number, or elsewhere
-             ///< than a state before (`start_refused`); a run that is begun again starts where it stands
+  displaced     ///< at first the robot stood too far from its commanded position, at a NaN, or elsewhere than
+                ///< a state before (`start_refused`); a run that is begun again starts where it stands
 };
 
 /// The times of a run, per stage of the cycle; `whole` is all stages.
@@ -38,12 +38,12 @@ struct LoopReport {
   std::uint64_t cycles = 0;
   std::uint64_t silent = 0;  ///< cycles without a new state
   std::uint64_t stood = 0;   ///< cycles whose state came, but brought no later time for more than 1.5 periods
-  std::uint64_t missed = 0;  ///< cycles whose state came later than 1.5 periods after the one before
+  std::uint64_t missed = 0;  ///< cycles that began more than 1.5 periods after the one before
   std::uint64_t samples = 0;  ///< number of samples from the skin
   std::uint64_t warmed = 0;   ///< cycles before which the caches were warmed
   std::array<Histogram, stage_count> stages;
   Histogram whole;
-  Histogram period;  ///< times between states, by this computer's clock
+  Histogram period;  ///< times between the beginnings of cycles, by this computer's clock
   Histogram load;    ///< times from a state's arrival until its command was sent and `after` returned
   std::uint64_t overruns = 0;      ///< cycles whose load was above the budget
   std::uint64_t lost_packets = 0;  ///< number of lost packets, of a robot that numbers them

@@ -27,8 +27,9 @@ enum class Heard : unsigned char {
 /// - `wrenches()`, optional, gives the samples of a wrist sensor that arrived since the last call, in order;
 ///   the span stays valid until the next call.
 /// - `motor_torque()`, optional, is the motors' torque at the joints of the newest state [N m].
-/// - `told()`, optional, is where the robot's controller was told to be at the newest state. The loop asks a
-///   robot by position for it once, at its start, so that a servo that droops does not step.
+/// - `told()`, optional, is the position that the robot's controller was commanded to reach, at the newest
+///   state. The loop asks a robot by position for it once, at its start, so that a servo that droops does not
+///   step.
 /// - `stop()` brings the robot to rest by its own means; it must work at any time and not throw.
 ///
 /// @tparam Command  what the scene sends: a `RobotCommand`.
@@ -50,8 +51,7 @@ template <class R>
 concept NumbersPackets = requires(R& robot) {
   { robot.packet() } noexcept -> std::convertible_to<std::uint32_t>;
 };
-/// A driver of a robot by position that reports where the robot was told to be, for a scene that starts
-/// there.
+/// A driver of a robot by position that reports the position commanded last, for a scene that starts there.
 template <class R, class C>
 concept TellsPosition = requires(const C& cycle, typename C::Memory& memory, const typename C::Input& input,
                                  R& robot) { cycle.start(memory, input.measured, robot.told()); };

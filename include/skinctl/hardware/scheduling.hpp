@@ -20,7 +20,7 @@ SKINCTL_BEGIN_NAMESPACE
 struct Scheduling {
   bool real_time = false;      ///< SCHED_FIFO for the calling thread
   bool memory_locked = false;  ///< all pages, present and future, stay in memory
-  std::string report;          ///< one line each, for the log
+  std::string report;          ///< line for each request, for the log
 };
 
 /// Requests SCHED_FIFO at `priority` (1 to 99; others are cut to that range) for the calling thread and locks

@@ -48,22 +48,22 @@ class CdrWriter {
       append(&value, sizeof value);
     }
   }
-  /// A string: its length with the closing NUL, its bytes, the NUL.
+  /// Writes a string: its length with the closing NUL, its bytes, the NUL.
   void put(std::string_view text) noexcept {
     put(static_cast<std::uint32_t>(text.size() + 1));
     append(text.data(), text.size());
     append("", 1);
   }
-  /// The number of elements of a sequence that follows, element by element.
+  /// Writes the number of elements of a sequence that follows, element by element.
   void count(std::size_t n) noexcept { put(static_cast<std::uint32_t>(n)); }
-  /// A sequence of numbers. An empty one has no padding behind its count.
+  /// Writes a sequence of numbers. An empty one has no padding behind its count.
   template <std::ranges::contiguous_range R>
     requires CdrNumber<std::ranges::range_value_t<R>>
   void sequence(const R& values) noexcept {
     count(std::ranges::size(values));
     array(values);
   }
-  /// Numbers one after another without a count: a part of a sequence, or an array.
+  /// Writes numbers one after another without a count: a part of a sequence, or an array.
   template <std::ranges::contiguous_range R>
     requires CdrNumber<std::ranges::range_value_t<R>>
   void array(const R& values) noexcept {
@@ -72,15 +72,15 @@ class CdrWriter {
     align(size);
     append(std::ranges::data(values), size * std::ranges::size(values));
   }
-  /// Zeros up to the next multiple of `size`, which is 1, 2, 4 or 8.
+  /// Writes zeros up to the next multiple of `size`, which is 1, 2, 4 or 8.
   void align(std::size_t size) noexcept {
     constexpr unsigned char zeros[8] = {};
     append(zeros, (0 - (size_ - cdr_header_size)) & (size - 1));
   }
 
-  /// The message is whole.
+  /// Whether the whole message fits into the bytes.
   [[nodiscard]] bool fits() const noexcept { return size_ <= bytes_.size(); }
-  /// Bytes of the message, also of one that does not fit.
+  /// Number of bytes of the message, also of one that does not fit.
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   /// The message; empty if it does not fit.
   [[nodiscard]] std::span<const unsigned char> bytes() const noexcept {
@@ -126,7 +126,7 @@ class CdrReader {
     }
     return value;
   }
-  /// A string without its NUL. It lies in the message.
+  /// Reads a string, without its NUL. The view refers to the message.
   [[nodiscard]] std::string_view text() noexcept {
     const std::size_t n = get<std::uint32_t>();
     if (n == 0) return {};  // some senders write an empty string so
@@ -138,15 +138,15 @@ class CdrReader {
     }
     return {reinterpret_cast<const char*>(bytes.data()), n - 1};
   }
-  /// The number of elements of a sequence, each of at least `least` bytes: a count for which the message has
-  /// too few bytes does not fit, so that nobody makes room for it.
+  /// Reads the number of elements of a sequence, each of at least `least` bytes: a count for which the
+  /// message has too few bytes does not fit, so that nobody makes room for it.
   [[nodiscard]] std::size_t count(std::size_t least) noexcept {
     const std::size_t n = get<std::uint32_t>();
     if (n <= left() / (least > 0 ? least : 1)) return n;
     fail();
     return 0;
   }
-  /// `n` bytes as they lie; empty if there are not as many.
+  /// Takes the next `n` bytes as they lie; empty if there are not as many.
   [[nodiscard]] std::span<const unsigned char> take(std::size_t n) noexcept {
     if (n > left()) {
       fail();
@@ -161,7 +161,7 @@ class CdrReader {
     if (!fits_) return;
     static_cast<void>(take((0 - (at_ - cdr_header_size)) & (size - 1)));
   }
-  /// Every member so far was there.
+  /// Whether every member so far was there.
   [[nodiscard]] bool fits() const noexcept { return fits_; }
   [[nodiscard]] std::size_t left() const noexcept { return bytes_.size() - at_; }
 

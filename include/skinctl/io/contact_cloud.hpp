@@ -26,7 +26,7 @@ struct ContactPoint {
 };
 static_assert(std::is_standard_layout_v<ContactPoint> && sizeof(ContactPoint) == 32);
 
-/// The cloud of some contacts; it refers to them.
+/// The point cloud of `contacts`, to which it refers; their coordinates are in `frame`.
 [[nodiscard]] inline ros::PointCloud contact_cloud(Nanoseconds time, std::string_view frame,
                                                    std::span<const ContactPoint> contacts) noexcept {
   return {time,

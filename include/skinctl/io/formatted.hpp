@@ -30,11 +30,11 @@ template <class T, class... How>
 struct Conversion {
   bool left = false, zeros = false, plus = false;
   int width = 0;
-  int decimals = -1;  ///< -1: not given
+  int decimals = -1;  ///< number of decimals; -1: not given
   int longs = 0;
   char kind = '\0';
 
-  /// Reads it behind its `%`, and leaves `format` behind it.
+  /// Reads a conversion from behind its `%`, and moves `format` behind it.
   Conversion(const char*& format, FormatArguments& x) {
     constexpr int max_decimals = 100;
     for (; *format == '-' || *format == '0' || *format == '+'; ++format)
@@ -92,7 +92,7 @@ struct Conversion {
   }
 };
 
-/// As `formatted`, of a list of arguments.
+/// As `formatted`, for a list of arguments.
 [[nodiscard]] SKINCTL_COLD inline std::string formatted_list(const char* format, FormatArguments& x) {
   std::string out;
   while (*format != '\0') {

@@ -11,10 +11,10 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// A message type as files, streams and DDS name it.
 struct MessageType {
-  std::string name;  ///< "sensor_msgs/msg/JointState"
+  std::string name;  ///< name, as "sensor_msgs/msg/JointState"
   std::string
       schema;  ///< the `.msg` text, then each type it uses after a line of 80 `=` and `MSG: package/Type`
-  std::string hash;  ///< "RIHS01_" and 64 hexadecimal digits (REP 2016)
+  std::string hash;  ///< hash: "RIHS01_" and 64 hexadecimal digits (REP 2016)
 
   /// The name as DDS has it: "sensor_msgs::msg::dds_::JointState_".
   [[nodiscard]] std::string dds_name() const {

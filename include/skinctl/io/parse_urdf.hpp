@@ -51,9 +51,9 @@ namespace detail {
 /// Reads a URDF file; see `parse_urdf`. Also throws `ConfigurationError` for a file that cannot be read.
 [[nodiscard]] Urdf read_urdf(const std::string& path, const UrdfOptions& options = {});
 
-/// The links of a model, in the order of `urdf.joints`. Their frames are those of `urdf.frames`' carriers: z
-/// on the joint's axis, turned about it by `turn` against `UrdfJoint::placed`, as in `TurnedLinks`. Throws
-/// `ConfigurationError` for a link that cannot exist.
+/// The links of a model, in the order of `urdf.joints`. Their frames, to which `urdf.frames` refer, have z on
+/// the joint's axis and are turned about it by `turn` [rad] from those of `UrdfJoint::placed`, as in
+/// `TurnedLinks`. Throws `ConfigurationError` for a link that cannot exist.
 struct UrdfLinks {
   std::vector<LinkParameters<double>> links;
   std::vector<double> turn;

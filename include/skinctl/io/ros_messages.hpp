@@ -34,9 +34,9 @@ struct JointState {
   Nanoseconds time{};
   std::string_view frame;
   std::span<const std::string> names;
-  std::span<const double> position;  ///< [rad] or [m]
-  std::span<const double> velocity;  ///< [rad/s] or [m/s]
-  std::span<const double> effort;    ///< [N m] or [N]
+  std::span<const double> position;  ///< joint positions [rad] or [m]
+  std::span<const double> velocity;  ///< joint velocities [rad/s] or [m/s]
+  std::span<const double> effort;    ///< joint torques [N m] or forces [N]
 
   [[nodiscard]] static const MessageType& type() {
     static const MessageType t =
@@ -49,8 +49,8 @@ struct JointState {
 struct StampedTransform {
   Nanoseconds time{};
   std::string_view parent, child;
-  Xyz<double> p{0, 0, 0};  ///< origin of the child [m]
-  Rotation<double> R;      ///< axes of the child
+  Xyz<double> p{0, 0, 0};  ///< origin of the child in the parent [m]
+  Rotation<double> R;      ///< axes of the child in the parent
 };
 
 /// tf2_msgs/TFMessage.
@@ -69,7 +69,7 @@ enum class PointNumber : std::uint8_t { i8 = 1, u8, i16, u16, i32, u32, f32, f64
 /// One field of a point.
 struct PointField {
   std::string_view name;
-  std::uint32_t offset = 0;  ///< bytes from the beginning of the point
+  std::uint32_t offset = 0;  ///< distance from the beginning of the point [bytes]
   PointNumber number = PointNumber::f32;
 };
 

@@ -46,14 +46,15 @@ class SceneNumbers {
   void set(const std::string& name, T& value) {
     if (const Entry* e = take(name, 1)) value = number<T>(name, *e, 0);
   }
-  /// A duration in milliseconds.
+  /// Changes a duration if the file has the name; the file's number is in milliseconds.
   void set(const std::string& name, Nanoseconds& value) {
     const Entry* e = take(name, 1);
     if (e == nullptr) return;
     if (!(e->values[0] > -1e9 && e->values[0] < 1e9)) fail(e->line, name + ": allowed: less than 1e9 ms");
     value = Nanoseconds(static_cast<std::int64_t>(e->values[0] * 1e6 + (e->values[0] < 0 ? -0.5 : 0.5)));
   }
-  /// The first `count` numbers of an array or vector: as many stand in the file, or one for all.
+  /// Changes the first `count` numbers of an array or vector if the file has the name, with as many numbers
+  /// or one for all.
   template <class V>
   void set(const std::string& name, V& values, std::size_t count) {
     const Entry* e = take(name, count);

@@ -25,10 +25,10 @@ struct SkinPoint {
   std::array<float, 3> position{};  ///< position in the base [m]
   float force = 0;         ///< sum of the readings, times the scale [N]; without a scale the readings
   float proximity = 0;     ///< proximity reading, in [0, 1]
-  float temperature = 0;   ///< [C]
-  std::uint32_t cell = 0;  ///< id
+  float temperature = 0;   ///< temperature [C]
+  std::uint32_t cell = 0;  ///< id of the cell
   std::uint32_t status = stale;
-  std::array<float, 3> forces{};  ///< the readings, each in [0, 1]
+  std::array<float, 3> forces{};  ///< the three force readings, each in [0, 1]
   std::int32_t age = 0;  ///< age of the sample at the message's stamp [ns], limited to the range of its type
   std::array<float, 3> acceleration{};               ///< proper acceleration along the cell's axes [m/s^2]
   std::uint16_t measured = unsaid, unrest = unsaid;  ///< see `CellSample`
@@ -70,8 +70,8 @@ class SkinCloud {
   };
 
   /// The cells of a link must be neighbours in the list. Throws `ConfigurationError` for more than 2^20
-  /// cells, an id that occurs twice, links that come twice, a place that is not finite, a scale or age that
-  /// is not above 0.
+  /// cells, an id that occurs twice, links that come twice or are 2^20 or more, a place that is not finite, a
+  /// scale outside of (0, 1e6] N or an age outside of (0, 1] s.
   explicit SkinCloud(const std::vector<Cell>& cells) : SkinCloud(cells, Options()) {}
   SKINCTL_COLD SkinCloud(const std::vector<Cell>& cells, const Options& options) : options_(options) {
     require(cells.size() <= max_cells, "SkinCloud: cells", double(cells.size()), "0 to 2^20");
@@ -129,11 +129,11 @@ class SkinCloud {
   [[nodiscard]] static const MessageType& type() { return ros::PointCloud::type(); }
   [[nodiscard]] std::size_t cells() const noexcept { return homes_.size(); }
 
-  /// The newest sample of a cell. False for an id that the skin does not have; then nothing changes.
+  /// Takes the newest sample of a cell. False for an id that the skin does not have; then nothing changes.
   SKINCTL_INLINE bool set(const CellSample& s) noexcept {
     return set(std::span<const CellSample>(&s, 1)) == 0;
   }
-  /// Several, the later ones newer. Returns how many have an id that the skin does not have.
+  /// Takes several samples, the later ones newer. Returns how many have an id that the skin does not have.
   SKINCTL_INLINE std::size_t set(std::span<const CellSample> samples) noexcept {
     SkinPoint* const points = this->points();
     std::int64_t* const times = times_.data();
@@ -157,14 +157,15 @@ class SkinCloud {
     }
     return unknown;
   }
-  /// Whether the readings of a cell count. False for an unknown id.
+  /// Sets whether a cell is masked: its readings do not count. Returns false for an unknown id.
   bool mask(std::uint32_t id, bool masked) noexcept {
     const std::size_t i = index(direct_, id);
     if (i == none) return false;
     masks_[i] = masked ? std::uint32_t(SkinPoint::masked) : 0u;
     return true;
   }
-  /// The link `link` has its axes and its origin there in the base [m]; links without cells are ignored.
+  /// Moves the cells of link `link`, which has the axes `R` and the origin `p` in the base [m]; links without
+  /// cells are ignored.
   void place(std::uint32_t link, const Rotation<double>& R, const Xyz<double>& p) noexcept {
     if (link >= links_.size()) return;
     const auto f = [](double x) { return static_cast<float>(x); };
@@ -198,13 +199,13 @@ class SkinCloud {
     unsigned char bytes[64];
   };
 
-  /// Within 73 years on either side. The difference of such a time and any other one does not come around to
-  /// an age of 32 bits.
+  /// `t`, limited to 73 years on either side of 0. The difference of such a time and any other one does not
+  /// come around to an age of 32 bits.
   static std::int64_t held(Nanoseconds t) noexcept {
     constexpr std::int64_t most = std::int64_t(1) << 61;
     return std::clamp(t.count(), -most, most);
   }
-  /// Ages and staleness of the cells from `first` on: `N` of them, or `n` where N is 0.
+  /// Writes ages and staleness of the cells from `first` on: `N` of them, or `n` where N is 0.
   template <std::size_t N>
   SKINCTL_INLINE void age_cells(std::size_t first, std::size_t n, std::int64_t at) noexcept {
     if constexpr (N > 0) n = N;

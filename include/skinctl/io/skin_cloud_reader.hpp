@@ -64,7 +64,7 @@ class SkinCloudReader {
     stamp_ = stamp;
     return samples_;
   }
-  /// Of the last message that was not refused.
+  /// Stamp of the last message that was not refused.
   [[nodiscard]] Nanoseconds stamp() const noexcept { return stamp_; }
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 

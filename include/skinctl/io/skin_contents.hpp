@@ -19,7 +19,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// A skin as a file describes it, or as a program builds it to write one: cells in patches on named links.
 /// `check` says whether it makes sense; what the readers return is checked.
 struct SkinFile {
-  /// In a list of neighbours: nobody at this port.
+  /// Entry in a list of neighbours: no cell at this port.
   static constexpr std::uint32_t nobody = 0xffffffff;
   static constexpr std::size_t max_cells = std::size_t(1) << 20;
   static constexpr std::size_t max_cells_of_a_patch = 8192;

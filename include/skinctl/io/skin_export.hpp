@@ -49,7 +49,8 @@ namespace detail {
   return out;
 }
 
-/// To whole nanometres and billionths: files that a person reads, and that are the same from every compiler.
+/// `X` rounded to whole nanometres, and its quaternion to billionths: files that a person reads, and that are
+/// the same from every compiler.
 inline SkinPose rounded(SkinPose X) {
   const auto round = [](double& x) { x = std::round(1e9 * x) / 1e9; };
   round(X.p.x), round(X.p.y), round(X.p.z);
@@ -70,7 +71,7 @@ inline SkinPose rounded(SkinPose X) {
 /// at its first cell, its cells joined by the ports of `size`. Throws `ConfigurationError` for a link that
 /// `D` does not have or that is another link than the patch's.
 ///
-/// @param radius, length  of the tube that stands for the link in pictures [m].
+/// @param radius, length  sizes of the tube that stands for the link in pictures [m].
 template <NamesLinks D, std::size_t Ix, std::size_t N>
 SKINCTL_COLD void add_patch(SkinFile& file, const std::string& name, const std::string& link,
                             const Patch<Ix, N>& patch, const HexagonalCell& size = {}, double radius = 0,

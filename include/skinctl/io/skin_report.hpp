@@ -18,10 +18,11 @@ struct CellReport {
   std::uint32_t id = 0;
   std::size_t link = 0;
   std::array<float, 3> place{}, normal{};  ///< position in the link's frame [m], and its outward normal
-  CellFaults faults;                       ///< found, silence included
-  double mask = 0;                         ///< 1: the cell does not count
+  CellFaults faults;                       ///< faults found, silence included
+  double mask = 0;                         ///< mask of the cell; 1: it does not count
   double rest = 0;                         ///< rest level: sum of the three forces while untouched
-  /// The cell has read something for a minute, and nobody can tell whether that is a contact or a drift.
+  /// Whether the cell has read something for a minute, and nobody can tell whether that is a contact or a
+  /// drift.
   bool unexplained = false;
 };
 
@@ -58,8 +59,8 @@ inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
     CellFault::cross_talk, CellFault::discharge, CellFault::unheard,  CellFault::quiet};
 }  // namespace detail
 
-/// In words: a line with the numbers, then one for each cell that is not healthy. "258 of 260 cells count;
-/// stuck: 2"
+/// The report in words: a line with the numbers, then one for each cell that is not healthy. "258 of 260
+/// cells count; stuck: 2"
 [[nodiscard]] SKINCTL_COLD inline std::string in_words(const SkinReport& report) {
   std::string out = formatted("%zu of %zu cells count", report.usable, report.cells.size());
   for (const CellFault f : detail::all_cell_faults)
@@ -81,8 +82,9 @@ inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
   return out;
 }
 
-/// As JSON: `{"cells": 260, "usable": 258, "faults": {"stuck": 2, ...}, "unexplained": 0, "unhealthy":
-/// [{"id": 7, "link": 2, "faults": ["stuck"], "mask": 1, "rest": 0.06, "unexplained": false}, ...]}`.
+/// The report as JSON: `{"cells": 260, "usable": 258, "faults": {"stuck": 2, ...}, "unexplained": 0,
+/// "unhealthy": [{"id": 7, "link": 2, "faults": ["stuck"], "mask": 1, "rest": 0.06, "unexplained": false},
+/// ...]}`.
 [[nodiscard]] SKINCTL_COLD inline std::string as_json(const SkinReport& report) {
   std::string out =
       formatted("{\"cells\": %zu, \"usable\": %zu, \"faults\": {", report.cells.size(), report.usable);
@@ -105,7 +107,7 @@ inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
 }
 
 namespace detail {
-/// The cells of a link, unrolled: along the link's axis, and around it [m].
+/// The cells of a link, unrolled: their places along the link's axis, and around it [m].
 struct Unrolled {
   std::vector<const CellReport*> cells;
   std::vector<double> along, around;
@@ -156,7 +158,7 @@ struct CellLook {
 }
 }  // namespace detail
 
-/// As a picture (SVG): the cells of each link, unrolled, link beside link; faults by colours that
+/// The report as a picture (SVG): the cells of each link, unrolled, link beside link; faults by colours that
 /// colour-blind readers tell apart, and by a letter.
 [[nodiscard]] SKINCTL_COLD inline std::string as_svg(const SkinReport& report) {
   constexpr double scale = 800, gap = 40, top = 60;  // [px/m], [px]

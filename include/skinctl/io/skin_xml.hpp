@@ -19,7 +19,7 @@ struct SkinXmlOptions {
   std::string name = "patch";
   std::string link{};  ///< link that carries the skin; empty: `baseFrame` of the file
   CellGains gains{};
-  std::optional<SkinPose> X_LinkRoot{};  ///< none: `tf_rootCell_base` of the file
+  std::optional<SkinPose> X_LinkRoot{};  ///< pose of the root; none: `tf_rootCell_base` of the file
 };
 
 namespace detail {
@@ -55,7 +55,7 @@ class SkinXmlReader {
     if (e == nullptr) fail(of, std::string("<") + of.Name() + "> has no <" + name + '>');
     return *e;
   }
-  /// A text that is one number, blanks around it aside.
+  /// Reads a text that is one number, blanks around it aside.
   template <class T>
   T number(const Element& at, const char* text, const std::string& what) const {
     std::string_view s = text != nullptr ? text : "";
@@ -76,7 +76,7 @@ class SkinXmlReader {
                   ", allowed: 0 to " + std::to_string(SkinFile::highest_id));
     return static_cast<std::uint32_t>(x);
   }
-  /// `<name><matrix rows cols><element row col>x</element> ...</matrix></name>`, each element once.
+  /// Reads `<name><matrix rows cols><element row col>x</element> ...</matrix></name>`, each element once.
   template <std::size_t Rows, std::size_t Columns>
   std::array<double, Rows * Columns> matrix(const Element& of, const char* name) const {
     const Element& m = child(child(of, name), "matrix");

@@ -21,7 +21,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// link of the file are converted by `named_link_pose` or `patch_on`. Throws `ConfigurationError` naming the
 /// joint in which the file differs from `Tree`, and where `model_links` does.
 ///
-/// @param gravity  in the axes of the URDF's base link [m/s^2].
+/// @param gravity  gravity in the axes of the URDF's base link [m/s^2].
 template <Topology Tree, Scalar T = double>
 [[nodiscard]] CalibratedModel<Tree, T> calibrated_from(const Urdf& urdf,
                                                        const Xyz<double>& gravity = {0, 0, -9.81}) {
@@ -93,7 +93,7 @@ template <std::size_t Ix, FrameName Name, std::size_t N>
 /// lower limit that is not below the upper one, a velocity or effort that is missing or not above 0, and
 /// limits that look like degrees (`UrdfOptions::large_limits` accepts them).
 ///
-/// @param acceleration  [rad/s^2] of every joint; a URDF has none.
+/// @param acceleration  acceleration limit of every joint [rad/s^2], [m/s^2]; a URDF has none.
 template <std::size_t N, Real T = double>
 [[nodiscard]] JointLimits<N, T> limits_of(const Urdf& urdf, const T& acceleration = T(40)) {
   if (urdf.joints.size() != N)

@@ -62,7 +62,7 @@ struct UrdfFrame {
 /// A joint that is locked by the options, or by a locked joint that it mimics.
 struct UrdfLock {
   std::string joint;
-  double position = 0;  ///< [rad] or [m]
+  double position = 0;  ///< position at which the joint is locked [rad] or [m]
 };
 
 /// A link to which the file gives no mass, or none about its joint's axis, and the mass that it has in the
@@ -87,7 +87,8 @@ struct Urdf {
   /// line a file.
   std::vector<std::string> warnings;
 
-  /// The place of the link `name`. Throws `ConfigurationError` for an unknown one, with the known names.
+  /// The frame of the link named `link`. Throws `ConfigurationError` for an unknown one, with the known
+  /// names.
   [[nodiscard]] const UrdfFrame& frame(std::string_view link) const;
 };
 

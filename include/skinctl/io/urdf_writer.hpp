@@ -46,7 +46,7 @@ class UrdfBuilder {
   [[nodiscard]] std::string link(int i) const {
     return i < 0 ? dress_.base : given(dress_.links, static_cast<std::size_t>(i), "link_");
   }
-  /// A link of the model with its inertia, or the base.
+  /// Writes a link of the model with its inertia, or the base, whose `i` is -1.
   void add_link(int i, const LinkParameters<double>* l) {
     using P = LinkParameter;
     text_ += "  <link name=\"" + xml_text(link(i)) + "\">\n";
@@ -64,7 +64,7 @@ class UrdfBuilder {
         look(c.shape);
     text_ += "  </link>\n";
   }
-  /// The joint of a link: its frame at q = 0 is the link's, z on its axis.
+  /// Writes the joint of a link: its frame at q = 0 is the link's, z on its axis.
   void add_joint(std::size_t i, int parent, JointKind kind, const LinkParameters<double>& n) {
     using P = LinkParameter;
     const bool turns = kind == JointKind::revolute;
@@ -104,7 +104,7 @@ class UrdfBuilder {
   static std::string given(const std::vector<std::string>& names, std::size_t i, const char* other) {
     return i < names.size() ? names[i] : other + std::to_string(i + 1);
   }
-  /// The shortest digits that give the same numbers again.
+  /// The numbers with the shortest digits that give them again.
   static std::string list(std::initializer_list<double> values) {
     std::string out;
     for (const double v : values) {
@@ -119,15 +119,15 @@ class UrdfBuilder {
     }
     return out;
   }
-  /// `R = Rz(yaw) Ry(pitch) Rx(roll)`; the roll is what is left when the yaw is undone, so that a pitch of a
-  /// right angle costs no digits.
+  /// An `<origin>` with `R = Rz(yaw) Ry(pitch) Rx(roll)`; the roll is what is left when the yaw is undone, so
+  /// that a pitch of a right angle costs no digits.
   static std::string origin(const Rotation<double>& R, const Xyz<double>& p) {
     const double yaw = std::atan2(R.x.y, R.x.x), pitch = std::atan2(-R.x.z, std::hypot(R.x.x, R.x.y));
     const double c = std::cos(yaw), s = std::sin(yaw);
     const double roll = std::atan2(s * R.z.x - c * R.z.y, c * R.y.y - s * R.y.x);
     return "<origin xyz=\"" + list({p.x, p.y, p.z}) + "\" rpy=\"" + list({roll, pitch, yaw}) + "\"/>";
   }
-  /// A capsule: a cylinder with a ball at each end.
+  /// Writes a capsule: a cylinder with a ball at each end.
   void look(const Capsule<>& c) {
     const Xyz<double> way = c.to - c.from;
     const double length = norm(way);
@@ -154,8 +154,8 @@ class UrdfBuilder {
 }  // namespace detail
 
 /// The model as a URDF: the frames of its links are those of `Link<Ix>`. `parse_urdf` reads it back to within
-/// rounding; gravity is not part of a URDF. Throws `ConfigurationError` for limits or capsules of joints or
-/// links that the model does not have.
+/// rounding; gravity is not part of a URDF. Throws `ConfigurationError` for limits of another number of
+/// joints, and for capsules or frames of links that the model does not have.
 template <RobotModel M>
 [[nodiscard]] std::string urdf_text(const M& model, const UrdfDress& dress = {}) {
   require(dress.limits.empty() || dress.limits.size() == M::joints, "UrdfDress: limits",

@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The ways in which a cell lies about touch, or is silent.
+/// The faults of a cell: false readings of touch, or silence.
 enum class CellFault : std::uint8_t {
   stuck,       ///< sends one reading again and again; dead where that is 0
   saturated,   ///< reads the top of its range without a touch
@@ -23,7 +23,7 @@ enum class CellFault : std::uint8_t {
 };
 inline constexpr std::size_t cell_faults = 8;
 
-/// In words, for reports: "stuck".
+/// The name of a fault in words, for reports: "stuck".
 [[nodiscard]] constexpr const char* name(CellFault fault) noexcept {
   constexpr std::array<const char*, cell_faults> names = {"stuck",      "saturated", "blinking", "noisy",
                                                           "cross-talk", "discharge", "unheard",  "quiet"};

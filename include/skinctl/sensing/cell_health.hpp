@@ -21,18 +21,18 @@ namespace detail {
 /// The last message of a cell with `Sensors` force sensors, and how often it has come.
 template <std::size_t Sensors>
 struct MessageRecord {
-  std::array<std::uint16_t, Sensors + 1> last{};   ///< of each sensor [steps]; a hash of all readings
-  std::array<std::uint16_t, Sensors + 1> equal{};  ///< each of these for so many times in a row
-  Stillness still;                                 ///< of a cell that says its unrest
-  CellFaults faults;                               ///< found, while the mask is held
-  bool known = false;                              ///< a sample has come
-  bool says = false;                               ///< the last one said its unrest
+  std::array<std::uint16_t, Sensors + 1> last{};   ///< last reading of each sensor [steps]; hash of the whole
+  std::array<std::uint16_t, Sensors + 1> equal{};  ///< times in a row that each of these has come
+  Stillness still;                                 ///< stillness of a cell that says its unrest
+  CellFaults faults;                               ///< faults found, while the mask is held
+  bool known = false;                              ///< whether a sample has come
+  bool says = false;                               ///< whether the last sample said its unrest
   friend bool operator==(const MessageRecord&, const MessageRecord&) noexcept = default;
 };
 }  // namespace detail
 
-/// Finds faulty cells of a skin with `Cells` cells. sigma is that of the sum of the force sensors, with
-/// rounding.
+/// Finds faulty cells of a skin with `Cells` cells. sigma is the standard deviation of the noise of the force
+/// sensors' sum, with rounding.
 ///
 /// | fault      | found when                                                                                  |
 /// |------------|---------------------------------------------------------------------------------------------|
@@ -66,9 +66,9 @@ class CellHealth {
     std::array<detail::HealthRow, rows> row{};
     std::array<Record, rows * 16> record{};
     std::array<std::uint16_t, rows> suspect{};  ///< cells whose messages repeat
-    std::array<std::uint16_t, rows> fresh{};    ///< a sample has come since the last frame
-    std::array<std::uint16_t, rows> at_top{};   ///< a force sensor is at its top
-    std::array<std::uint16_t, rows> jumped{};   ///< the force has jumped since somebody cleared this
+    std::array<std::uint16_t, rows> fresh{};    ///< cells with a sample since the last frame
+    std::array<std::uint16_t, rows> at_top{};   ///< cells with a force sensor at its top
+    std::array<std::uint16_t, rows> jumped{};   ///< cells whose force has jumped since this was cleared
     Nanoseconds time = Nanoseconds::min();      ///< end of the last frame
     friend bool operator==(const Memory& a, const Memory& b) noexcept {
       return a.time == b.time && a.record == b.record && a.suspect == b.suspect && a.fresh == b.fresh &&
@@ -81,11 +81,12 @@ class CellHealth {
   };
   /// The evidence of a cell's witnesses.
   struct Witness {
-    bool moved = false;    ///< whether a neighbour has moved within the last 24 ms
-    bool touched = false;  ///< whether a neighbour is touched, too
+    bool moved = false;    ///< whether a witness has moved within about twice `witnessed_within`
+    bool touched = false;  ///< whether a witness is touched, too
   };
 
-  /// @param noise  of each cell, or one for all. Throws `ConfigurationError` for a number out of its range.
+  /// @param noise  noise of each cell, or one for all. Throws `ConfigurationError` for a number out of its
+  ///               range.
   SKINCTL_COLD explicit CellHealth(const CellHealthSettings& settings = {},
                                    std::span<const SensorNoise> noise = std::span(&usual_noise, 1))
       : s_(settings), limits_(rows), cell_(rows * 16) {
@@ -212,7 +213,7 @@ class CellHealth {
   /// Limits of the cells of row `b`.
   [[nodiscard]] const detail::HealthLimitsRow& limits(std::size_t b) const noexcept { return limits_[b]; }
 
-  /// 0: the cell counts; 1: it does not.
+  /// The mask of cell `i`: 0: it counts; 1: it does not.
   [[nodiscard]] static float mask(const Memory& m, std::size_t i) noexcept {
     return m.row[i / 16].mask[i % 16];
   }
@@ -225,8 +226,8 @@ class CellHealth {
   static constexpr SensorNoise usual_noise{};
   struct Constants {
     float sigma = 1;               ///< noise of the summed forces [steps]
-    std::uint16_t equal = 65535;   ///< n of the first rule
-    std::uint16_t frozen = 65535;  ///< measurements without unrest
+    std::uint16_t equal = 65535;   ///< equal readings in a row that show a stuck sensor
+    std::uint16_t frozen = 65535;  ///< measurements without unrest that show a stuck cell
     bool rests_above_zero = false;
   };
 
@@ -261,7 +262,7 @@ class CellHealth {
   std::vector<Constants> cell_;
   float per_step_ = 1024;
   std::uint16_t top_ = 1004;
-  std::uint32_t max_messages_ = 65535;  ///< equal ones in a row; 65535: never
+  std::uint32_t max_messages_ = 65535;  ///< equal messages in a row that show a dead cell; 65535: never
 };
 
 SKINCTL_END_NAMESPACE

@@ -10,30 +10,31 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The readings of one untouched cell, in steps of its sensors: the standard deviation of its noise before
-/// the sensor rounds, and the mean.
+/// The noise of one untouched cell, in steps of its sensors: the standard deviation of its noise before the
+/// sensor rounds, and the mean.
 struct SensorNoise {
   float force = 0.7f;      ///< standard deviation of one force sensor [steps]
   float proximity = 0.7f;  ///< standard deviation of the proximity [steps]
   float rest = 0;          ///< mean of one force sensor [steps]; 0: it may read exact zeros while untouched
-  /// Equal readings may follow one another for any time, pressed or not, because its step is coarse or its
-  /// readings are filtered before they arrive. Then equal readings show no fault; whole messages that are
-  /// equal still do.
+  /// Whether equal readings may follow one another for any time, pressed or not, because its step is coarse
+  /// or its readings are filtered before they arrive. Then equal readings show no fault; whole messages that
+  /// are equal still do.
   bool repeats = false;
 };
 
+/// Settings of `CellHealth`.
 struct CellHealthSettings {
   double step = 1.0 / 1024;  ///< step of the readings, as a share of their range
   /// For cells that send changes only: the smallest change of a force sensor that is sent (`SendOnDelta`)
   /// [steps]. Their readings move in steps of it, which is no noise. 0: they send all that they read.
   double delta = 0;
-  /// So many messages in a row with all eight numbers equal show a dead cell, also in between touches. 0:
-  /// never, for cells without an accelerometer or other number that always has noise.
+  /// Number of messages in a row with all eight numbers equal that shows a dead cell, also in between
+  /// touches. 0: never, for cells without an accelerometer or other number that always has noise.
   std::uint32_t equal_messages = 5;
-  double top = 0.98;  ///< a force reading from here on is at the top of its range
+  double top = 0.98;  ///< force reading from which on a sensor is at the top of its range
   Nanoseconds saturated_for = 200ms;
   Nanoseconds fade_in = 50ms, fade_out = 250ms;  ///< times in which a mask fades in and out
-  Nanoseconds hold = 2s, hold_blinking = 10s;    ///< a mask stays for so long after the last finding
+  Nanoseconds hold = 2s, hold_blinking = 10s;    ///< times for which a mask stays after the last finding
   Nanoseconds witnessed_within = 12ms;  ///< time before or after a jump in which a witness shows it too
 
   /// Throws `ConfigurationError` for a number out of its range.

@@ -18,13 +18,13 @@ struct CellSample {
   std::array<float, 3> force{};         ///< three normal forces, each in [0, 1]
   float proximity = 0;                  ///< proximity reading, in [0, 1]
   std::array<float, 3> acceleration{};  ///< proper acceleration [m/s^2]: at rest g, upwards
-  float temperature = 0;                ///< [C]
+  float temperature = 0;                ///< temperature [C]
   std::uint16_t measured = unsaid;      ///< measurements since the last message of this cell; 0: old readings
   std::uint16_t unrest =
       unsaid;  ///< mean square of the change from measurement to measurement [1/256 step^2]
 };
 
-/// The kind of these cells: what a skin is made of unless another kind is named.
+/// The kind of TUM's hexagonal cells: that of a skin which names no other kind.
 struct Hexagon {
   static constexpr std::string_view name = "tum-hexagon";
   static constexpr std::array readings{Reading{"force 1"},
@@ -111,7 +111,7 @@ template <SensorKind Kind>
   }(std::make_index_sequence<KindTable<Kind>::pushing>{});
 }
 
-/// The sample of a kind, and its counts.
+/// The type of a kind's samples, and that of its counts.
 template <SensorKind Kind>
 using SampleOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, CellSample, SensorSample<Kind>>;
 template <SensorKind Kind>

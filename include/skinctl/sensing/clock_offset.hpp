@@ -10,7 +10,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Offset and rate of a robot's clock against a sender's, from messages that say when they were sent.
+/// Offset (the robot's time less the sender's) and rate of a robot's clock against a sender's, from messages
+/// that say when they were sent.
 ///
 /// `arrived - sent` is the offset plus the delay of a message, so the least of many is the offset plus the
 /// least delay, which is declared. Each second of the sender's clock gives one point: its least difference.
@@ -19,8 +20,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// robot's rises everywhere: no stamp runs back.
 ///
 /// Clocks within 200 ppm are followed for good; a minimum that is let rise at a fixed rate loses those that
-/// drift faster. A change of rate by r is followed after half a window, by r times 15 s meanwhile if the
-/// difference turns upwards.
+/// drift faster. A change of rate by r is followed after half a window; until then stamps are off by up to r
+/// times 15 s if the difference turns upwards.
 ///
 /// Messages may be lost, repeated or overtaken. The sender's clock is taken to have leapt, and everything
 /// begins anew with `gather`, if a message
@@ -37,35 +38,36 @@ class ClockOffset {
     Nanoseconds gather = 100ms;  ///< time for which messages are heard before the first stamp
     Nanoseconds ahead = 1ms, overtaken = 20ms, late = 5ms;  ///< see the class
   };
-  static constexpr std::size_t window = 30;  ///< seconds
+  static constexpr std::size_t window = 30;  ///< number of seconds of the window
   static constexpr double max_rate = 200e-6, slew = 500e-6;
 
   /// The result of a message.
   enum class Heard : unsigned char {
     refused,    ///< a time beyond +-73 years: not taken
-    gathering,  ///< no stamps yet
-    tied,       ///< `stamp` holds
+    gathering,  ///< `stamp` gives no stamps yet
+    tied,       ///< `stamp` gives stamps
     leapt       ///< the sender's clock leapt: begins anew with this message
   };
 
   struct Point {
     Nanoseconds sent{}, difference{};  ///< `arrived - sent`
   };
-  /// The map from `at` on: `offset + rate t + error`, whose error goes to 0 at `slew`.
+  /// A piece of the map from the sender's time to the robot's, from the sender's time `at` on: to add are
+  /// `offset + rate t + error`, t since `at`, with an error that goes to 0 at `slew`.
   struct Piece {
     Nanoseconds at{}, offset{};
     double rate = 0, error = 0;  ///< rate of the offset [s/s]; error at `at` [ns], which goes to 0
   };
   /// Trivially copyable; `Memory{}` has heard nothing.
   struct Memory {
-    std::array<Point, window + 1> points{};  ///< one a second, the newest last, and the present second's
+    std::array<Point, window + 1> points{};  ///< fastest message of each second, the newest last
     std::size_t count = 0;
     std::size_t messages = 0;       ///< messages in the present second
     std::array<Piece, 4> pieces{};  ///< the newest first
     std::size_t pieces_count = 0;   ///< 0: no stamps yet
     Nanoseconds began{};            ///< beginning of the present second
     Nanoseconds newest{};           ///< time at which the newest message was sent
-    bool near = false;              ///< a message of the present second came within `late` of the line
+    bool near = false;              ///< whether one of the present second came within `late` of the line
     std::size_t leaps = 0;          ///< leaps since the start
   };
 
@@ -115,16 +117,16 @@ class ClockOffset {
     return ready(m) ? Heard::tied : Heard::gathering;
   }
 
-  /// Whether there are stamps.
+  /// Whether `stamp` can give stamps.
   [[nodiscard]] static bool ready(const Memory& m) noexcept { return m.pieces_count != 0; }
-  /// The robot's time when the sender's clock shows `t`; asks for `ready`. For `t` up to the newest message
+  /// The robot's time when the sender's clock shows `t`; requires `ready`. For `t` up to the newest message
   /// and 0.3 s before it, it does not run back: neither from one `t` to a later one, nor to what was given
   /// before, a leap of the clock excepted.
   [[nodiscard]] static Nanoseconds stamp(const Memory& m, Nanoseconds t) noexcept {
     SKINCTL_EXPECTS(ready(m), "a clock that is tied");
     return t + offset(m, t);
   }
-  /// The robot's seconds for each of the sender's, less 1.
+  /// Rate of the offset [s/s]: the robot's seconds for each of the sender's, less 1.
   [[nodiscard]] static double rate(const Memory& m) noexcept { return ready(m) ? m.pieces[0].rate : 0; }
 
  private:
@@ -161,7 +163,7 @@ class ClockOffset {
     if (difference < offset(m, sent) - s_.ahead) return true;
     return sent - m.began >= 1s && m.messages >= 10 && !m.near && difference > offset(m, sent) + s_.late;
   }
-  /// The first stamps, once enough was gathered: at the least difference so far.
+  /// Begins the map at the least difference so far, once enough was gathered; whether it did.
   [[nodiscard]] bool tie(Memory& m) const noexcept {
     if (m.newest - m.points[0].sent < s_.gather && m.newest - m.began < s_.gather) return false;
     m.pieces[0] = {m.newest, m.points[m.count - 1].difference, 0, 0};
@@ -180,7 +182,7 @@ class ClockOffset {
     m.near = ready(m) && first.difference <= offset(m, first.sent) + s_.late;
   }
 
-  /// A new line, and the way to it from where the map is now.
+  /// Adds a piece to the map: the newest line, with the error at which the map is now.
   void revise(Memory& m) const noexcept {
     const Nanoseconds now = m.newest, old = offset(m, now);
     // The present second has not seen its fastest message yet: it counts where it lies below the others'
@@ -191,7 +193,7 @@ class ClockOffset {
     m.pieces[0] = {now, line.offset, line.rate, count(old - line.offset)};
   }
   struct Line {
-    Nanoseconds offset;  ///< at the time asked for
+    Nanoseconds offset;  ///< offset at the time asked for
     double rate;
   };
   /// The edge over the mean time of the lower convex hull of all points, at the sender's time `now`.

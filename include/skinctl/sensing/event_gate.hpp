@@ -34,10 +34,11 @@ class EventGate {
     require(opens_at >= closes_below && double(opens_at) - double(opens_at) == 0, "EventGate: opens_at",
             double(opens_at), ">= closes_below");
   }
-  /// 0 below the threshold, the excess above it: continuous, and without hysteresis because none is needed.
+  /// A gate that gives 0 below the threshold and the excess above it: continuous, so that it needs no
+  /// hysteresis.
   [[nodiscard]] static EventGate dead_band(T threshold) { return EventGate(threshold, threshold, threshold); }
-  /// The full reading while open: it steps by the threshold, so it should open and close at different
-  /// readings.
+  /// A gate that gives the full reading while open: it steps by the threshold, so it should open and close at
+  /// different readings.
   [[nodiscard]] static EventGate hysteresis(T opens_at, T closes_below) {
     return EventGate(opens_at, closes_below, T(0));
   }

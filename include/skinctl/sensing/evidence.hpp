@@ -17,17 +17,17 @@ SKINCTL_BEGIN_NAMESPACE
 // sum of the sources goes to `RestLevel::take` and `scan`, which smooth it. All are written for a number or a
 // lane; an argument that is NaN gives 0: no evidence.
 
-/// Of a cell that reads a proximity in [0, 1]: 3.9 with nothing near (below 0.05), -3.9 with something
-/// (above 0.5), else 0.
+/// Evidence for a drift of a cell that reads a proximity in [0, 1]: 3.9 with nothing near (below 0.05), -3.9
+/// with something (above 0.5), else 0.
 template <Scalar S>
 [[nodiscard]] SKINCTL_INLINE S proximity_evidence(const S& proximity) noexcept {
   return select(proximity < S(0.05), S(3.9), select(proximity > S(0.5), S(-3.9), S(0)));
 }
 
-/// Of a large patch: 3 where r is within 30 % of the patch's median r and that is above 3 steps; -1 where the
-/// patch has moved and the cell with it has not; -0.4 where the patch stands still. For patches of at least
-/// `patch_median_cells` cells that no one object covers: of a single finger, a grasp is what the median
-/// shows.
+/// Evidence for a drift of a cell of a large patch, which reads r above its rest level: 3 where r is within
+/// 30 % of the patch's median r and that is above 3 steps; -1 where the patch has moved and the cell with it
+/// has not; -0.4 where the patch stands still. For patches of at least `patch_median_cells` cells that no one
+/// object covers: of a single finger, a grasp is what the median shows.
 ///
 /// @param r, median  [steps]; the median as `patch_median` gives it.
 template <Scalar S>
@@ -39,9 +39,9 @@ template <Scalar S>
 }
 /// Least number of cells of a patch whose median is evidence.
 inline constexpr std::size_t patch_median_cells = 60;
-/// The median of r [steps] over `count` cells from the `first` on, of rows of 16; over at most 255 of them,
-/// evenly drawn. NaN, so no evidence, for fewer than `patch_median_cells`. A microsecond or two: as the
-/// evidence is smoothed over 2 s, ten times a second is enough.
+/// The median of the readings above rest levels [steps] over `count` cells from the `first` on, of rows of
+/// 16; over at most 255 of them, evenly drawn. NaN, so no evidence, for fewer than `patch_median_cells`. A
+/// microsecond or two: as the evidence is smoothed over 2 s, ten times a second is enough.
 [[nodiscard]] inline float patch_median(const RestRow* rows, std::size_t first, std::size_t count) noexcept {
   if (count < patch_median_cells) return std::numeric_limits<float>::quiet_NaN();
   std::array<float, 255> r{};

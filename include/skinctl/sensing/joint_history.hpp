@@ -29,11 +29,11 @@ class JointHistory {
   /// The joints at a time.
   struct At {
     State<N, T> state;  ///< state at the time asked for, or at the nearest one for which the joints are known
-    bool known = false;  ///< the state is of the time asked for
+    bool known = false;  ///< whether the state is of the time asked for
   };
 
   /// Throws `ConfigurationError` unless `period` is in (0, 1] s.
-  /// @param period  planned distance of two states: as far the newest one is extrapolated.
+  /// @param period  planned time between two states; the newest one is extrapolated for as long.
   explicit JointHistory(Nanoseconds period) : period_(period) {
     require(period > 0ns && period <= 1s, "JointHistory: period", milliseconds(period), "> 0, <= 1000 ms");
   }

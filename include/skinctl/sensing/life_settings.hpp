@@ -11,14 +11,14 @@ SKINCTL_BEGIN_NAMESPACE
 /// dithers within a sensor's noise does none of these: its push counts less with each millimetre that its
 /// place gives way to it.
 struct LifeSettings {
-  /// Way of a place, in all, until a push on it counts nothing [m]; of a way that neighbours with life share
-  /// in, the part of its own force. An arm that stops within it meets nobody; a calm hand has shown its
-  /// tremor long before.
+  /// Total distance that a place gives way until a push on it counts nothing [m]; where neighbours with life
+  /// push too, only the share of the place's own force counts. An arm that stops within it meets nobody; a
+  /// calm hand has shown its tremor long before.
   double way = 0.008;
   /// Largest sum of pushes without life [N]: more than a blow of 2 kN/m at 0.5 m/s reaches in the 16 ms
-  /// before its life shows, and what friction stops again within a few millimetres.
+  /// before its life shows, and so little that friction stops the arm again within a few millimetres.
   double force = 30;
-  /// Mass that the arm is felt to have [kg]: the damping of such pushes is critical for it,
+  /// Mass with which the arm is felt [kg]: the damping of such pushes is critical for it,
   /// `2 sqrt(mass force / way)`.
   double mass = 5;
   /// Push up to which a cell lives if the sum of it and its pressed neighbours does [N]: at the rim of a

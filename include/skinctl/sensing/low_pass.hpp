@@ -10,7 +10,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `tau y' = x - y`, exactly, for an input x that is linear between its samples, whatever their distances:
+/// The low-pass filter of first order `tau y' = x - y`, exact for an input x that is linear between its
+/// samples x0 and x1, whatever their distance dt:
 ///
 ///     u = dt / tau,  E = exp(-u),  g = (1 - E) / u:   y <- E y + (g - E) x0 + (1 - g) x1
 ///
@@ -35,14 +36,14 @@ class LowPass {
     require(ramp > 0ns && ramp <= 1000s, "LowPass: ramp", milliseconds(ramp), "> 0, <= 1e6 ms");
   }
 
-  /// A sample of an input that is linear since the last one.
+  /// Takes a sample of an input that is linear since the last one.
   Status sample(Memory& m, Nanoseconds time, const T& x) const noexcept {
     const Status status = look(m, time, x);
     if (!status.any() && m.started) m.output = after(m, distance(m.time, time), x);
     if (!status.any()) m = {time, x, m.started ? m.output : x, true};
     return status;
   }
-  /// A sample of an input that was constant since the last one but for the last `ramp`.
+  /// Takes a sample of an input that was constant since the last one but for the last `ramp`.
   Status event(Memory& m, Nanoseconds time, const T& x) const noexcept {
     const Status status = look(m, time, x);
     if (status.any() || !m.started) return sample(m, time, x);

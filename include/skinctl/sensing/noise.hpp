@@ -17,7 +17,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// Reasons for which the noise of a cell was not taken, in the order of their checks.
 enum class NoiseFinding : unsigned char {
   good,    ///< the noise was taken
-  silent,  ///< no sample, or only one
+  silent,  ///< fewer than two samples, a value that is not finite, or a time that is not later
   near,    ///< something was near: proximity above `NoiseSettings::near`, or NaN
   offset,  ///< pressed all the time: the mean is above the file's threshold
   drift    ///< the mean of the second half differs from that of the first
@@ -54,7 +54,7 @@ struct NoiseReading {
   double value = 0, proximity = 0;
 };
 
-/// The noise of a cell from its readings, in the order of their times, of a time (2 s are usual) in which
+/// The noise of a cell from its readings, in the order of their times, over a time (2 s are usual) in which
 /// nothing touches it:
 ///
 ///     margin = max(6 sigma, 1.5 (max - median), 2 steps),    sigma^2 = variance + step^2 / 12
@@ -129,7 +129,7 @@ class NoiseCalibration {
       : settings_(settings), file_(std::move(file)), readings_(file_.size()) {
     settings.check();
   }
-  /// A sample of the `i`-th cell; those of one cell in the order of their times. Allocates.
+  /// Takes a sample of the `i`-th cell; those of one cell in the order of their times. Allocates.
   void add(std::size_t i, const CellSample& sample) {
     SKINCTL_EXPECTS(i < readings_.size(), "a cell of this skin");
     const auto& f = sample.force;
@@ -152,8 +152,8 @@ class NoiseCalibration {
   std::vector<std::vector<NoiseReading>> readings_;
 };
 
-/// Two samples in a row: what counts is the smaller one of the last two, so that a single peak of noise is no
-/// touch. A touch is felt one sample later, a release at once.
+/// Filter over two samples in a row: the smaller one of the last two counts, so that a single peak of noise
+/// is no touch. A touch is felt one sample later, a release at once.
 ///
 /// A cell that sends only changes measures without sending: once it has been silent for two of its periods,
 /// its last sample has proved itself, and `settled` counts. For the front end of a skin, in the loop.

@@ -13,23 +13,24 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Times of a rest level. The defaults are for capacitive skins at room temperature.
+/// Times of a rest level; r and kappa: see `RestLevel`. The defaults are for capacitive skins at room
+/// temperature.
 struct RestSettings {
-  Nanoseconds smooth = 100ms;       ///< time constant of the smoothed reading m
-  Nanoseconds follow = 20s;         ///< time constant of b within +-kappa
-  Nanoseconds fall = 500ms;         ///< time constant of b when r has been below -kappa for `low_for`
-  Nanoseconds low_for = 500ms;      ///< nothing pulls at a cell: then the rest level is wrong
-  Nanoseconds quiet_for = 1s;       ///< r below kappa/2 for so long: not frozen any more
-  Nanoseconds fast_within = 600ms;  ///< half the threshold so soon after freezing: rather a touch
-  Nanoseconds release = 5s;         ///< time constant of b while evidence says that a frozen cell drifts
+  Nanoseconds smooth = 100ms;       ///< time constant of the smoothed reading
+  Nanoseconds follow = 20s;         ///< time constant of the rest level where |r| <= kappa
+  Nanoseconds fall = 500ms;         ///< time constant of the rest level after r < -kappa for `low_for`
+  Nanoseconds low_for = 500ms;      ///< time below -kappa that says: a wrong rest level, as nothing pulls
+  Nanoseconds quiet_for = 1s;       ///< time of r below kappa/2 until a cell is frozen no more
+  Nanoseconds fast_within = 600ms;  ///< time from freezing to half the threshold that says: rather a touch
+  Nanoseconds release = 5s;         ///< time constant of the rest level of a frozen cell that drifts
   Nanoseconds weigh = 2s;           ///< time constant of the evidence
   Nanoseconds ramp = 6ms;           ///< longest duration of a change of reading before its sample
-  Nanoseconds longest = 1s;         ///< a longer gap between two readings counts as this
+  Nanoseconds longest = 1s;         ///< longest gap between two readings; a longer one counts as this
 };
 
 /// Levels of one cell, in steps of its sensor.
 struct RestLevels {
-  float freeze = 1;  ///< kappa: |r| up to this is drift
+  float freeze = 1;  ///< kappa: largest distance from the rest level that is drift
   float touch = 80;  ///< threshold of a touch
 
   /// Throws `ConfigurationError` unless 0 < freeze <= touch <= 2^20 steps.
@@ -39,12 +40,12 @@ struct RestLevels {
   }
 };
 
-/// A row of 16 cells, field by field: 24 bytes a cell. A row of zeros has its rest levels at 0.
+/// The `RestCell`s of 16 cells, field by field: 24 bytes a cell. A row of zeros has its rest levels at 0.
 struct alignas(64) RestRow {
   static constexpr std::size_t cells = 16;
   float above[cells]{}, whole[cells]{}, fraction[cells]{}, frozen[cells]{}, below[cells]{}, evidence[cells]{};
 };
-/// The levels of the cells of a row.
+/// The `RestLevels` of the cells of a row [steps].
 struct alignas(64) RestLevelsRow {
   float freeze[RestRow::cells]{}, touch[RestRow::cells]{};
 };
@@ -79,7 +80,7 @@ struct alignas(64) RestLevelsRow {
 /// Two faces of one rule: `take` for a cell at its own times, `scan` for rows of 16 cells at a common rate.
 class RestLevel {
  public:
-  /// A cell that is followed by `take`. `start` gives the first.
+  /// The memory of a cell that is followed by `take`. `start` gives the first.
   template <Real T = float>
   struct Memory {
     RestCell<T> cell;
@@ -93,8 +94,8 @@ class RestLevel {
   template <Real T>
   using Step = detail::RestStep<T>;
 
-  /// Throws `ConfigurationError` for a time outside (0 s, 1 h], for `longest` below 50 ms or above 10 s, or a
-  /// `smooth` that is not the shortest of the time constants.
+  /// Throws `ConfigurationError` for a time outside (0 s, 1 h], `longest` outside [50 ms, 10 s], `low_for` or
+  /// `quiet_for` above 2 s, and unless `smooth <= fall <= release <= follow`.
   SKINCTL_COLD explicit RestLevel(const RestSettings& settings = {}) : s_(settings) {
     const auto time = [](Nanoseconds t, const char* name) {
       require(t > 0ns && t <= 1h, name, milliseconds(t), "> 0 ms, <= 1 h");
@@ -113,9 +114,9 @@ class RestLevel {
   }
   [[nodiscard]] const RestSettings& settings() const noexcept { return s_; }
 
-  /// kappa of a cell whose single readings have the standard deviation `sigma` [steps] and come every
-  /// `period`: four deviations of the smoothed reading, at least a step. Sensors that report at several rates
-  /// take the slowest one's.
+  /// The level kappa [steps] of a cell whose single readings have the standard deviation `sigma` [steps] and
+  /// come every `period`: four deviations of the smoothed reading, at least a step. Sensors that report at
+  /// several rates take the slowest one's.
   [[nodiscard]] double freeze_level(double sigma, Nanoseconds period) const {
     require(sigma >= 0 && sigma <= 1e4, "RestLevel: sigma", sigma, "0 to 1e4 steps");
     require(period > 0ns && period <= s_.longest, "RestLevel: period", milliseconds(period),
@@ -126,7 +127,8 @@ class RestLevel {
     const double kappa = 4 * sigma * std::sqrt((a * a + b * b + 2 * e * a * b) / (1 - e * e));
     return kappa > 1 ? kappa : 1;
   }
-  /// A cell with the rest level `rest` [steps], as measured while it was untouched. Not finite: 0.
+  /// The memory of a cell with the rest level `rest` [steps], as measured while it was untouched. Not finite:
+  /// 0.
   template <Real T = float>
   [[nodiscard]] Memory<T> start(const T& rest) const noexcept {
     Memory<T> memory;
@@ -193,7 +195,7 @@ class RestLevel {
     }
   }
 
-  /// The cell in lane `i` of a row, and back.
+  /// The cell in lane `i` of a row; `put` writes it back.
   [[nodiscard]] static RestCell<> cell(const RestRow& row, std::size_t i) noexcept {
     SKINCTL_EXPECTS(i < RestRow::cells, "a lane of the row");
     return {row.above[i], row.whole[i], row.fraction[i], row.frozen[i], row.below[i], row.evidence[i]};

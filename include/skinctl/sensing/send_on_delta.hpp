@@ -23,7 +23,7 @@ class SendOnDelta {
     float force = 2.0f / 1024;  ///< each of the three forces
     float proximity = 0.004f;
     float acceleration = 1;    ///< each axis [m/s^2]
-    float temperature = 0.5f;  ///< [C]
+    float temperature = 0.5f;  ///< temperature [C]
     float fine = 2.0f / 1024;  ///< each of the three forces, after `patience`; above the noise
   };
   /// The last sample sent; none in `Memory{}`. One per cell.
@@ -32,7 +32,7 @@ class SendOnDelta {
     bool any = false;
   };
 
-  /// @param patience  of a cell that sends fine changes as well; none by default.
+  /// @param patience  silence after which changes of force from `fine` on are sent as well; never by default.
   /// Throws `ConfigurationError` unless every delta, `keep_alive` and `patience` are > 0, and deltas at most
   /// 1e6.
   explicit SendOnDelta(const Deltas& deltas, Nanoseconds keep_alive = 100ms,

@@ -19,7 +19,7 @@ SKINCTL_BEGIN_NAMESPACE
 struct Reading {
   std::string_view name;
   double min = 0, max = 1;  ///< range of the reading, in its unit
-  /// Any finite number.
+  /// Bound of a range that admits any finite number.
   static constexpr double any = std::numeric_limits<float>::max();
 };
 
@@ -30,13 +30,12 @@ enum class ChannelUse : std::uint8_t {
   told      ///< no force: an acceleration, a temperature
 };
 
-/// The largest amount that counts of a channel beside the pressure of its own cell.
+/// Friction cone: the limit of a channel's amount by the pressure of its own cell.
 struct Cone {
-  double friction = 0;  ///< mu: up to mu times the cell's pressure; 0: on its own
+  double friction = 0;  ///< largest ratio of the channel's force to the cell's pressure; 0: no limit
 };
-/// Shear: a cell that nothing presses is not dragged, whatever it reads. With
-/// 0.8 a stuck channel pushes 1.6 N beside a pressure of 2 N; a cover that grips harder has a cone of its
-/// own.
+/// The cone of shear: a cell that nothing presses is not dragged, whatever it reads. With 0.8 a stuck channel
+/// pushes 1.6 N beside a pressure of 2 N; a cover that grips harder has a cone of its own.
 inline constexpr Cone with_normal{0.8};
 
 /// A sum of readings that acts along one direction at one place of its cell.
@@ -72,7 +71,7 @@ concept SensorKind = requires {
   requires K::readings.size() > 0 && K::readings.size() <= 32;
 };
 
-/// `measured` or `unrest` of a cell that does not say it.
+/// Value of `measured` or `unrest` of a cell that does not say it.
 inline constexpr std::uint16_t unsaid = 65535;
 
 /// One message of one cell of a kind.
@@ -86,7 +85,7 @@ struct SensorSample {
 
 namespace detail {
 
-/// What makes no kind of sensor.
+/// The faults of a kind of sensor.
 enum class KindFault {
   none,
   pushes_nothing,
@@ -117,7 +116,7 @@ constexpr KindFault kind_fault(std::span<const Channel> channels, std::size_t re
   return cone && !pressed ? KindFault::no_pressure : KindFault::none;
 }
 
-/// Says in words why a kind is none.
+/// States the fault of a kind as a compile error.
 template <class Kind>
 constexpr bool is_sound() {
   constexpr KindFault fault = kind_fault(Kind::channels, Kind::readings.size());
@@ -161,7 +160,7 @@ struct KindTable {
     for (std::size_t c = 0; c < pushing; ++c) bits |= is_pressure(c) ? Kind::channels[c].readings : 0u;
     return bits;
   }();
-  /// The greatest maximum of a channel's readings: what a step of a sensor is a share of.
+  /// The greatest maximum of a channel's readings; a step of a sensor is a share of it.
   static constexpr double full(std::size_t c) {
     double most = 0;
     for (std::size_t r = 0; r < readings; ++r)
@@ -169,7 +168,8 @@ struct KindTable {
         most = Kind::readings[r].max;
     return most;
   }
-  /// Channels that act along one line share a unit wrench: its number, in the order of their first ones.
+  /// Number of each channel's unit wrench, in the order of first use: channels that act along one line share
+  /// one.
   static constexpr std::array<std::size_t, pushing> line = [] {
     std::array<std::size_t, pushing> out{};
     std::size_t lines = 0;
@@ -188,20 +188,20 @@ struct KindTable {
     for (const std::size_t l : line) n = l + 1 > n ? l + 1 : n;
     return n;
   }();
-  /// A step of its count, a power of two: 2^-16 of the next power above the greatest amount, 2^-15 with a
-  /// sign.
+  /// A step of a channel's count, in its unit: the smallest power of two of which 2^16 reach the greatest
+  /// amount, 2^15 with a sign.
   static constexpr double step(std::size_t c) {
     double unit = 0x1p-40;
     while (unit * (has_cone(c) ? 32768 : 65536) < Kind::channels[c].greatest) unit *= 2;
     return unit;
   }
-  /// The greatest count.
+  /// The greatest count of a channel.
   static constexpr std::int32_t limit(std::size_t c) {
     const double steps = Kind::channels[c].greatest / step(c) + 0.5;
     const std::int32_t most = has_cone(c) ? 32767 : 65535;
     return steps < most ? static_cast<std::int32_t>(steps) : most;
   }
-  /// The least and greatest amounts that the ranges of its readings allow.
+  /// The least and greatest amounts of a channel that the ranges of its readings allow.
   static constexpr std::array<double, 2> range(std::size_t c) {
     std::array<double, 2> sum{};
     for (std::size_t r = 0; r < readings; ++r)

@@ -33,8 +33,8 @@ class Unrest {
     bool any = false;
   };
 
-  /// @param step  of the readings, as a share of their greatest value. Throws `ConfigurationError` unless it
-  /// is in [1/60000, 0.1].
+  /// @param step  step of the readings, as a share of their greatest value. Throws `ConfigurationError`
+  ///              unless it is in [1/60000, 0.1].
   explicit Unrest(double step = 1.0 / 1024) : per_step_(static_cast<float>(1 / step)) {
     require(step >= 1.0 / 60000 && step <= 0.1, "Unrest: step", step, "1/60000 to 0.1");
   }
@@ -68,7 +68,7 @@ class Unrest {
 
 /// The number of measurements in a row that a cell has said to be without unrest.
 struct Stillness {
-  static constexpr double min_sigma = double(0.3f);  ///< [steps], as a `SensorNoise` holds it
+  static constexpr double min_sigma = double(0.3f);  ///< largest noise of sensors that may stand [steps]
   std::uint16_t measurements = 0;
 
   /// Whether a sample says both numbers.
@@ -84,9 +84,10 @@ struct Stillness {
     measurements = s.unrest != 0 ? 0 : static_cast<std::uint16_t>(std::min(sum, 65534u));
   }
   friend constexpr bool operator==(const Stillness&, const Stillness&) noexcept = default;
-  /// So many show a frozen cell, by chance 1 in 1e10: a healthy one of `sensors` pressures, whose noise has
-  /// the standard deviation `sigma` [steps] before rounding and is three quarters of that at least, repeats
-  /// itself so often at most. 65535, never, for a sigma of 0.3 and less: such a sensor may stand still.
+  /// Number of measurements without unrest that shows a frozen cell, by chance 1 in 1e10: a healthy one of
+  /// `sensors` pressures, whose noise has the standard deviation `sigma` [steps] before rounding and is three
+  /// quarters of that at least, repeats itself so often at most. 65535, never, for a sigma of 0.3 and less:
+  /// such a sensor may stand still.
   [[nodiscard]] static std::uint16_t frozen_after(double sigma, std::size_t sensors) {
     if (!(sigma > min_sigma)) return 65535;
     const double same = std::erf(1 / (2 * std::sqrt(2.0) * 0.75 * sigma));

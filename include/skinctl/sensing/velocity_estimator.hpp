@@ -45,10 +45,10 @@ class VelocityEstimator {
   };
   struct Memory {
     std::size_t count = 0;  ///< samples in the window
-    std::size_t next = 0;   ///< place of the next one
+    std::size_t next = 0;   ///< index of the next sample
     std::array<Nanoseconds, K> stamp{};
     std::array<JointPosition<N, T>, K> q{};
-    State<N, T> state{};  ///< the newest
+    State<N, T> state{};  ///< newest state
     friend bool operator==(const Memory& a, const Memory& b) noexcept {
       return a.count == b.count && a.next == b.next && a.stamp == b.stamp && a.q == b.q &&
              a.state.time == b.state.time && a.state.q == b.state.q && a.state.dq == b.state.dq;
@@ -126,7 +126,7 @@ class VelocityEstimator {
     for (const T& w : weights_) sum = sum + (w < T(0) ? T(-w) : w);
     return T(0.5) * s_.step * sum;
   }
-  /// Deviation of the velocity for one of independent positions [1/s].
+  /// Standard deviation of the velocity per standard deviation of independent positions [1/s].
   [[nodiscard]] T gain_of_noise() const noexcept {
     using std::sqrt;
     T sum(0);

@@ -16,9 +16,9 @@ struct LinkSettings {
   int tries = 12;  ///< tries of one message, 2 to 200
   int missed = 3;  ///< beacons missed in a row, 2 to 200
 
-  /// For links that lose this share of their frames, 0 to 0.5: so many tries and beacons that a healthy link
-  /// is taken for cut about once in 1e9 messages or beacons. Three beacons are right up to 0.1 % only: at 10
-  /// % a skin of 10 000 cells would otherwise see 10 000 cuts a second.
+  /// The settings for links that lose the share `loss` of their frames, 0 to 0.5: so many tries and beacons
+  /// that a healthy link is taken for cut about once in 1e9 messages or beacons. Three beacons are right up
+  /// to 0.1 % only: at 10 % a skin of 10 000 cells would otherwise see 10 000 cuts a second.
   [[nodiscard]] static LinkSettings for_loss(double loss) {
     require(loss >= 0 && loss <= 0.5, "link: share of lost frames", loss, "0 to 0.5");
     const auto count = [](double miss, double least) {
@@ -28,10 +28,10 @@ struct LinkSettings {
   }
 };
 
-/// The memory of one end. Each call takes an event and gives what to send and what became of the port. Ends
-/// that disagree whether their link is up would lose messages: each time that an end goes down it takes a new
-/// session number, the other end sees that and goes down as well, and both are up again when each has heard
-/// the other's present number.
+/// One end of a link, and its memory. Each call takes an event and gives what to send and what became of the
+/// port. Ends that disagree whether their link is up would lose messages: each time that an end goes down it
+/// takes a new session number, the other end sees that and goes down as well, and both are up again when each
+/// has heard the other's present number.
 class LinkEnd {
  public:
   enum class Port : std::uint8_t { same, went_up, went_down, restarted };
@@ -39,7 +39,7 @@ class LinkEnd {
     Port port = Port::same;  ///< `restarted`: down and up again
     std::optional<LinkFrame> send{};
     std::optional<CellMessage> received{};
-    bool free = false;  ///< a further message may be sent
+    bool free = false;  ///< whether a further message may be sent
   };
 
   [[nodiscard]] bool up() const noexcept { return up_; }
@@ -55,7 +55,7 @@ class LinkEnd {
     return out_;
   }
 
-  /// No receipt came in time.
+  /// Takes the event that no receipt came in time: repeats the message, or goes down after the last try.
   [[nodiscard]] Result timeout(const LinkSettings& s) noexcept {
     Result r;
     if (!waiting_) return r;
@@ -69,7 +69,7 @@ class LinkEnd {
     return r;
   }
 
-  /// Once each 4 ms: a sign of life.
+  /// Sends a sign of life; to be called once each 4 ms. Goes down when too many of the other end were missed.
   [[nodiscard]] Result beat(const LinkSettings& s) noexcept {
     Result r;
     missed_ = std::uint8_t(std::min(255, missed_ + 1));
@@ -81,6 +81,7 @@ class LinkEnd {
     return r;
   }
 
+  /// Takes a frame from the other end.
   /// @param room  whether a report could be kept: one that could not is sent again.
   [[nodiscard]] Result receive(const LinkFrame& f, bool room) noexcept {
     Result r;

@@ -12,8 +12,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A cell has four ports, an id of 14 bits (0: none yet; 16383 addresses all) and a label, its place in a
-/// depth-first order of the tree.
+/// The limits of a network of cells. A cell has four ports, an id of 14 bits (0: none yet; 16383 addresses
+/// all) and a label, its place in a depth-first order of the tree.
 struct CellNet {
   static constexpr int ports = 4;
   static constexpr std::uint16_t highest_id = 16382;
@@ -26,12 +26,12 @@ struct CellNet {
 /// A message between neighbours, or between the PC and the cell at its port.
 struct CellMessage {
   enum class Kind : std::uint8_t {
-    explore,  ///< joins the tree of `epoch`: a = hops of the receiver, forget = drop your id
-    echo,     ///< below me are: a = cells, b = of these without an id, neighbours[0] = the highest id
+    explore,  ///< invites to the tree of `epoch`: a = hops of the receiver, forget = it drops its id
+    echo,     ///< from the sender down: a = cells, b = of these without an id, neighbours[0] = highest id
     changed,  ///< the network is no longer that of `epoch`
-    assign,   ///< a = your label, b = the first id that you may give
-    name,     ///< I am: a = id, b = my port on this link
-    report    ///< to the PC: a = id, b = label, neighbours = (id << 2 | port) or 0
+    assign,   ///< a = label of the receiver, b = first id that it may give
+    name,     ///< of the sender: a = id, b = its port on this link
+    report    ///< of a cell to the PC: a = id, b = label, neighbours = (id << 2 | port) or 0
   };
   static constexpr int kinds = 6;
   Kind kind = Kind::changed;
@@ -49,7 +49,7 @@ struct LinkFrame {
   Kind kind = Kind::beacon;
   bool number = false;
   std::uint8_t session = 0;  ///< session of the sender: another one each time that its port was down
-  std::uint8_t peer = 0;     ///< the session that it last heard; 0: none
+  std::uint8_t peer = 0;     ///< session of the other end that the sender last heard; 0: none
   CellMessage message{};
 
   friend bool operator==(const LinkFrame&, const LinkFrame&) = default;

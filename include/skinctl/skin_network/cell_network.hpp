@@ -24,10 +24,10 @@ struct CellMemory {
   std::uint16_t id = 0;     ///< id of the cell, kept over epochs
   std::uint16_t label = 0;
   std::array<Span, CellNet::ports> spans{};                ///< counts and labels of the children, by port
-  std::array<std::uint16_t, CellNet::ports> neighbours{};  ///< id << 2 | port
+  std::array<std::uint16_t, CellNet::ports> neighbours{};  ///< neighbour at each port: id << 2 | its port
   std::uint16_t highest = 0;                               ///< largest id from here down
   std::uint8_t parent = nobody;
-  std::uint8_t live = 0, waiting = 0, children = 0, named = 0;  ///< sets of ports
+  std::uint8_t live = 0, waiting = 0, children = 0, named = 0;  ///< sets of ports, bit p: port p
   std::uint8_t reported = 0;
   std::array<std::uint8_t, 2> spare{};  ///< no padding: `check_word` is over all bytes
 };
@@ -79,7 +79,7 @@ struct CellAtWork {
   [[nodiscard]] static std::uint8_t bit(std::uint8_t port) noexcept { return std::uint8_t(1u << port); }
   static void remove(std::uint8_t& set, std::uint8_t port) noexcept { set &= std::uint8_t(~(1u << port)); }
 
-  /// The end of `epoch` floods the skin: each cell passes it on once.
+  /// Passes on that `epoch` has ended, which floods the skin: each cell does so once.
   void flood(std::uint32_t epoch, std::uint8_t ports) noexcept {
     if (epoch < m.epoch || epoch >= CellNet::last_epoch || epoch < m.changed) return;
     m.changed = epoch + 1;
@@ -223,7 +223,8 @@ struct CellAtWork {
   return report.epoch == m.epoch && m.parent < CellNet::ports;
 }
 
-/// The port on which a message to the cell with this label leaves; the cell's own label, or no way: `nobody`.
+/// The port on which a message to the cell with this label leaves; `nobody` for the cell's own label, or if
+/// no port leads there.
 [[nodiscard]] inline std::uint8_t route(const CellMemory& m, std::uint16_t label) noexcept {
   if (label == m.label || m.label == 0) return CellMemory::nobody;
   for (std::uint8_t p = 0; p < CellNet::ports; ++p)
@@ -233,8 +234,8 @@ struct CellAtWork {
   return m.parent;
 }
 
-/// Over all of a cell's memory: kept beside it. A cell whose memory does not agree with it any more starts as
-/// if it were switched on, with the ports that are up, and sends `changed(0)` on them.
+/// Checksum of all of a cell's memory, kept beside it. A cell whose memory does not agree with it any more
+/// starts as if it were switched on, with the ports that are up, and sends `changed(0)` on them.
 [[nodiscard]] inline std::uint32_t check_word(const CellMemory& m) noexcept {
   static_assert(std::is_trivially_copyable_v<CellMemory> &&
                 std::has_unique_object_representations_v<CellMemory>);
@@ -243,7 +244,7 @@ struct CellAtWork {
   return detail::crc32_of_frame(bytes);
 }
 
-/// The memory of a cell that has lost it.
+/// The first step of a cell that has lost its memory: `live` are the ports that are up, a bit each.
 [[nodiscard]] inline CellStep restarted(std::uint8_t live) noexcept {
   CellStep s;
   s.memory.live = live & 0x0f;

@@ -16,7 +16,7 @@ SKINCTL_BEGIN_NAMESPACE
 struct CellNames {
   std::uint16_t id = 0, label = 0;
   struct Neighbour {
-    std::uint16_t id = 0;  ///< 0: nobody
+    std::uint16_t id = 0;  ///< id of the neighbour; 0: none
     std::uint8_t port = 0;
     friend bool operator==(const Neighbour&, const Neighbour&) = default;
   };
@@ -49,9 +49,9 @@ class NetworkRoot {
   [[nodiscard]] State state() const noexcept { return state_; }
   [[nodiscard]] std::uint32_t epoch() const noexcept { return epoch_; }
   [[nodiscard]] std::size_t cells() const noexcept { return cells_; }
-  /// In the order in which they came.
+  /// The reports of this epoch, in the order in which they came.
   [[nodiscard]] const std::vector<CellNames>& reports() const noexcept { return reports_; }
-  /// The port towards a label; `ports` if there is none.
+  /// The port towards the cell with a label; the number of ports if there is none.
   [[nodiscard]] std::size_t route(std::uint16_t label) const noexcept {
     for (std::size_t p = 0; p < ports_.size(); ++p)
       if (ports_[p].count > 0 && label >= ports_[p].first_label &&
@@ -105,7 +105,7 @@ class NetworkRoot {
         return report(m, now);
     }
   }
-  /// Longest time without a message of the present epoch.
+  /// Longest time without a message of the present epoch; then it is `stalled`.
   static constexpr Nanoseconds patience = std::chrono::seconds(5);
   /// Begins the next epoch where one is due.
   void tick(Nanoseconds now, std::vector<Send>& out) {
@@ -132,9 +132,11 @@ class NetworkRoot {
     forgot_ = forget_;
     forget_ = false;
   }
-  /// The time at which `tick` has something to do.
+  /// The time at which `tick` begins the next epoch; none if none is due. A stall is found by any later
+  /// `tick`.
   [[nodiscard]] std::optional<Nanoseconds> due() const noexcept { return due_; }
-  /// Two cells keep saying that they have one id, although all ids were given anew: one of them lies.
+  /// Whether two cells have reported one id in this epoch. All ids are then given anew, once; if two do so
+  /// again, one of them lies.
   [[nodiscard]] bool ids_twice() const noexcept { return twice_; }
 
  private:

@@ -28,9 +28,9 @@ struct SkinGraph {
   std::vector<std::string> complaints;  ///< contradictions in the reports, and their consequences
 };
 
-/// Cells whose id several cells have, or which is none, are left out; so is a connector on which its two
-/// cells do not agree. Whatever the reports say, the graph is consistent: each port is used once, and by both
-/// of its cells.
+/// The patches of a skin from the reports of its cells. Cells whose id several cells have, or which is none,
+/// are left out; so is a connector on which its two cells do not agree. Whatever the reports say, the graph
+/// is consistent: each port is used once, and by both of its cells.
 [[nodiscard]] inline SkinGraph skin_graph(const std::vector<CellNames>& reports) {
   SkinGraph out;
   std::map<unsigned, std::vector<std::size_t>> by_id;

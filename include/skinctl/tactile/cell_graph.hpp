@@ -15,8 +15,8 @@ SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
 
-/// Cells of one link that face away from each other by more than 120 degrees, such as those on the two sides
-/// of a plate, are no neighbours however close they are.
+/// Whether two cells face to the same side, to within 120 degrees. Others, such as those on the two sides of
+/// a plate, are no neighbours however close they are.
 inline bool same_face(const CellPlace& a, const CellPlace& b) noexcept {
   return dot(a.normal, b.normal) > -0.5;
 }
@@ -90,8 +90,8 @@ class CellGraph {
   }
 
   /// The neighbours as a file lists them, cell by cell. Throws `ConfigurationError` for an index that no cell
-  /// has, a cell that is its own neighbour, a neighbour that is named twice, and for one that does not name
-  /// this cell as its own neighbour.
+  /// has, a cell that is its own neighbour, a neighbour that is named twice, and for a cell whose neighbour
+  /// does not name it in return.
   SKINCTL_COLD explicit CellGraph(std::vector<std::vector<Index>> neighbours) {
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
       auto& list = neighbours[i];

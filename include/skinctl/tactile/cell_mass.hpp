@@ -10,11 +10,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The mobility of a link about its origin, along its own axes: `A = J M^-1 J'`, 6 x 6, linear rows first.
+/// The mobility of a link about its origin, along its own axes: `A = J M^-1 J'` with the link's Jacobian J
+/// and the joints' inertia M, 6 x 6, linear rows first.
 template <Real T = double>
 class LinkMobility {
  public:
-  /// @param A     of the link's frame, along the base's axes.
+  /// @param A     the link's mobility about its origin, along the base's axes.
   /// @param X_BL  the link's pose.
   template <class J, Frame B, Frame L>
   LinkMobility(const OperationalMobility<J>& A, const Transform<B, L, T>& X_BL) noexcept {
@@ -39,12 +40,13 @@ class LinkMobility {
   T a_[6][6];
 };
 
-/// The cells of one link for sums over all of them: unit wrenches `u = -[z; p x z]` in rows. Immutable.
+/// The unit wrenches `u = -[z; p x z]` of the cells of one link, for their mobilities: z is a cell's outward
+/// normal, p its place [m], along the link's axes. Immutable.
 template <Real T = double>
 class CellMasses {
  public:
   CellMasses() = default;
-  /// Those of `cells` that are on `link`, in their order.
+  /// Takes those of `cells` that are on `link`, in their order.
   SKINCTL_COLD CellMasses(std::span<const CellPlace> cells, std::size_t link) {
     for (const CellPlace& c : cells) {
       if (c.link != link) continue;
@@ -55,17 +57,19 @@ class CellMasses {
   }
   [[nodiscard]] std::size_t size() const noexcept { return row_[0].size(); }
 
-  /// `u' A u` of each cell [1/kg]: acceleration along its normal per force. The mass felt there is
-  /// `1 / (u' A u)`: infinite, a mobility of 0, where the cell cannot move along its normal.
+  /// The mobility `u' A u` of each cell [1/kg]: acceleration along its normal per force. The mass felt there
+  /// is `1 / (u' A u)`: infinite, a mobility of 0, where the cell cannot move along its normal.
   SKINCTL_NOINLINE void mobilities(const LinkMobility<T>& A, std::span<T> out) const noexcept {
     SKINCTL_EXPECTS(out.size() >= size(), "room for each cell");
     const Rows u(row_);
     T* to = out.data();
     for (std::size_t i = 0; i < size(); ++i) to[i] = u.mobility(A, i);
   }
-  /// The largest `v^2 / (1/body + u' A u)` of the cells that move outwards, at the link's twist `(v, w)`
-  /// about its origin along its axes: twice the energy of the hardest collision with a free mass `body` [kg].
-  /// With a spring of stiffness k between the two, its force peaks at `sqrt(k)` times the root of this.
+  /// Twice the energy [J] of the hardest collision of a cell with a free mass `body` [kg] at rest: the
+  /// largest `speed^2 / (1/body + u' A u)` of the cells that move outwards, by their speed along the normal;
+  /// 0 if none does. `v` is the velocity of the link's origin [m/s], `w` its angular velocity [rad/s], along
+  /// its axes. With a spring of stiffness k between the two, its force peaks at `sqrt(k)` times the root of
+  /// this.
   [[nodiscard]] SKINCTL_NOINLINE T hardest(const LinkMobility<T>& A, const Xyz<T>& v, const Xyz<T>& w,
                                            const T& body) const noexcept {
     const Rows u(row_);
@@ -79,7 +83,8 @@ class CellMasses {
     }
     return most;
   }
-  /// The largest speed with which a cell moves outwards along its normal [m/s].
+  /// The largest speed with which a cell moves outwards along its normal [m/s]; 0 if none does. `v`, `w`: the
+  /// link's velocities, see `hardest`.
   [[nodiscard]] SKINCTL_NOINLINE T fastest(const Xyz<T>& v, const Xyz<T>& w) const noexcept {
     const Rows u(row_);
     T least(0);

@@ -11,16 +11,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The amounts of a cell's channels as `y = A x + b` of all its readings x, in place of the sums that its
-/// kind states: cross-talk that is taken off, forces from magnets. It stands before rest levels and gates;
-/// readings are checked as they are sent.
+/// Calibration of a cell: the amounts y of its channels as `y = A x + b` of all its readings x, in place of
+/// the sums that its kind states. It removes cross-talk, or gives forces from magnetic fields. It applies
+/// before rest levels and gates; the ranges of readings are checked as they are sent.
 template <SensorKind Kind>
 struct ChannelCalibration {
   static constexpr std::size_t rows = KindTable<Kind>::pushing, columns = KindTable<Kind>::readings;
   std::array<std::array<float, columns>, rows> A{};  ///< unit of the channel per unit of the reading
   std::array<float, rows> b{};                       ///< unit of the channel
 
-  /// The sums that the kind states.
+  /// The calibration that gives the sums of readings that the kind states.
   [[nodiscard]] static constexpr ChannelCalibration identity() noexcept {
     ChannelCalibration out;
     for (std::size_t c = 0; c < rows; ++c)

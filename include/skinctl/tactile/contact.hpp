@@ -22,7 +22,7 @@ struct Contact {
   Xyz<T> place = {T(0), T(0), T(0)};   ///< touched point, from the link's origin along its axes [m]
   Xyz<T> normal = {T(0), T(0), T(0)};  ///< unit vector of the push, along the link's axes
 
-  /// `row . dq` [m]; of a velocity [m/s].
+  /// Displacement of the touched point into the contact [m], `row . dq`; of a joint velocity its speed [m/s].
   template <class Q>
   [[nodiscard]] SKINCTL_INLINE T along(const Q& dq) const noexcept {
     T sum(0);
@@ -31,11 +31,11 @@ struct Contact {
   }
 };
 
-/// Room for the contacts of a robot with `N` links: see `PressedAreas`.
+/// Maximum number of contacts of a robot with `N` links: see `PressedAreas`.
 template <std::size_t N>
 inline constexpr std::size_t max_contacts = N + 6;
 
-/// Up to `K` contacts, several of them on one link if need be.
+/// A list of up to `K` contacts, several of them on one link if need be.
 template <std::size_t N, Real T, std::size_t K>
 struct Contacts {
   Contact<N, T> list[K];
@@ -47,8 +47,8 @@ struct Contacts {
 
 namespace detail {
 
-/// Of the contacts remembered from the last cycle, the one that continues `c`: the nearest one on its link
-/// whose push is within 60 degrees. `taken[k]` excludes it; `count` if there is none.
+/// Index of the contact remembered from the last cycle that `c` continues: the nearest one on its link whose
+/// push is within 60 degrees of that of `c`; `count` if there is none. `taken[k]` excludes contact k.
 template <class Remembered, std::size_t N, Real T>
 [[nodiscard]] SKINCTL_INLINE std::size_t continued(const Remembered* list, const bool* taken,
                                                    std::size_t count, const Contact<N, T>& c) noexcept {
@@ -63,8 +63,9 @@ template <class Remembered, std::size_t N, Real T>
   return best;
 }
 
-/// A distance from each link's origin within which its surface is taken to lie where no skin says it [m]: the
-/// larger of the distances of the next joint and of twice the centre of mass, and 0.4 m for covers and tools.
+/// Distance from each link's origin within which its surface is assumed to lie where no skin tells it [m]:
+/// the larger of the distance of the next joint and twice that of the centre of mass, plus 0.4 m for covers
+/// and tools.
 template <RobotModel M, Real T>
 [[nodiscard]] SKINCTL_INLINE std::array<T, M::joints> assumed_reach(const M& model) noexcept {
   using std::sqrt;
@@ -88,7 +89,8 @@ template <RobotModel M, Real T>
   return reach;
 }
 
-/// The contact of a push on a link, `moment` about the link's origin.
+/// The contact of the force `push` [N] on a link at `place` [m], along the link's axes; `moment` is about the
+/// link's origin [N m], `force` the magnitude of `push`.
 template <LinkMask Skinned, RobotModel M, LinkMask A, Real T>
 [[nodiscard]] SKINCTL_INLINE Contact<M::joints, T> contact_of(const M& model,
                                                               const JointAngles<M, T, A>& angles,
@@ -109,8 +111,8 @@ template <LinkMask Skinned, RobotModel M, LinkMask A, Real T>
 }  // namespace detail
 
 /// The contacts of a robot at `q`, one for each pressed area. The lever of a push about its link's origin is
-/// at most twice the distance of the link's farthest cell. An area whose push is below `least` [N] is no
-/// contact.
+/// at most twice the distance of the link's farthest cell. An area whose total force is below `least` [N] is
+/// no contact.
 template <RobotModel M, Topology B, LinkMask Skinned, Real T>
 [[nodiscard]] auto contacts_of(const M& model, const JointPosition<M::joints, T>& q,
                                const PressedAreas<B, Skinned, T>& areas, const T& least = T(1e-3)) noexcept {

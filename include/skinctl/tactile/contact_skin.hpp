@@ -10,7 +10,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The skin `S` with the contacts of its pressed cells, for a `Cycle` in place of `S`: `ContactSkin(skin)`.
-/// Contact limits and passivity then see each of them, apart by sides, and skills can wait for them.
+/// Contact limits and passivity then see each of them, split by the direction of its pushes, and skills can
+/// wait for them.
 ///
 /// **Regions.** The force of a region is the sum of the pushes on its cells. If weight times force exceeds
 /// the region's limit, the guard stops with `contact_force`.
@@ -35,7 +36,8 @@ class ContactSkin : public WrappedTouch<ContactSkin<S, Most>, S> {
   /// that the skin does not have.
   SKINCTL_COLD explicit ContactSkin(const S& skin, Regions regions = {})
       : ContactSkin(skin, CellGraph(skin.places()), std::move(regions)) {}
-  /// With the neighbours of `graph`. Throws also if the graph has other cells, or joins cells of two links.
+  /// Neighbours are those of `graph`. Throws `ConfigurationError` also if the graph has another number of
+  /// cells, or joins cells of two links.
   SKINCTL_COLD ContactSkin(const S& skin, CellGraph graph, Regions regions = {})
       : Base(skin), finder_(skin.places(), std::move(graph)), regions_(std::move(regions)) {
     for (std::size_t k = 0; k < regions_.size(); ++k) {
@@ -53,6 +55,7 @@ class ContactSkin : public WrappedTouch<ContactSkin<S, Most>, S> {
   [[nodiscard]] const CellGraph& graph() const noexcept { return finder_.graph(); }
 
   /// See `S::receive`; then finds the contacts at `to`. An interval without length leaves them as they were.
+  /// Reports `contact_force` if a region exceeds its limit.
   template <class Given, class Means, class... Front>
   Status take(Memory& memory, const Given& in, Means* means, Front&&... front) const noexcept {
     Status status = this->take_on(memory, in, means, std::forward<Front>(front)...);
@@ -77,9 +80,10 @@ class ContactSkin : public WrappedTouch<ContactSkin<S, Most>, S> {
   [[nodiscard]] scalar region_force(const Memory& memory, std::size_t k) const noexcept {
     return scalar(regions_[k].weight) * memory.contacts.region_push[k];
   }
-  /// Number of contacts that found no room.
+  /// Number of contacts beyond `Most`, which found no room.
   [[nodiscard]] std::size_t left_out(const Memory& memory) const noexcept { return memory.contacts.left_out; }
-  /// The contacts apart by sides: within 60 degrees of each other, at most four of a contact.
+  /// The pressed areas of the contacts, each split by the direction of its pushes into at most four sides,
+  /// within 60 degrees of each other.
   [[nodiscard]] const typename S::Pressed& pressed(const Memory& memory, const auto&...) const noexcept {
     return memory.areas;
   }

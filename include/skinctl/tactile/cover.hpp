@@ -20,10 +20,10 @@ struct Surface : FrameTag {};
 struct HexagonalCell {
   double scale = 1;  ///< 1: size of TUM's cell
 
-  static constexpr double edge = 0.014;                ///< [m], at scale 1
+  static constexpr double edge = 0.014;                ///< edge of the hexagon at scale 1 [m]
   static constexpr double port_x = 0.012;              ///< distance of a port from the centre along x [m]
   static constexpr double port_y = 0.007;              ///< distance of a port from the centre along y [m]
-  static constexpr double flat_pitch = 0.02778488798;  ///< [m], 2 sqrt(port_x^2 + port_y^2)
+  static constexpr double flat_pitch = 0.02778488798;  ///< flat skin's pitch [m], 2 sqrt(port_x^2 + port_y^2)
 };
 
 /// The lateral surface of a cylinder around z, from `-length/2` to `length/2` [m].
@@ -47,7 +47,7 @@ SKINCTL_COLD inline void require_cover(double radius, double length, const Hexag
 }
 
 /// Adds rings on the half sphere around the z axis on the side of `sign`, from the latitude `first` on. Cells
-/// of two rings have no joints, so the wider of the two distances is kept.
+/// of two rings are not joined by ports, so they keep the wider of the cell's two distances.
 SKINCTL_COLD inline void cover_half_sphere(double radius, double centre, double sign, double first,
                                            double apart, std::vector<Transform<Surface, Cell>>& cells) {
   if (apart > radius) return;

@@ -8,19 +8,19 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The cells of a skin whose readings count, of all that it has: what tells a blind skin from an untouched
-/// one.
+/// Number of cells of a skin whose readings count, and of all its cells: it tells a blind skin from an
+/// untouched one.
 struct Coverage {
   std::size_t usable = 0, cells = 0;
   std::size_t blind_patches = 0;  ///< number of patches none of whose cells is usable
 
-  /// One more patch of `of` > 0 cells.
+  /// Adds a patch of `of` > 0 cells, of which `usable_of_it` are usable.
   SKINCTL_INLINE constexpr void add(std::size_t usable_of_it, std::size_t of) noexcept {
     usable += usable_of_it;
     cells += of;
     blind_patches += usable_of_it == 0 ? 1u : 0u;
   }
-  /// That of two skins.
+  /// The coverage of two skins together.
   [[nodiscard]] friend constexpr Coverage together(const Coverage& a, const Coverage& b) noexcept {
     return {a.usable + b.usable, a.cells + b.cells, a.blind_patches + b.blind_patches};
   }

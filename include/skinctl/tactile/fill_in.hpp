@@ -19,20 +19,20 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A masked cell i counts as if it read `s_i = sum_j w_ij s_j` over the cells around it, within 0 and the
-/// least and largest of these readings: its unit wrench times that. Weights are multiples of 2^-24. A cell
-/// around it that is masked too reads the mean of its own neighbours, or if these are masked the mean of the
-/// others around i. Immutable.
+/// Readings in place of those of masked cells. A masked cell i counts as if it read `s_i = sum_j w_ij s_j`,
+/// the weighted sum of the readings s_j of the cells j around it, limited to the range of 0 and these
+/// readings. Weights are multiples of 2^-24. A cell around it that is masked too reads the mean of its own
+/// neighbours, or if these are masked the mean of the others around i. Immutable.
 ///
 /// A contact smaller than the distance of two cells cannot be filled in.
 class FillIn {
  public:
   static constexpr double unit = 1.0 / (1 << 24);
-  static constexpr std::size_t max_around = 24;  ///< cells around one; of more the nearest
+  static constexpr std::size_t max_around = 24;  ///< maximum number of cells around one: the nearest
 
-  /// Nothing is filled in.
+  /// No cell is filled in.
   FillIn() = default;
-  /// The mean of the neighbours.
+  /// A cell is filled in with the mean of its neighbours.
   SKINCTL_COLD explicit FillIn(const CellGraph& graph) : graph_(graph) {
     for (std::size_t i = 0; i < graph.size(); ++i) {
       const auto near = graph.neighbours(i);
@@ -40,12 +40,14 @@ class FillIn {
       end();
     }
   }
-  /// From the neighbours and theirs that face to the same side, the best linear guess for a random field with
-  /// the correlation `(1 + x) exp(-x)`, `x = sqrt(3) d / 2p` (Matern 3/2), where readings are off by a tenth
-  /// of it: `(K + 0.01 I) w_i = k_i`. d is the distance of two cells, p the mean distance of cell i from its
-  /// neighbours. Pressure is curved: weights of the second ring are negative.
+  /// A cell is filled in from its neighbours and their neighbours that face to the same side, with the best
+  /// linear estimate for a random field of the correlation `(1 + x) exp(-x)`, `x = sqrt(3) d / 2p` (Matern
+  /// 3/2), where readings have noise of a tenth of the field's deviation: `(K + 0.01 I) w_i = k_i`, with the
+  /// correlations K of these cells with each other and k_i with cell i. d is the distance of two cells, p the
+  /// mean distance of cell i from its neighbours. Pressure is curved: weights of the second ring are
+  /// negative.
   ///
-  /// @param places  of the graph's cells.
+  /// @param places  places of the graph's cells, in their order; another number throws `ConfigurationError`.
   SKINCTL_COLD FillIn(const CellGraph& graph, std::span<const CellPlace> places) : graph_(graph) {
     require(places.size() == graph.size(), "FillIn: places", double(places.size()), "one for each cell");
     for (std::size_t i = 0; i < graph.size(); ++i) {
@@ -82,19 +84,20 @@ class FillIn {
   [[nodiscard]] std::span<const CellGraph::Index> around(std::size_t i) const noexcept {
     return {around_.data() + first_[i], around_.data() + first_[i + 1]};
   }
-  /// Weight of the `k`-th cell around cell `i`.
+  /// Weight w_ij of the `k`-th cell around cell `i`.
   [[nodiscard]] double weight(std::size_t i, std::size_t k) const noexcept {
     return unit * weights_[first_[i] + k];
   }
 
-  /// `s_i`, for readings `reading(j)` >= 0 of the cells around it for which `counts(j)`; 0 if none does.
+  /// The reading s_i that fills in cell `i`, from the readings `reading(j)` >= 0 of the cells around it for
+  /// which `counts(j)`; 0 if none does.
   template <class Reading, class Counts>
   [[nodiscard]] double filled(std::size_t i, const Reading& reading, const Counts& counts) const noexcept {
     const auto one = [&](std::size_t j) { return std::array{static_cast<double>(reading(j))}; };
     return filled_with(i, counts, [&](std::size_t j) { return read_as(j, one, counts); })[0];
   }
-  /// `s_i` of `K` readings of each cell at once. `value(j)` is `read_as(j, ...)`, which a caller may keep: it
-  /// is asked for from each cell that j is around of.
+  /// The readings that fill in cell `i`, several at once. `value(j)` is `read_as(j, ...)`; a caller may keep
+  /// it, because each cell that has j around it asks for it.
   template <class Counts, class Value>
   [[nodiscard]] auto filled_with(std::size_t i, const Counts& counts, const Value& value) const noexcept {
     using Values = std::remove_cvref_t<decltype(value(i))>;
@@ -149,7 +152,8 @@ class FillIn {
     weights_.push_back(static_cast<std::int32_t>(std::floor(w / unit)));
   }
   SKINCTL_COLD void end() { first_.push_back(static_cast<CellGraph::Index>(around_.size())); }
-  /// The neighbours of cell `i` and theirs that face to its side: of more than `max_around` the nearest.
+  /// The neighbours of cell `i` and their neighbours that face to its side: of more than `max_around` the
+  /// nearest.
   [[nodiscard]] SKINCTL_COLD std::vector<CellGraph::Index> two_rings(
       std::size_t i, std::span<const CellPlace> places) const {
     std::vector<CellGraph::Index> from;

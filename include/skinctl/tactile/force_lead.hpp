@@ -11,7 +11,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `touch + factor change`, of two touches of one kind.
+/// `touch + factor change`, for two touches of one type.
 template <Topology M, LinkMask Skinned, Scalar T>
 [[nodiscard]] SKINCTL_INLINE constexpr LinkWrenches<M, Skinned, T> led_by(
     const LinkWrenches<M, Skinned, T>& touch, const T& factor,
@@ -28,7 +28,7 @@ template <Topology M, Scalar T>
   for (std::size_t i = 0; i < M::joints; ++i) out.torque[i] = touch.torque[i] + factor * change.torque[i];
   return out;
 }
-/// Whether a touch may change: all but that of a scene without skin.
+/// Whether the touch `W` may change: true of all but that of a scene without skin.
 template <class W>
 inline constexpr bool can_be_led = !std::same_as<W, NoTouch>;
 
@@ -38,10 +38,10 @@ inline constexpr bool can_be_led = !std::same_as<W, NoTouch>;
 ///     w + T dw/dt
 ///
 /// with w [N, N m] the mean touch of a sub-step and dw/dt its change since the last one, by the length of a
-/// sub-step: a force that changes with the motion tells the stiffness, and gives the damping back. It is
-/// signed, and of the wrenches on links: of single cells, or cut off at zero, it would pump. A touch that
-/// stays is felt as it is; over any time the lead gives the impulse `T (w_end - w_begin)`. A virtual robot
-/// that dry friction holds gets the touch as it is: there is no motion to damp.
+/// sub-step: a force that changes with the motion tells the stiffness, and gives the damping back. It keeps
+/// its sign and is taken of the wrenches on links: of single cells, or cut off at zero, it would add energy.
+/// A touch that stays is felt as it is; over any time the lead gives the impulse `T (w_end - w_begin)`. A
+/// virtual robot that dry friction holds gets the touch as it is: there is no motion to damp.
 ///
 /// @tparam W  the touch that laws read.
 template <class W>
@@ -49,10 +49,10 @@ class TouchChange {
  public:
   struct Memory {
     W before;            ///< mean touch of the last sub-step
-    bool known = false;  ///< whether there was one
+    bool known = false;  ///< whether `before` has been set
   };
 
-  /// The change from the last sub-step to one with the mean touch `now`; none for the first one.
+  /// The change from the last sub-step's mean touch to `now`, which replaces it; zero for the first one.
   [[nodiscard]] static SKINCTL_INLINE W next(Memory& m, const W& now) noexcept {
     using T = typename W::scalar;
     const W out = m.known ? led_by(now, T(-1), m.before) : led_by(now, T(-1), now);

@@ -19,7 +19,7 @@ struct JointTouch {
   }
 };
 
-/// The lever that stands for the unknown one [m]: a torque of 1 N m counts as a contact of 2 N.
+/// The lever assumed for a contact at an unknown place [m]: a torque of 1 N m counts as a contact of 2 N.
 template <class T>
 inline constexpr T assumed_lever = T(0.5);
 
@@ -30,8 +30,8 @@ template <RobotModel M, class Angles, Topology B, class T>
   return touch.torque;
 }
 
-/// One contact along the torque, as if it had `assumed_lever`; none for less than `least` [N], or a torque
-/// that is not finite. `link` is that of the outermost joint that feels it.
+/// One contact with the joint torque of `touch`, its force as if it had `assumed_lever`; none for less than
+/// `least` [N], or a torque that is not finite. `link` is that of the outermost joint that feels it.
 template <RobotModel M, Topology B, Real T>
   requires std::is_base_of_v<B, M>
 [[nodiscard]] auto contacts_of(const M&, const JointPosition<M::joints, T>&, const JointTouch<B, T>& touch,

@@ -12,9 +12,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The addition of a skin of a kind to the input of a cycle: `input.sensed.taxels = batch`, in a scene with
-/// two such kinds `taxels_of<Uskin>(input.sensed) = batch`. The samples of a cell are in the order of their
-/// stamps.
+/// The samples that a skin of another kind than `Hexagon` adds to the input of a cycle:
+/// `input.sensed.taxels = batch`, in a scene with two such kinds `taxels_of<Uskin>(input.sensed) = batch`.
+/// The samples of a cell are in the order of their stamps.
 template <SensorKind Kind>
 struct KindInput {
   SampleSpan<SensorSample<Kind>> taxels;  ///< arrived since the last cycle
@@ -24,7 +24,7 @@ template <SensorKind Kind>
   return sensed.taxels;
 }
 
-/// The samples of an input's other kinds, kept: vectors of each.
+/// Storage for the samples of an input's other kinds: a vector for each kind.
 template <class Sensed>
 struct TaxelStore {
   static constexpr std::uint32_t fingerprint = 0;  ///< fingerprint of the other kinds; 0: none
@@ -67,7 +67,8 @@ struct TaxelStore<detail::BothSensed<A, B>> {
 };
 
 namespace detail {
-/// A skin of hexagons adds nothing to an input, which has their samples; one of another kind its own.
+/// The addition of a skin to the input of a cycle: nothing for hexagons, whose samples each input has;
+/// `KindInput` for another kind.
 template <class Kind>
 struct SensesKind {
   using Sensed = KindInput<Kind>;

@@ -14,8 +14,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// F_1 of each cell [N]: a push up to it, along the cell's normal, moves no joint in any pose, because it
-/// gives no joint more than `share` of its Coulomb friction:
+/// The lone force F_1 of each cell [N]: a push up to it, along the cell's normal, moves no joint in any pose,
+/// because it gives no joint more than `share` of its Coulomb friction:
 ///
 ///     F_1 = share min_j tau_c,j / lever_j
 ///
@@ -69,7 +69,7 @@ template <RobotModel M, Real T>
   }
   return out;
 }
-/// F_1 of each cell [N] on a described robot: tau_c is the `coulomb_friction` of its configuration.
+/// The lone force of each cell [N] on a described robot, from the `coulomb_friction` of its configuration.
 template <class R>
 [[nodiscard]] SKINCTL_COLD std::vector<double> lone_forces(const R& robot, std::span<const CellPlace> cells,
                                                            double share = 0.9) {

@@ -14,10 +14,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The time for which a motor torque is reported.
+/// The time, or interval, to which a reported motor torque belongs.
 enum class MotorSampling : unsigned char {
   instant,  ///< torque at the time of the state
-  mean      ///< the mean since the state before: what a servo does between two samples is not missed
+  mean      ///< mean torque since the last state: nothing that a servo does between two samples is missed
 };
 
 /// The momentum observer of De Luca and Mattone (2005): with the joints' momentum `p = (M + rotors) dq`,
@@ -43,17 +43,17 @@ class MomentumObserver {
   static constexpr std::size_t joints = M::joints;
   using Friction = JointFriction<joints, T>;
   struct Settings {
-    T rate = T(25);                         ///< K [1/s], > 0, <= 1e4
+    T rate = T(25);                         ///< gain of the observer, its filter's rate [1/s], > 0, <= 1e4
     RotorInertia<joints, T> rotors = {};    ///< reflected inertia of the motors
     std::optional<Friction> friction = {};  ///< friction that is taken off the motor torques
     MotorSampling motors = MotorSampling::instant;
-    Nanoseconds longest = 100ms;  ///< a longer gap between samples starts anew, with r = 0
+    Nanoseconds longest = 100ms;  ///< longest gap between samples; after a longer one r starts anew at 0
   };
   struct Memory {
     bool started = false;
     Nanoseconds stamp{};                ///< stamp of the last sample
     JointMomentum<joints, T> momentum;  ///< generalised momentum at `stamp`
-    JointTorque<joints, T> drive;       ///< b at `stamp`, without motors where they are a mean [N m]
+    JointTorque<joints, T> drive;       ///< b at `stamp` [N m], without the motors' torque where it is a mean
     JointTorque<joints, T> residual;    ///< r, the residual [N m]
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
@@ -68,7 +68,7 @@ class MomentumObserver {
   }
   [[nodiscard]] const M& model() const noexcept { return model_; }
   /// The torque that the motors would need on a base at rest [N m].
-  /// @param adds  what they bear of the motion of the base, see `base_torque` [N m].
+  /// @param adds  torque that they bear for the motion of the base, see `base_torque` [N m].
   [[nodiscard]] static JointTorque<joints, T> at_rest(const JointTorque<joints, T>& motor,
                                                       const JointTorque<joints, T>& adds) noexcept {
     return motor - adds;

@@ -40,18 +40,19 @@ template <std::size_t N>
 template <RobotModel M, Real T = double, class Observer = MomentumObserver<M, T>>
 struct MotorTouchSettings {
   typename Observer::Settings observer = {};
-  /// Per joint, on |residual| [N m]: above what friction and the model leave. No default suits two robots.
+  /// Per joint, gate of |residual| [N m]: above the errors of friction and model. No default suits two
+  /// robots.
   std::array<EventGate<T>, M::joints> gates;
-  /// Per joint, torque that its motor, or a contact, never has [N m], at most 1e4: a sample beyond was
-  /// garbled and is refused. By default 1e4, of which one sample leads an arm by a radian. Twice the joint's
-  /// rating leaves room for peaks: a motor that is refused while somebody pushes does not give way.
+  /// Per joint, torque that its motor, or a contact, never exceeds [N m], at most 1e4: a sample beyond was
+  /// garbled and is refused. By default 1e4: one sample of that size moves an arm by a radian. Twice the
+  /// joint's rating leaves room for peaks: a motor that is refused while somebody pushes does not give way.
   std::array<double, M::joints> max_torque = detail::joints_of_any_robot<M::joints>();
   T gain = T(1);  ///< torque that the laws see per torque found, > 0
-  /// Per joint, standard deviation of the residual's mean over 8 ms [N m]: with all of them known, what
-  /// friction or a payload that is told wrong leaves does not lead the arm (`PushWatch`); 0: unknown, and
+  /// Per joint, standard deviation of the residual's mean over 8 ms [N m]: with all of them known, a residual
+  /// of friction or of a wrongly declared payload does not lead the arm (`PushWatch`); 0: unknown, and
   /// nothing watches.
   std::array<double, M::joints> noise = {};
-  LifeSettings life = {};       ///< life of the contact that stands for the unknown one: see `assumed_lever`
+  LifeSettings life = {};       ///< life of a push, as a contact at the lever `assumed_lever`
   Nanoseconds max_age = 100ms;  ///< age of the last state from which nothing is felt
   Nanoseconds fade = 50ms;      ///< last part of `max_age`, in which the torque goes linearly to 0
 };
@@ -84,7 +85,7 @@ class MotorTouch : public sensor_sums::Summand {
   using Wrenches = JointTouch<M, T>;
   using Sensed = MotorInput<joints, T>;
   using Settings = MotorTouchSettings<M, T, Observer>;
-  /// Number of the push's sizes that are looked at for life.
+  /// Number of sums of |residual| that are watched for life; beyond 16 joints, several joints share a sum.
   static constexpr std::size_t sizes = joints < 16 ? joints : 16;
   using Watch = PushWatch<joints, sizes>;
   static constexpr LinkMask links = 0;
@@ -93,7 +94,7 @@ class MotorTouch : public sensor_sums::Summand {
     typename Observer::Memory observer;
     detail::SampledRow<joints, T> row;  ///< the torque behind the gates [N m]
     typename Watch::Memory watch;       ///< watch for residuals without life
-    State<joints, T> followed;          ///< robot's state when its way was last counted
+    State<joints, T> followed;          ///< robot's state when its displacement was last counted
     LinkMask open = 0;                  ///< joints whose gates are open
     [[no_unique_address]] OnBase base;  ///< motion of a base that moves
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
@@ -119,7 +120,7 @@ class MotorTouch : public sensor_sums::Summand {
     return memory;
   }
 
-  /// Counts the way that the arm gives to a push; called by a scene.
+  /// Counts how far the arm gives way to a push; called by a scene.
   template <class Model, class State>
   void follow_robot(Memory& m, const Model& model, const State& state) const noexcept {
     m.base.take(model);
@@ -206,7 +207,7 @@ class MotorTouch : public sensor_sums::Summand {
       return torque;
     }
   }
-  /// Of the contact that stands for the unknown one [N].
+  /// Force of the contact at the lever `assumed_lever` with this joint torque [N].
   [[nodiscard]] static double force_of(const T (&torque)[joints]) noexcept {
     double square = 0;
     for (const T& x : torque) square += double(x * x);
@@ -217,7 +218,7 @@ class MotorTouch : public sensor_sums::Summand {
     for (std::size_t i = 0; i < joints; ++i) out[i % sizes] += noise[i];
     return out;
   }
-  /// The residual behind the gates, as far as it counts.
+  /// Puts the residual behind the gates, times gain and the share that counts, into `value` [N m].
   SKINCTL_INLINE void find(Memory& m, T (&value)[joints]) const noexcept {
     std::array<double, joints> rest{};
     std::array<double, sizes> size{};

@@ -40,7 +40,7 @@ struct PlacedCell {
 };
 
 namespace detail {
-/// A cell whose link is not in its type, so that all patches share the code.
+/// The frame of a link that is not in the type, so that all patches share the code.
 struct AnyLink : FrameTag {};
 struct AnyCell {
   std::uint32_t id = 0;
@@ -89,8 +89,8 @@ class Patch {
   static constexpr std::size_t link = Ix;
   static constexpr std::size_t cells = Cells;
 
-  /// Throws `ConfigurationError` if the number of cells is not `Cells`, a pose is not finite, a normal is no
-  /// unit vector, or a gain is negative or not finite.
+  /// Throws `ConfigurationError` if the number of cells is not `Cells`, a cell's axes are no rotation, its
+  /// origin is not finite or more than 10 m from the link's, or a gain is outside of 0 to 1e4 N.
   explicit Patch(const std::vector<PlacedCell<Ix>>& placed, const Gains& gains = {}) : gains_(gains) {
     placed_.reserve(placed.size());
     for (const auto& cell : placed)
@@ -98,7 +98,7 @@ class Patch {
     detail::require_cells(placed_, Cells);
     detail::require_gains<Kind>(gains);
   }
-  /// Cells without a link in their type; the link is not checked. Throws as above.
+  /// Takes cells without a link in their type; the link is not checked. Throws as the other constructor.
   template <std::same_as<detail::AnyCell> C>  // of no other type, so that braces are cells of this link
   explicit Patch(std::vector<C> placed, const Gains& gains) : placed_(std::move(placed)), gains_(gains) {
     detail::require_cells(placed_, Cells);
@@ -119,8 +119,8 @@ class Patch {
   Gains gains_;
 };
 
-/// The link's wrench for one newton on the cell: `u = -[z ; p x z]`, eqs. (4) and (6). A cell has no moment
-/// about its own origin.
+/// The wrench on the link, about its origin along its axes, for one newton on the cell: `u = -[z ; p x z]`,
+/// eqs. (4) and (6). A cell has no moment about its own origin.
 template <Frame L>
 [[nodiscard]] inline Wrench<L, L, L> unit_wrench(const Transform<L, Cell>& X_LC) noexcept {
   const Xyz<double> z = X_LC.axis_z();

@@ -29,7 +29,7 @@ struct PressedArea {
     moment = moment + b.moment;
     if (pushed > T(0)) place = place + (b.pushed / pushed) * (b.place - place);
   }
-  /// Whether a push along `n`, of unit length, is within 60 degrees of this area's.
+  /// Whether a push along `n`, of unit length, is within 60 degrees of this area's force.
   [[nodiscard]] SKINCTL_INLINE bool same_side(const Xyz<T>& n) const noexcept { return same_side(force, n); }
   /// Whether a push along `n`, of unit length, is within 60 degrees of `force`.
   [[nodiscard]] static SKINCTL_INLINE bool same_side(const Xyz<T>& force, const Xyz<T>& n) noexcept {
@@ -63,7 +63,7 @@ class PressedAreas {
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
   [[nodiscard]] const PressedArea<T>& operator[](std::size_t k) const noexcept { return list_[k]; }
 
-  /// None again.
+  /// Removes all areas.
   SKINCTL_INLINE void clear() noexcept { count_ = extra_ = 0; }
 
   /// Adds a cell of `link` at `p` that is pushed with `push` > 0 [N]; `unit` is its unit wrench, force first.

@@ -13,18 +13,18 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The rule of `LifeSettings` for a sensor that feels one push as few numbers (a wrench, joint torques),
-/// without neighbours to ask: a bias is no hand. The push lives as `detail::CellLife` says of one of its
-/// sizes, in means of 8 ms over windows of 8 to 96 ms, or, for a slow hand, in the change over 0.48 s of
-/// means of 80 ms, over windows of 80 to 960 ms: a bias creeps along a line, a hand does not. Sizes do not
-/// change with the axes in which a constant wrench is read: neither the sensor's bias nor a payload that is
-/// told wrong lives while the arm turns.
+/// Tells a hand from a bias, by the rule of `LifeSettings`, for a sensor that feels one push as few numbers
+/// (a wrench, joint torques) and has no neighbours. The push lives if `detail::CellLife` finds life in one of
+/// its sizes (magnitudes, such as |force|), in means of 8 ms over windows of 8 to 96 ms, or, for a slow hand,
+/// in the change over 0.48 s of means of 80 ms, over windows of 80 to 960 ms: a bias creeps along a line, a
+/// hand does not. Sizes do not change with the axes in which a constant wrench is read: neither the sensor's
+/// bias nor a wrongly declared payload lives while the arm turns.
 ///
-/// - **Without life** it counts `1 - s/way`, s the way that the arm has given to it, up to `force` and less
-///   its damping. After 0.9 `way`, or `calm` of pushing, it is *quiet* and counts nothing
-///   (`push_without_life`), until it lives.
-/// - **Tare while running.** At rest for 0.5 s, what a quiet push reads becomes the reading of rest. What the
-///   gates hold back is followed at rest by `creep`: slower than a hand comes.
+/// - **Without life** it counts with the share `1 - s/way`, s the distance by which the arm has given way to
+///   it [m], up to `force` and less its damping. After 0.9 `way`, or `calm` of pushing, it is *quiet* and
+///   counts nothing (`push_without_life`), until it lives.
+/// - **Tare while running.** After 0.5 s at rest, the reading of a quiet push becomes the reading of rest.
+///   Readings below the gates are followed at rest by at most `creep`: slower than a hand comes.
 ///
 /// @tparam N      number of readings.
 /// @tparam Sizes  number of sizes of the push that are looked at for life, 1 to 16.
@@ -34,7 +34,7 @@ class PushWatch {
   static_assert(Sizes >= 1 && Sizes <= 16, "one row of sizes");
 
  public:
-  static constexpr double min_push = 1e-9;  ///< smallest push of which a way is counted [N]
+  static constexpr double min_push = 1e-9;  ///< smallest push for which displacement is counted [N]
   static constexpr std::uint32_t span = 6;  ///< 80 ms means over which a change is taken: 0.48 s
   using Values = std::array<double, N>;
   /// `Memory{}`: nothing has been read.
@@ -46,11 +46,11 @@ class PushWatch {
     std::uint32_t fast_count = 0, slow_count = 0;
     std::array<std::array<double, Sizes>, span + 1> past{};  ///< the last means of 80 ms
     std::uint32_t slot = 0;                                  ///< index of the newest mean in `past`
-    std::uint32_t pushing = 0;                               ///< means since the push began
+    std::uint32_t pushing = 0;                               ///< number of 80 ms means since the push began
     std::uint16_t pressed = 0;                               ///< bit k: size k pushes
     bool alive = false, quiet = false;
     std::uint32_t tares = 0;  ///< number of quiet pushes that became the reading of rest
-    double way = 0;           ///< way that the arm has given to the push without life [m]
+    double way = 0;           ///< distance by which the arm has given way to the push without life [m]
     double speed = 0;         ///< speed of the arm along the push [m/s]
     double lifeless = 0;      ///< time of pushing without life [s]
     double unpressed = 0;     ///< time without a push [s]
@@ -58,8 +58,8 @@ class PushWatch {
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
-  /// @param noise  of each size, the standard deviation of a mean of 8 ms; 0: nothing is watched.
-  /// @param creep  of each reading [1/s]: greatest speed at which rest is followed below the gates.
+  /// @param noise  per size, standard deviation of its mean over 8 ms; 0: nothing is watched.
+  /// @param creep  per reading, greatest rate at which its rest is followed below the gates [its unit per s].
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD PushWatch(const LifeSettings& life, const std::array<double, Sizes>& noise,
                          const Values& creep)
@@ -86,7 +86,8 @@ class PushWatch {
     ++m.fast_count, ++m.slow_count;
   }
 
-  /// Ends what is due at `now`; call once a cycle.
+  /// Evaluates the means that are complete at `now`; call once a cycle. Returns `push_without_life` while a
+  /// push is quiet, and when its reading becomes the reading of rest.
   Status settle(Memory& m, Nanoseconds now) const noexcept {
     if (!watches_ || m.fast_count == 0 || !Life::is_due(m.fast, now)) return of(m);
     const double dt = tick(fast_, m.fast, now, m.fast_sum, m.fast_count, limits, m.pressed);
@@ -111,14 +112,14 @@ class PushWatch {
     return m.tares != tares ? Status{Reason::push_without_life} : of(m);
   }
 
-  /// The arm has moved for `dt` [s], by `way` along the push [m]; at rest, no joint turns.
+  /// Takes the arm's motion of `dt` [s], by `way` [m] along the push; `at_rest`: no joint turns.
   void move(Memory& m, double way, double dt, bool at_rest) const noexcept {
     m.rested = at_rest ? m.rested + dt : 0;
     m.speed = dt > 0 ? way / dt : 0;
     if (m.pressed != 0 && !m.alive && way > 0) m.way += way;
   }
 
-  /// The robot has moved from `before`, which becomes `now`, by `way()` along the push [m].
+  /// Takes the robot's motion from `before`, which becomes `now`, by `way()` [m] along the push.
   template <class State, class Way>
   void follow_robot(Memory& m, State& before, const State& now, const Way& way) const noexcept {
     if (!watches_) return;
@@ -131,7 +132,7 @@ class PushWatch {
     before = now;
   }
 
-  /// The share of a push of `force` [N] that counts.
+  /// The share of a push of `force` [N] that counts, 0 to 1.
   [[nodiscard]] double share(const Memory& m, double force) const noexcept {
     if (!watches_ || m.alive) return 1;
     if (m.quiet) return 0;
@@ -151,7 +152,8 @@ class PushWatch {
   static constexpr Nanoseconds slow_period = 79ms;  ///< 80 ms, less than the stamps of a cycle may jitter
   static constexpr double found = 0.9;              ///< share of `way` from which on a push is quiet
 
-  /// Of readings in units of their noise in means of 8 ms, for those that are `steadier`.
+  /// Health limits of readings in units of the noise of a mean of 8 ms; `steadier`: factor by which theirs is
+  /// less.
   static constexpr detail::HealthLimitsRow limits_of(float steadier) noexcept {
     detail::HealthLimitsRow out{};
     for (float& x : out.per_sigma) x = steadier;
@@ -168,7 +170,7 @@ class PushWatch {
   [[nodiscard]] static Status of(const Memory& m) noexcept {
     return m.quiet ? Status{Reason::push_without_life} : Status{};
   }
-  /// What `CellLife` reads of the health of cells.
+  /// The part of the cells' health that `CellLife` reads.
   struct Readings {
     struct Line {
       detail::HealthRow::Row force{};
@@ -188,7 +190,7 @@ class PushWatch {
         typename Life::Bits{pressed}, [](std::size_t) { return std::span<const std::size_t>(); });
     return dt < 1 ? dt : 1;
   }
-  /// Puts in place of the sums of the last 80 ms their means' change over `span`.
+  /// Replaces the sums of the last 80 ms by the change of their means over `span` means.
   void change(Memory& m) const noexcept {
     m.slot = (m.slot + 1) % (span + 1);
     auto& newest = m.past[m.slot];
@@ -209,7 +211,7 @@ class PushWatch {
     if (m.alive) m.way = 0, m.quiet = false;
     if (m.way > found * life().way || m.lifeless >= seconds<double>(life().calm)) m.quiet = true;
   }
-  /// The mean of the last 80 ms is in `value_sum`.
+  /// Follows the reading of rest; the mean of the last 80 ms is in `value_sum`.
   void follow(Memory& m, double dt) const noexcept {
     if (m.alive || m.rested < still) return;
     if (m.quiet && m.pressed != 0) {

@@ -12,10 +12,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Some cells of a skin under one name. Regions may overlap.
+/// A named set of cells of a skin. Regions may overlap.
 struct Region {
   std::string name;
-  std::vector<std::uint32_t> cells;  ///< ids
+  std::vector<std::uint32_t> cells;  ///< ids of the cells
   double weight = 1;  ///< > 0: multiplies the region's force, to count a delicate place for more
   double force_limit = std::numeric_limits<double>::infinity();  ///< largest weight times force [N], > 0
 };
@@ -45,13 +45,13 @@ class Regions {
 
   [[nodiscard]] std::size_t size() const noexcept { return list_.size(); }
   [[nodiscard]] const Region& operator[](std::size_t k) const noexcept { return list_[k]; }
-  /// The number of a region; `size()` if there is none of that name.
+  /// The index of the region `name`; `size()` if there is none of that name.
   [[nodiscard]] std::size_t find(const std::string& name) const noexcept {
     std::size_t k = 0;
     while (k < list_.size() && list_[k].name != name) ++k;
     return k;
   }
-  /// The bit of a region. Throws `ConfigurationError` if there is none of that name.
+  /// The set that holds only the region `name`. Throws `ConfigurationError` if there is none of that name.
   [[nodiscard]] SKINCTL_COLD RegionMask mask(const std::string& name) const {
     const std::size_t k = find(name);
     require(k < list_.size(), ("region \"" + name + "\": number").c_str(), double(k), "the name of a region");

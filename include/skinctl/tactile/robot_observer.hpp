@@ -7,8 +7,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// In place of `MomentumObserver` for a robot whose controller tells the torque of contacts at its joints,
-/// from torque sensors and a model of its own, as KUKA's iiwa (`externalTorque`) and Franka's FR3
+/// Observer in place of `MomentumObserver` for a robot whose controller tells the torque of contacts at its
+/// joints, from torque sensors and a model of its own, as KUKA's iiwa (`externalTorque`) and Franka's FR3
 /// (`tau_ext_hat_filtered`): the residual is that torque, and no mass of our model enters it. A load that the
 /// robot was not told of is in it.
 template <RobotModel M, Real T = double>
@@ -25,8 +25,8 @@ class RobotObserver {
 
   SKINCTL_COLD explicit RobotObserver(const M& model, const Settings& = {}) : model_(model) {}
   [[nodiscard]] const M& model() const noexcept { return model_; }
-  /// The torque of contacts that the robot would tell on a base at rest [N m]: what its base's motion adds is
-  /// a contact to it.
+  /// The torque of contacts that the robot would tell on a base at rest [N m]: its controller takes the
+  /// torque `adds` of the base's motion for a contact.
   [[nodiscard]] static JointTorque<joints, T> at_rest(const JointTorque<joints, T>& external,
                                                       const JointTorque<joints, T>& adds) noexcept {
     return external + adds;

@@ -33,7 +33,7 @@ struct ContactRow {
   static constexpr std::uint32_t none = ~std::uint32_t(0);
   std::uint32_t frame = 0;  ///< frame in which the cell was last pressed; one more once it has been visited
   std::uint32_t label = none;  ///< label of its contact in the frame `frame`
-  std::uint32_t next = none;   ///< the cell below it on the stack
+  std::uint32_t next = none;   ///< index of the cell below this one on the stack
   float push = 0;              ///< push in the frame `frame` [N]
 };
 
@@ -58,9 +58,10 @@ struct SkinContactMemory {
 /// one, and the stack is a chain through their rows, so nothing is cleared or allocated: time is bounded by
 /// the pressed cells and their edges.
 ///
-/// **Identity.** A contact is the one that its strongest cell belonged to a frame before; if that cell was
-/// not pressed then, the strongest one that was; else a neighbour of the strongest. Of two heirs the one with
-/// more push keeps the identity, the other one begins. Contacts that merge keep that of the strongest cell.
+/// **Identity.** A contact continues the one to which its strongest cell belonged a frame before; if that
+/// cell was not pressed then, the strongest cell that was; else a neighbour of the strongest. Of two contacts
+/// that continue one, the one with more push keeps the identity, the other gets a new one. Contacts that
+/// merge keep the identity of the strongest cell.
 template <Real T = double>
 class ContactFinder {
  public:
@@ -97,10 +98,11 @@ class ContactFinder {
     }
   }
 
-  /// The contacts at `now`.
+  /// Finds the contacts at `now`, and puts them into `m`.
   ///
-  /// @param each   calls `f(i, push)` for each pressed cell with its push [N], twice the same.
-  /// @param areas  gets the contacts, each apart by sides: a hand around an arm pushes from several.
+  /// @param each   calls `f(i, push)` for each pressed cell with its push [N]; it is called twice.
+  /// @param areas  receives the contacts, each split by the direction of its pushes: a hand around an arm
+  ///               pushes from several sides.
   template <class Memory, class Each, class Areas>
   void find(Memory& m, Nanoseconds now, const Each& each, Areas& areas) const noexcept {
     if ((m.frame += 2) == 0) m.rows = {}, m.frame = 2;
@@ -127,9 +129,9 @@ class ContactFinder {
  private:
   static constexpr std::uint32_t bottom = ContactRow::none - 1;
   struct Cell {
-    float moment[3];  ///< for one newton
-    float place[3];   ///< [m]
-    float force[3];   ///< for one newton
+    float moment[3];  ///< moment about the link's origin for one newton [m]
+    float place[3];   ///< origin of the cell on the link [m]
+    float force[3];   ///< inward unit vector: force for one newton
     float area;
     std::uint32_t link;
     RegionMask regions;

@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The link of a cell where it is known at run time only.
+/// The frame of a link that is known at run time only.
 using SomeLink = detail::AnyLink;
 
 /// A cell of a `ChannelPatch`: its id in the samples, its pose on the link, and gains, gates and a mask of
@@ -22,9 +22,9 @@ struct ChannelCell {
   /// Gate of each channel that pushes, in its order: of a hexagon the sum of its forces, and its proximity.
   /// None: the gate of the skin's settings.
   std::array<std::optional<EventGate<>>, KindTable<Kind>::pushing> gate{};
-  bool masked = false;  ///< the cell is no part of what feels, whatever it sends
+  bool masked = false;  ///< whether the cell is excluded, whatever it sends
 
-  /// The gates in the order of the channels.
+  /// The gates in the order of the channels: the skin's where the cell has none of its own.
   [[nodiscard]] auto gates(const SettingsOf<Kind>& s) const {
     auto out = s.gates();
     for (std::size_t c = 0; c < out.size(); ++c) out[c] = gate[c].value_or(out[c]);

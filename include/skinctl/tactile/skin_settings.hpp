@@ -42,8 +42,9 @@ struct SkinSettings {
 /// Thresholds and times that all cells of a kind share: see `SkinSettings`.
 template <SensorKind Kind>
 struct ChannelSettings {
-  /// On the amount of each channel that pushes, in its order; of one with a cone on its magnitude. By default
-  /// a dead band of a hundredth of the greatest amount; none where a cone limits it.
+  /// Gate on the amount of each channel that pushes, in the order of the kind; on the magnitude where a
+  /// friction cone limits it. By default a dead band of a hundredth of the greatest amount; none where a cone
+  /// limits it.
   std::array<EventGate<>, KindTable<Kind>::pushing> gate = [] {
     std::array<EventGate<>, KindTable<Kind>::pushing> gates;
     for (std::size_t c = 0; c < gates.size(); ++c)

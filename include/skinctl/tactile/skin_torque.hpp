@@ -78,7 +78,7 @@ SKINCTL_INLINE constexpr auto subtree_load(const M& model, const JointAngles<M, 
 /// `tau_skin = sum over cells J_cell^T [F_cell; 0]` [N m], eqs. (6), (7), from the sums of the cells'
 /// wrenches on each link.
 ///
-/// Joints behind the last link with skin get 0 and cost nothing. Relative to the largest torque that occurs,
+/// Joints beyond the last link with skin get 0 and cost nothing. Relative to the largest torque that occurs,
 /// the error is a few units in the last place times the number of joints. `angles` must hold every joint on
 /// the path to a link with skin. A NaN in a wrench gives NaN torques of the joints that carry it. The skin of
 /// a model also serves models derived from it (`Loaded`, `Mounted`).

@@ -37,7 +37,7 @@ class Slip {
     T friction = T(0.25);     ///< mu of a new contact, > 0: moist plastic on silicone
     T max_friction = T(0.8);  ///< limit of the growth of mu: the cone of a kind (`with_normal`)
     T probe = T(0);           ///< growth of mu while nothing slips, 0: none [1/s]
-    T reserve = T(1.4);       ///< normal force over the least one that holds, > 1
+    T reserve = T(1.4);       ///< ratio of the normal force to the smallest one that holds, > 1
     T noise = T(0.05);        ///< standard deviation of a sample's sum, each axis, > 0 [N]
     T drop = T(0.05);         ///< smallest drop as a share of the shear; mu_k is 5 to 30 % below mu
     T max_drop = T(0.5);      ///< smallest share of the shear that a slip leaves
@@ -45,7 +45,7 @@ class Slip {
     T fall = T(0.1);          ///< time constant of the peak, > 0 [s]
     T min_normal = T(0.3);    ///< normal force of a contact, > 0; it ends below half of that [N]
   };
-  /// Trivially copyable; `Memory{}` touches nothing.
+  /// Trivially copyable; `Memory{}` has no contact.
   struct Memory {
     Xyz<T> force = {T(0), T(0), T(0)};                  ///< low-passed force [N]
     T normal = T(0), shear = T(0);                      ///< normal and tangential part of `force` [N]
@@ -57,7 +57,7 @@ class Slip {
     T since = T(1e9);                                   ///< time since the last drop [s]
     bool touches = false, slipped = false;  ///< slipped: the friction of this contact has been told
   };
-  /// Zeros where nothing is touched.
+  /// Slip of a contact; without one zeros and a margin of 1.
   struct Result {
     bool slipping = false;
     T demand = T(0);  ///< |f_t| / f_n
@@ -84,9 +84,10 @@ class Slip {
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
-  /// One sample, `dt` [s] after the last one.
+  /// Takes one sample, `dt` [s] after the last one.
   /// @param force   sum of the forces on the contact's cells [N], as a skin's link wrench has it.
-  /// @param inward  direction of a pressure on it, of unit length, along the same axes: minus the cells' z.
+  /// @param inward  inward normal, along which pressure acts, of unit length, along the same axes: minus the
+  ///                cells' z.
   /// A sample with a number that is not finite, a force above 1e6 N, or `dt <= 0` is ignored. After a gap of
   /// more than 50 ms nothing is compared with the forces before.
   Result take(Memory& m, const T& dt, const Xyz<T>& force, const Xyz<T>& inward) const noexcept {
@@ -140,21 +141,21 @@ class Slip {
     return {m.since <= T(slide_time), demand, T(1) - demand / mu,
             hold > s_.min_normal ? hold : s_.min_normal};
   }
-  /// The friction that is reckoned with.
+  /// The friction coefficient in use: the learnt one, else that of the settings.
   [[nodiscard]] T friction(const Memory& m) const noexcept {
     return m.friction > T(0) ? m.friction : s_.friction;
   }
 
  private:
-  static constexpr double longest_gap = 0.05;   ///< between samples that are compared [s]
-  static constexpr double slide_time = 0.05;    ///< of a drop: friction falls within some 60 ms [s]
+  static constexpr double longest_gap = 0.05;   ///< longest gap between samples that are compared [s]
+  static constexpr double slide_time = 0.05;    ///< duration of a drop [s]: friction falls within some 60 ms
   static constexpr double judged = 0.2;         ///< time in which a tightened grip tells slip from load [s]
   static constexpr double remembers = 300;      ///< time constant of the highest demand: a carry [s]
-  static constexpr double surely = 5;           ///< deviations of the noise: one sample in three million
-  static constexpr double calmly = 3;           ///< times the unrest: shaking by up to 3 m/s^2 is none
+  static constexpr double surely = 5;           ///< threshold in deviations of the noise: one of 3e6 samples
+  static constexpr double calmly = 3;           ///< threshold in times u: shaking by up to 3 m/s^2 is no slip
   static constexpr double near_highest = 0.85;  ///< share of the highest demand: a contact slips at its mu
   static constexpr double unrest_rises = 0.2, unrest_falls = 5;  ///< time constants of the unrest [s]
-  /// Growth of the normal force with which a grip has not, and has tightened.
+  /// Growth of the normal force up to which a grip has not tightened, and above which it has.
   static constexpr double tightens = 1.05, has_tightened = 1.04;
   static constexpr double tried = 0.9;       ///< share of mu / reserve from which on mu is tried
   static constexpr double after_slip = 0.1;  ///< share of `probe` once the friction has been told

@@ -27,10 +27,11 @@ class Squeeze {
   /// Sums over the points of the present squeeze. Trivially copyable; `Memory{}` has seen none.
   struct Memory {
     T count = T(0), force = T(0), closing = T(0);  ///< number, and means [N], [m]
-    T square = T(0), product = T(0);               ///< sums of deviations, F F and F x
+    T square = T(0), product = T(0);               ///< sums of deviations: force^2, force times closing
     T low = T(0), high = T(0);                     ///< least and largest force [N]
   };
-  /// `known` is false while too few points are there; a body stiffer than can be told is `infinity`.
+  /// Stiffness found; `known` is false while the forces span less than `min_span`; `infinity` for a body
+  /// stiffer than can be told.
   struct Result {
     bool known = false;
     T stiffness = T(0);  ///< stiffness of the body [N/m]
@@ -50,8 +51,8 @@ class Squeeze {
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
-  /// One reading: the force [N], and by how much the fingers have closed [m], from any origin. A reading that
-  /// is not finite is ignored.
+  /// Takes one reading: the force [N], and by how much the fingers have closed [m], from any origin. A
+  /// reading that is not finite is ignored.
   void take(Memory& m, const T& force, const T& closing) const noexcept {
     if (!(force - force == T(0)) || !(closing - closing == T(0))) return;
     if (m.count > T(0) && force < m.high - s_.swing) m = {};

@@ -27,7 +27,7 @@ class ToldSkin : public WrappedTouch<ToldSkin<S>, S> {
 
   SKINCTL_COLD explicit ToldSkin(const S& skin) : Base(skin) {}
 
-  /// See `S::receive`.
+  /// See `S::receive`; keeps the newest amounts of the channels that are told.
   template <class Given, class Means, class... Front>
   Status take(Memory& memory, const Given& in, Means* means, Front&&... front) const noexcept {
     const Status status = this->take_on(memory, in, means, std::forward<Front>(front)...);
@@ -47,7 +47,7 @@ class ToldSkin : public WrappedTouch<ToldSkin<S>, S> {
     SKINCTL_EXPECTS(channel >= first && channel < first + channels, "a channel that is told");
     return memory.told[i][channel - first];
   }
-  /// The stamp of that amount; 0 before the first sample.
+  /// The stamp of the newest sample of cell `i`; 0 before the first one.
   [[nodiscard]] Nanoseconds told_at(const Memory& memory, std::size_t i) const noexcept {
     return memory.told_at[i];
   }

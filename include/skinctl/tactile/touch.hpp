@@ -16,7 +16,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// No sensor of the scene but cells.
+/// The input of a scene that has no sensors but cells.
 struct NoSensors {};
 
 /// A source of touch: an immutable value whose changing data are kept outside. A skin, a sensor, a wrapper of
@@ -62,19 +62,19 @@ struct TouchGiven {
   std::span<const CellSample> samples;  ///< samples of cells
   const Sensed& sensed;                 ///< readings of other sensors
   const State& measured;                ///< newest good state of the robot
-  Nanoseconds from, to;                 ///< interval
+  Nanoseconds from, to;                 ///< interval `(from, to]`
   std::size_t parts;                    ///< number of equal parts of the interval, >= 1
 };
 template <class Sensed, class State>
 TouchGiven(std::span<const CellSample>, const Sensed&, const State&, Nanoseconds, Nanoseconds, std::size_t)
     -> TouchGiven<Sensed, State>;
 
-/// The members of a touch `S`, or their defaults: the only way in which the library asks for one.
+/// The members of a touch `S`, or their defaults: the library uses touches only through it.
 template <class S>
 struct TouchTable {
   using Memory = typename S::Memory;
   using Sensed = typename detail::SensedOf<S, NoSensors>::type;
-  /// `S::Touch`, which has contacts and own pushes separate, if there is one; else `S::Wrenches`.
+  /// `S::Touch`, with contacts and the controller's own pushes separate, if there is one; else `S::Wrenches`.
   using Touch = typename detail::ApartOf<S>::type;
   static constexpr bool is_sensor = detail::HasSensed<S>;
   static constexpr bool tells_apart = detail::HasTouch<S>;
@@ -93,7 +93,7 @@ struct TouchTable {
   template <std::size_t Ix>
   static constexpr bool tells_max_proximity = detail::TellsMaxProximity<S, Ix>;
 
-  /// See `Skin::receive`; what comes behind `means` are front ends.
+  /// See `Skin::receive`; `front` are front ends.
   template <class Given, class Means, class... Front>
   static SKINCTL_INLINE Status receive(const S& s, Memory& m, const Given& in, Means* means,
                                        Front&&... front) noexcept {
@@ -185,7 +185,7 @@ struct TouchTable {
   static void each_point(const S& s, F&& f) {
     if constexpr (has_points) s.each_point(f);
   }
-  /// 0 for a touch that does not feel everywhere.
+  /// Newtons that laws see per newton anywhere on the robot; 0 for a touch that does not feel everywhere.
   [[nodiscard]] static double gain_everywhere(const S& s) noexcept {
     if constexpr (feels_everywhere) {
       return s.gain_everywhere();
@@ -200,6 +200,7 @@ struct TouchTable {
       return true;
     }
   }
+  /// The part of `found` that `contact`, felt by another source, does not explain; all without `S::beyond`.
   /// @param measured  newest good state of the robot.
   template <class Found, class State, class Contact>
   [[nodiscard]] static SKINCTL_INLINE Found beyond(const S& s, const Found& found, const State& measured,
@@ -212,8 +213,8 @@ struct TouchTable {
   }
 };
 
-/// Readings in the input of a scene beside those of cells, by the `Sensed` of its touch: wrenches, torques of
-/// motors, weights of patches.
+/// Whether the input of a scene has readings beside those of cells, by the `Sensed` of its touch: wrenches,
+/// torques of motors, weights of patches.
 template <class Sensed>
 concept SensesWrenches = requires(const Sensed& sensed) { sensed.wrenches; };
 template <class Sensed>
@@ -222,7 +223,7 @@ template <class Sensed>
 concept SensesWeights = requires(const Sensed& sensed) { sensed.patch_weights; };
 
 namespace detail {
-/// Both forms of `receive`, for an `Own` that has `take(memory, given, means, front...)`.
+/// Base that gives `Own`, which has `take(memory, given, means, front...)`, both forms of `receive`.
 template <class Own>
 struct TakesTouch {
   /// See `Skin::receive`.
@@ -235,7 +236,7 @@ struct TakesTouch {
     return static_cast<const Own&>(*this).take(memory, TouchGiven{samples, none, none, from, to, parts},
                                                means, std::forward<Front>(front)...);
   }
-  /// The same with what other sensors read, and the newest good state of the robot.
+  /// See `Skin::receive`; with the readings of other sensors, and the newest good state of the robot.
   template <class Memory, std::size_t N, class T, class Means, class Self = Own, class... Front>
   SKINCTL_INLINE Status receive(Memory& memory, std::span<const CellSample> samples,
                                 const typename SensedOf<Self, NoSensors>::type& sensed,
@@ -247,9 +248,9 @@ struct TakesTouch {
 };
 }  // namespace detail
 
-/// Base of a touch that is made of another one, `S`: everything that `S` has passes, and `Own` hides what it
-/// changes. `Own` has a `Memory` that derives from that of `S`, and `take`, which hands on what it receives
-/// by `take_on`.
+/// Base of a touch that is made of another one, `S`: it inherits all members of `S`, and `Own` hides those
+/// that it changes. `Own` has a `Memory` that derives from that of `S`, and `take`, which hands on what it
+/// receives by `take_on`.
 ///
 ///     struct Filtered : WrappedTouch<Filtered, MySkin> {
 ///       struct Memory : MySkin::Memory { double filtered; };
@@ -263,7 +264,8 @@ class WrappedTouch : public detail::WithSensed<S, NoSensors, Adds...>, public de
   using scalar = typename S::Wrenches::scalar;
   using detail::TakesTouch<Own>::receive;
 
-  /// The memory of the wrapped touch at `now`; what `Own` has added is as in `Memory{}`.
+  /// The memory with which it begins at `now`: that of the wrapped touch; what `Own` has added is as in
+  /// `Memory{}`.
   [[nodiscard]] auto start(Nanoseconds now) const noexcept {
     typename Own::Memory memory{};
     static_cast<typename S::Memory&>(memory) = wrapped().start(now);
@@ -282,7 +284,7 @@ class WrappedTouch : public detail::WithSensed<S, NoSensors, Adds...>, public de
 
  protected:
   explicit WrappedTouch(const S& s) : detail::WithSensed<S, NoSensors, Adds...>(s) {}
-  /// What was given, to the wrapped touch.
+  /// Hands on what was given to the wrapped touch.
   template <class Given, class Means, class... Front>
   SKINCTL_INLINE Status take_on(typename S::Memory& memory, const Given& given, Means* means,
                                 Front&&... front) const noexcept {

@@ -56,7 +56,7 @@ template <RobotModel M, class Angles, class A, class B>
     const M& model, const Angles& angles, const TouchSum<A, B>& touch) noexcept {
   return skin_torque(model, angles, touch.first) + skin_torque(model, angles, touch.second);
 }
-/// The contacts of both, at most `M::joints` and six.
+/// The contacts of both sources, those of the second first, at most `M::joints + 6`.
 template <RobotModel M, Real T, class A, class B>
 [[nodiscard]] auto contacts_of(const M& model, const JointPosition<M::joints, T>& q,
                                const TouchSum<A, B>& touch) noexcept {
@@ -103,7 +103,7 @@ template <class A, class B>
 struct FoundOfSum<A, B> {
   using Found = typename std::conditional_t<TouchTable<A>::finds_contacts, A, B>::Found;
 };
-/// Whether what two touches add to the input is not the same.
+/// Whether two touches add different members to the input.
 template <class A, class B>
 inline constexpr bool sense_apart =
     std::is_empty_v<typename TouchTable<B>::Sensed> ||
@@ -133,7 +133,7 @@ class TouchSources : public detail::ApartOfSum<A, B>,
   using scalar = typename A::Wrenches::scalar;
   using Wrenches = TouchSum<typename A::Wrenches, typename B::Wrenches>;
   static constexpr LinkMask links = Wrenches::links;
-  static constexpr std::size_t max_parts = 16;  ///< number of parts of an interval, at most
+  static constexpr std::size_t max_parts = 16;  ///< maximum number of parts of an interval
   struct Memory {
     typename A::Memory first;
     typename B::Memory second;
@@ -157,7 +157,7 @@ class TouchSources : public detail::ApartOfSum<A, B>,
     First::follow_robot(a_, memory.first, model, state);
     Second::follow_robot(b_, memory.second, model, state);
   }
-  /// For `receive`: samples of cells go to those that have cells; one that neither knows is reported.
+  /// For `receive`: samples of cells go to the sources that have cells; one that neither knows is reported.
   template <class Given, class Means>
   Status take(Memory& memory, const Given& in, Means* means) const noexcept {
     SKINCTL_EXPECTS(in.parts <= max_parts, "at most 16 parts of an interval");
@@ -269,7 +269,7 @@ class TouchSources : public detail::ApartOfSum<A, B>,
     const std::size_t i = First::index(a_, id), of_first = First::size(a_);
     return i < of_first ? i : of_first + Second::index(b_, id);
   }
-  /// Whether the samples of a cycle's input are for one of both, and whether a cell of these has this id.
+  /// Whether a source takes the samples of a cycle's input, and whether it has a cell with this id.
   static constexpr bool takes_hexagons = First::takes_hexagons || Second::takes_hexagons;
   [[nodiscard]] bool has_hexagon(std::uint32_t id) const noexcept {
     return First::has_hexagon(a_, id) || Second::has_hexagon(b_, id);

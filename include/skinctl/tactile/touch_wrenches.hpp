@@ -8,9 +8,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A skin's wrenches, apart by what the cells read. A pressed cell is a contact: the world pushes, and its
-/// work is the world's. A cell that only sees something is not touched: its wrench is the controller's own,
-/// and an energy tank pays for it. Laws see the sum. `W` is a `LinkWrenches`.
+/// A skin's wrenches, separate for forces and proximities. A pressed cell is a contact: the world pushes, and
+/// its work is the world's. A cell that only sees something is not touched: its wrench is the controller's
+/// own, and an energy tank pays for it. Laws see the sum. `W` is a `LinkWrenches`.
 template <class W>
 struct TouchWrenches {
   using Wrenches = W;
@@ -26,7 +26,7 @@ struct TouchWrenches {
   }
 };
 
-/// The touch that a law sees: all of it.
+/// The touch that a law sees: contacts and the controller's own push together.
 template <class Touch>
 [[nodiscard]] SKINCTL_INLINE constexpr const Touch& total_of(const Touch& touch) noexcept {
   return touch;
@@ -35,12 +35,13 @@ template <class W>
 [[nodiscard]] SKINCTL_INLINE constexpr W total_of(const TouchWrenches<W>& touch) noexcept {
   return touch.total();
 }
-/// Whether a touch holds forces and proximities apart.
+/// Whether a touch has separate forces and proximities.
 template <class Touch>
 inline constexpr bool is_apart = false;
 template <class W>
 inline constexpr bool is_apart<TouchWrenches<W>> = true;
-/// The touch by contacts. Wrenches that are not apart, such as those of a force sensor, are contacts.
+/// The part of a touch that is contact. Wrenches that are not separated, such as those of a force sensor, are
+/// all contact.
 template <class Touch>
 [[nodiscard]] SKINCTL_INLINE constexpr const Touch& contact_part(const Touch& touch) noexcept {
   return touch;

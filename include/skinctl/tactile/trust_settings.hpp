@@ -11,23 +11,23 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// See `TrustedSkin`. The defaults are for TUM's cells at 250 Hz.
+/// Settings of a `TrustedSkin`. The defaults are for TUM's cells at 250 Hz.
 struct TrustSettings {
-  /// F_1 of each cell [N], or one for all: what a cell counts up to while no witness is touched, too.
-  /// `lone_forces` gives what the arm's Coulomb friction holds. Required: 0 mutes a lone cell, infinity
+  /// Lone force of each cell [N], or one for all: the largest push that counts while no witness is touched,
+  /// too. `lone_forces` gives what the arm's Coulomb friction holds. Required: 0 mutes a lone cell, infinity
   /// trusts it.
   std::vector<double> lone_force;
   std::vector<SensorNoise> noise{SensorNoise{}};  ///< noise of each cell, or one for all
-  /// Period of a cell that sends all readings; the shortest of one that sends changes.
+  /// Sampling period of a cell that sends all readings; the shortest one of a cell that sends only changes.
   Nanoseconds period = 4ms;
-  /// The cells have a proximity sensor: it is a witness, and evidence that a frozen cell drifts. False: its
-  /// readings count, but say nothing of forces.
+  /// Whether the cells have a proximity sensor that is a witness, and evidence that a frozen cell drifts.
+  /// False: its readings count, but say nothing of forces.
   bool proximity = true;
   Nanoseconds seen_for = 25ms;   ///< a proximity above 0.1 for so long, without a jump, is a witness
   double answer = 0.1;           ///< share of a cell's force that a neighbour has to feel to be its witness
   double other_proximity = 0.3;  ///< proximity of a neighbour from which on it is a witness
   double explained = 0.05;       ///< largest share of a cell that cross-talk leaves unexplained
-  double explained_far = 0.25;   ///< such a share of a cell whose own proximity is below 0.05
+  double explained_far = 0.25;   ///< `explained` of a cell whose own proximity is below 0.05
   CellHealthSettings health;
   LifeSettings life;
   RestSettings rest;

@@ -48,12 +48,12 @@ class TrustedSkin : public detail::TrustCore<S> {
   static constexpr LinkMask links = Wrenches::links;
   static constexpr std::size_t patches = Core::patches, cells = Core::cells;
 
-  /// Of a `Skin`, a `SkinOf`, or a skin that wraps one.
+  /// Wraps a `Skin`, a `SkinOf`, or a skin that wraps one.
   /// @param fill  from `FillIn(graph, places)`; its graph says which cells are neighbours.
   /// Throws `ConfigurationError` for settings out of their range, and a graph of another number of cells.
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings, const FillIn& fill)
       : Core(skin, settings, fill) {}
-  /// With neighbours within 1.3 pitches, which fill in with theirs.
+  /// Neighbours are cells within 1.3 pitches; a masked cell is filled in from them and their neighbours.
   SKINCTL_COLD TrustedSkin(const S& skin, const TrustSettings& settings)
       : Core(skin, settings, FillIn(CellGraph(skin.places()), skin.places())) {}
 
@@ -91,8 +91,8 @@ class TrustedSkin : public detail::TrustCore<S> {
     return status;
   }
 
-  /// Counts the ways of pressed places; called by a scene. Joints that have moved by less than 0.2 mrad (0.2
-  /// mm), an encoder's noise, wait for the next call.
+  /// Counts how far pressed places give way; called by a scene. Joints that have moved by less than 0.2 mrad
+  /// (0.2 mm), an encoder's noise, wait for the next call.
   template <class M, class State>
   void follow_robot(Memory& m, const M& model, const State& state) const noexcept {
     this->give_way(m, model, state);
@@ -149,7 +149,7 @@ class TrustedSkin : public detail::TrustCore<S> {
     }
     return T(most < 1 ? most : 1.0f);
   }
-  /// The share of the skin that feels: cells that are heard and not masked.
+  /// The coverage of the skin: cells that are heard and not masked, of all.
   [[nodiscard]] Coverage coverage(const Memory& m) const noexcept {
     Coverage out;
     for (std::size_t k = 0; k + 1 < this->first_.size(); ++k) {
@@ -168,7 +168,7 @@ class TrustedSkin : public detail::TrustCore<S> {
     return least;
   }
 
-  /// 0: the cell counts; 1: it does not.
+  /// The mask of cell `i`: 0: it counts; 1: it does not.
   [[nodiscard]] float mask(const Memory& m, std::size_t i) const noexcept {
     return cell_[i].masked ? 1.0f : Health::mask(m.health, i);
   }
@@ -197,8 +197,8 @@ class TrustedSkin : public detail::TrustCore<S> {
   [[nodiscard]] std::span<const detail::TrustCell<Kind>> table() const noexcept { return cell_; }
 
  private:
-  /// Adds what lies the share `after` of the way from `before` to `now`. A function of its own, since a cycle
-  /// begins with cold code: inlined it is 1.3 KB longer and no faster.
+  /// Adds the wrenches at the fraction `after`, 0 to 1, between `before` and `now`. A function of its own,
+  /// since a cycle begins with cold code: inlined it is 1.3 KB longer and no faster.
   template <class To>
   static SKINCTL_NOINLINE void add_between(To& to, const Touch& before, const Touch& now,
                                            const T& after) noexcept {

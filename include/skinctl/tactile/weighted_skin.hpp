@@ -62,10 +62,10 @@ class WeightedSkin : public WrappedTouch<WeightedSkin<S>, S, WeightInput<S::Wren
       : Base(skin), rate_(1 / seconds<double>(ramp)) {
     require(ramp >= 1ms && ramp <= 100s, "WeightedSkin: ramp", milliseconds(ramp), "1 to 1e5 ms");
   }
-  /// The place of link `i` among the weights.
+  /// The index of link `i` among the weights.
   [[nodiscard]] static constexpr std::size_t slot(std::size_t i) noexcept { return Wrenches::slot(i); }
 
-  /// See `S::receive`. In each part of the interval a weight is that of its middle.
+  /// See `S::receive`. In each part of the interval a weight has the value of the part's middle.
   template <class Given, class Means, class... Front>
   Status take(Memory& memory, const Given& in, Means* means, Front&&... front) const noexcept {
     Touch apart[max_parts];
@@ -103,7 +103,7 @@ class WeightedSkin : public WrappedTouch<WeightedSkin<S>, S, WeightInput<S::Wren
   }
 
  private:
-  static constexpr std::size_t max_parts = 16;  ///< of an interval: as many as a cycle has
+  static constexpr std::size_t max_parts = 16;  ///< maximum number of parts of an interval
 
   static Status move(float& weight, float asked, float most) noexcept {
     if (!(asked - asked == 0)) return Reason::sample_not_finite;
@@ -119,7 +119,7 @@ class WeightedSkin : public WrappedTouch<WeightedSkin<S>, S, WeightInput<S::Wren
       }
     return t;
   }
-  double rate_;  ///< [1/s]
+  double rate_;  ///< rate of change of a weight [1/s]
 };
 
 SKINCTL_END_NAMESPACE

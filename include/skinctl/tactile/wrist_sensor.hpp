@@ -25,7 +25,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The addition of a wrist sensor to the input of a cycle.
 struct WristInput {
-  SampleSpan<WrenchSample> wrenches;  ///< arrived since the last cycle, in the order of their stamps
+  SampleSpan<WrenchSample> wrenches;  ///< samples since the last cycle, in the order of their stamps
 };
 
 /// A force-torque sensor on link `Ix` of the model `M`, in place of a skin or beside one:
@@ -158,7 +158,7 @@ class WristSensor : public sensor_sums::Summand {
     const auto& b = memory.watch.bias;
     return {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
   }
-  /// Counts the way that the arm gives to a push; called by a scene.
+  /// Counts how far the arm gives way to a push; called by a scene.
   template <class Model, class State>
   void follow_robot(Memory& m, const Model& model, const State& state) const noexcept {
     m.base.take(model);
@@ -181,7 +181,7 @@ class WristSensor : public sensor_sums::Summand {
   /// (`time_backwards`), more than `max_ahead` after `to` (`sample_out_of_range`), or older than `max_age`
   /// (`sample_stale`, which is also reported while the sensor is silent).
   ///
-  /// @param cells     samples of cells are of none that this sensor knows: `sample_unknown`.
+  /// @param cells     samples of cells, which this sensor does not have: reported as `sample_unknown`.
   /// @param measured  the newest good state of the robot, for the weight.
   Status receive(Memory& memory, std::span<const CellSample> cells, const WristInput& input,
                  const State<M::joints, T>& measured, Nanoseconds from, Nanoseconds to, std::size_t parts,
@@ -216,8 +216,8 @@ class WristSensor : public sensor_sums::Summand {
     for (std::size_t r = 0; r < 6; ++r) out.data[0][r] = memory.row.held[r];
     return out;
   }
-  /// Calls `f(link, force, moment, gain)` for pushes of one newton on the tool, at the sensor's origin and at its
-  /// reach: on the link, with the newtons that laws see.
+  /// Calls `f(link, force, moment, gain)` for pushes of one newton on the tool, at the sensor's origin and at
+  /// its reach: the wrench on the link about its origin, and the newtons that laws see.
   template <class F>
   void each_point(F&& f) const {
     const Xyz<double> axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -234,7 +234,7 @@ class WristSensor : public sensor_sums::Summand {
 
  private:
   static constexpr double shortest_reach = 0.01;  ///< lever by which a moment alone counts as a force [m]
-  /// The sensor's axes along those of the base.
+  /// The axes of the sensor along those of the base, at `q`.
   [[nodiscard]] Rotation<double> axes_in_base(const JointPosition<M::joints, T>& q) const noexcept {
     const JointAngles<M, T, link_bit<Ix>> angles(model_, q);
     const Poses<M, link_bit<Ix>, T> poses(model_, angles);
@@ -252,7 +252,7 @@ class WristSensor : public sensor_sums::Summand {
     const Xyz<double> force = s_.mass * (axes_in_base(q).transpose() * skinctl::cast<double>(g));
     return {force, cross(s_.centre, force)};
   }
-  /// A reading on the link, behind the gates.
+  /// Puts a reading behind the gates into `out`, as the wrench on the link about its origin [N], [N m].
   SKINCTL_INLINE void take(Memory& memory, const WrenchSample& sample, const Wrench<ForceSensor>& weight,
                            T (&out)[6]) const noexcept {
     const auto gated = [](const EventGate<>& gate, const Xyz<double>& x, bool& open) SKINCTL_INLINE_LAMBDA {

@@ -30,8 +30,8 @@ struct WristSensorSettings {
   /// known, a bias does not lead the arm (`PushWatch`); 0: unknown, and nothing watches.
   double noise = 0, moment_noise = 0;
   double creep =
-      0.02;  ///< greatest speed at which the force of rest is followed [N/s]; of the moment, by `reach`
-  LifeSettings life = {};       ///< `life.mass`: the mass with which the arm is felt at the tool
+      0.02;  ///< greatest rate at which the force at rest is followed [N/s]; of the moment, by `reach`
+  LifeSettings life = {};       ///< pushes without life; its `mass`: that of the arm as felt at the tool
   Nanoseconds max_age = 50ms;   ///< age of the last sample from which the sensor does not push
   Nanoseconds fade = 25ms;      ///< last part of `max_age`, in which the wrench goes linearly to 0
   Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample

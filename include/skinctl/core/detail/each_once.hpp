@@ -10,11 +10,11 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Several types as one.
+/// Several types as one type, which derives from each.
 template <class... Parts>
 struct PartsTogether : Parts... {};
 
-/// `type` is a tuple of those that are left; what is several counts as these.
+/// `type` is a tuple of the types, each once and none that is empty; `PartsTogether` counts as its parts.
 template <class Found, class... Rest>
 struct EachOnce {
   using type = Found;

@@ -142,8 +142,8 @@ template <class Bits>
   return !any_bit(~bits);
 }
 
-/// A loop over `__builtin_sqrt` becomes scalar code with calls (errno), on both compilers: hence the vector
-/// built-ins.
+/// The square roots of the lanes. A loop over `__builtin_sqrt` becomes scalar code with calls (errno), on
+/// both compilers: hence the vector built-ins.
 template <class T, std::size_t W>
 [[nodiscard]] SKINCTL_INLINE LaneVector<T, W> square_root(LaneVector<T, W> v) noexcept {
 #if defined(__has_builtin)

@@ -9,7 +9,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// In a class that inherits a name twice it is ambiguous.
+/// A class that inherits a name twice, if `X` has it too: the name is ambiguous then.
 template <class X, class Names>
 struct NamedTwice : X, Names {};
 template <class X>

@@ -30,7 +30,7 @@ template <std::size_t N, Real T>
   return within(c.position, T(2 * plausible)) && within(c.velocity, T(1000 * plausible)) &&
          is_finite(c.acceleration) && is_finite(c.torque);
 }
-/// Far enough from the ends of an int64 that differences of two fit.
+/// Whether a time is so far from the ends of an int64 that differences of two fit.
 [[nodiscard]] SKINCTL_INLINE constexpr bool is_plausible(Nanoseconds t) noexcept {
   constexpr Nanoseconds far(std::int64_t(1) << 61);
   return t > -far && t < far;

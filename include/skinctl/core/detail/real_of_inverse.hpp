@@ -38,7 +38,7 @@ SKINCTL_INLINE void real_of_inverse(Row<K, T> (&r)[K], const T& a, Row<K, T> (&z
   });
   unrolled<K>([&](auto k) SKINCTL_INLINE_LAMBDA { z[k] = -r[k]; });
 }
-/// The same of numbers.
+/// `real_of_inverse` for matrices of bare numbers.
 template <std::size_t K, Real T>
 void real_of_inverse(const T (&r)[K][K], const T& a, T (&z)[K][K]) noexcept {
   Row<K, T> rows[K], out[K];

@@ -36,7 +36,7 @@ struct RowShape {
 
   static constexpr std::size_t held(std::size_t block) noexcept { return block + 1 < blocks ? width : last; }
 
-  /// `Held` numbers from `from` on.
+  /// Loads `Held` numbers from `from` on.
   template <std::size_t Held>
   static SKINCTL_INLINE Block load(const T* from) noexcept {
     if constexpr (!wide) {
@@ -152,7 +152,7 @@ class Row {
   typename Shape::Block block[Shape::blocks];
 
   Row() = default;
-  /// The same number everywhere.
+  /// A row with the same number everywhere.
   SKINCTL_INLINE Row(const T& x) noexcept {
     unrolled<Shape::blocks>([&](std::size_t k)
                                 SKINCTL_INLINE_LAMBDA { block[k] = typename Shape::Block(x); });

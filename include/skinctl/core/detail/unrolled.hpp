@@ -26,7 +26,8 @@ SKINCTL_INLINE constexpr void unrolled(F&& f) {
   call_with(std::make_index_sequence<N>{}, f);
 }
 
-/// The same up to the joints of a hand; a loop beyond, where straight-line code costs too much compile time.
+/// As `unrolled` for up to 16 indices, the joints of a hand; a loop beyond, where straight-line code costs
+/// too much compile time.
 template <std::size_t N, class F>
 SKINCTL_INLINE constexpr void for_each_index(F&& f) {
   if constexpr (N <= 16) {
@@ -36,8 +37,9 @@ SKINCTL_INLINE constexpr void for_each_index(F&& f) {
   }
 }
 
-/// For loops within these: a limb's joints, where straight-line code keeps every number in a register. (The
-/// compilers leave such a loop in a large function, and then its arrays in memory.)
+/// As `unrolled` for up to 8 indices, for loops within loops over joints: a limb's joints, where
+/// straight-line code keeps every number in a register. (The compilers leave such a loop in a large function,
+/// and then its arrays in memory.)
 template <std::size_t N, class F>
 SKINCTL_INLINE constexpr void for_each_of_few(F&& f) {
   if constexpr (N <= 8) {

@@ -22,8 +22,8 @@ struct JsonValue {
   int line = 0;
   double number = 0;
   std::string text;
-  std::vector<std::string> keys;  ///< of a table, one for each of `items`
-  std::vector<JsonValue> items;   ///< of a list or a table
+  std::vector<std::string> keys;  ///< keys of a table, one for each of `items`
+  std::vector<JsonValue> items;   ///< values of a list or a table
 
   [[nodiscard]] const char* what() const {
     static constexpr const char* names[] = {"null",   "true or false", "a number",
@@ -72,7 +72,7 @@ class JsonTree {
   using Finished = std::function<bool(const std::vector<std::string>& path, const JsonValue& item,
                                       const JsonValue& owner)>;
   static constexpr std::size_t max_depth = 8, longest_text = 1024, max_keys = 64;
-  static constexpr std::size_t max_values = std::size_t(1) << 21;  ///< in the tree at any time
+  static constexpr std::size_t max_values = std::size_t(1) << 21;  ///< largest number in the tree at any time
 
   JsonTree(std::string_view text, std::string source, Finished finished)
       : source_(std::move(source)), finished_(std::move(finished)) {

@@ -18,7 +18,7 @@ inline void require_text_size(std::string_view text, const std::string& source) 
     refuse("skinctl: " + source + ": " + std::to_string(text.size()) + " bytes, allowed: up to 256 MiB");
 }
 
-/// Throws `ConfigurationError` for a file that cannot be read or is larger than 256 MiB.
+/// The text of a file. Throws `ConfigurationError` for one that cannot be read or is larger than 256 MiB.
 [[nodiscard]] inline std::string read_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text, part(std::size_t(1) << 16, '\0');

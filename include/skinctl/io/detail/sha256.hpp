@@ -47,7 +47,7 @@ inline void sha256_block(std::array<std::uint32_t, 8>& state, const unsigned cha
   for (std::size_t i = 0; i < 8; ++i) state[i] += add[i];
 }
 
-/// The digest as 64 hexadecimal digits.
+/// The SHA-256 digest of `text` as 64 hexadecimal digits.
 [[nodiscard]] inline std::string sha256(std::string_view text) {
   std::array<std::uint32_t, 8> state = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                                         0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};

@@ -23,13 +23,14 @@ inline std::string skin_number(double x) {
   std::snprintf(text, sizeof text, "%.9g", x);
   return text;
 }
-/// A name in an error text: what a terminal might obey is left out, and so is the rest of a long one.
+/// A name in an error text: control characters become `?`, and the rest of a long one is left out.
 inline std::string skin_quoted(std::string_view name) {
   std::string out = "\"";
   for (const char c : name.substr(0, 128)) out += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
   return out + (name.size() > 128 ? "...\"" : "\"");
 }
 
+/// Checks a skin file by its rules.
 /// @tparam File  `SkinFile`, whose `check` calls this.
 template <class File>
 class SkinCheck {

@@ -22,7 +22,7 @@ class SkinFields {
     refuse("skinctl: " + source_ + ":" + std::to_string(at.line) + ": " + where_ +
            (where_.empty() ? "" : ", ") + what);
   }
-  /// Null stands for a field that is not there.
+  /// The field `key`; null if it is not there and not needed.
   const JsonValue* find(const char* key, Kind kind, const char* what, bool needed) {
     asked_.push_back(key);
     const JsonValue* value = table_.find(key);
@@ -51,7 +51,7 @@ class SkinFields {
     if (const JsonValue* value = find(key, Kind::number, "a whole number", needed))
       to = whole(*value, key, most);
   }
-  /// `count` numbers.
+  /// Reads a list of `count` numbers, if there is one.
   void numbers(const char* key, double* to, std::size_t count, bool needed) {
     const std::string range = std::to_string(count) + " numbers";
     const JsonValue* value = find(key, Kind::list, range.c_str(), needed);
@@ -80,7 +80,7 @@ class SkinFields {
     numbers("covariance", to.data(), 21, false);
     if (table_.find("covariance") == nullptr) to.clear();
   }
-  /// A list whose tables have all been used already.
+  /// Checks a list whose tables have all been used already.
   void used_list(const char* key, bool needed) {
     const JsonValue* value = find(key, Kind::list, "a list of tables", needed);
     if (value != nullptr && !value->items.empty())

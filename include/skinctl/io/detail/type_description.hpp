@@ -46,10 +46,10 @@ class TypeDescription {
  private:
   struct Field {
     std::string name;
-    std::string nested{};  ///< empty: a plain type
+    std::string nested{};  ///< name of a message type; empty: a plain type
     unsigned id = 0;
-    std::size_t capacity = 0;         ///< of an array or bounded sequence
-    std::size_t string_capacity = 0;  ///< of a bounded string
+    std::size_t capacity = 0;         ///< capacity of an array or bounded sequence
+    std::size_t string_capacity = 0;  ///< capacity of a bounded string
   };
 
   static std::string trimmed(const std::string& s) {

@@ -77,7 +77,7 @@ class UrdfEstimate {
   explicit UrdfEstimate(Urdf& urdf) : urdf_(urdf) {
     for (const UrdfJoint& j : urdf_.joints) given_ += j.placed.inertia.mass;
   }
-  /// The shapes of the next joint's body.
+  /// Adds the shapes of the next joint's body.
   void add(const UrdfShapes& shapes) { shapes_.push_back(&shapes); }
 
   /// Mass of the links that the file gives [kg].
@@ -115,7 +115,7 @@ class UrdfEstimate {
     }
     return true;
   }
-  /// What was taken, and from what.
+  /// The estimated masses and their source, for a warning.
   [[nodiscard]] std::string words(double total) const {
     return "masses estimated from " + urdf_number(total) + " kg in all by " +
            (by_shape_ ? "volumes of collision shapes" : "lengths of links") + ": " +
@@ -125,7 +125,7 @@ class UrdfEstimate {
   }
 
  private:
-  static constexpr double bulk_density = 1500;  ///< of arms, castings with motors inside [kg/m^3]
+  static constexpr double bulk_density = 1500;  ///< density of arms, castings with motors inside [kg/m^3]
   static constexpr double wrist_share =
       0.05;  ///< length of a link whose joint and end coincide, over the longest reach
 

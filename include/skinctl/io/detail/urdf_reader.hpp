@@ -28,11 +28,11 @@ class UrdfReader {
   /// The links that move with a joint, as one body.
   struct Body {
     LinkInertia inertia{};
-    bool given = false;    ///< a link has an `<inertial>`
+    bool given = false;    ///< whether a link has an `<inertial>`
     std::size_t link = 0;  ///< the link that the joint carries
-    UrdfShapes shapes{};   ///< of its collision geometry
+    UrdfShapes shapes{};   ///< shapes of its collision geometry
     const Element* bad{};  ///< a link whose moments of inertia no body has: it counts as a point mass
-    std::string fault{};   ///< of these moments
+    std::string fault{};   ///< fault of these moments
     double bad_size = 0;   ///< the largest of those moments [kg m^2]
   };
 
@@ -144,8 +144,8 @@ class UrdfReader {
   void walk(const UrdfLinks& links, const UrdfMotion& motion) {
     struct Step {
       std::size_t link;
-      int carrier;  ///< of the parent link
-      Place X;      ///< of the parent link in the carrier's frame
+      int carrier;  ///< joint that carries the parent link
+      Place X;      ///< pose of the parent link in the carrier's frame
     };
     std::vector<Step> open = {{links.base(), -1, {}}};
     while (!open.empty()) {
@@ -160,7 +160,7 @@ class UrdfReader {
         open.push_back({*child, step.carrier, step.X});
     }
   }
-  /// From a joint's parent link to its child link.
+  /// Moves `carrier` and `X` from a joint's parent link to its child link.
   void pass(const UrdfLinks& links, std::size_t index, const UrdfMotion& motion, int& carrier, Place& X) {
     const UrdfFileJoint& j = links.joints()[index];
     X = product(X, text_.origin(*j.xml, *j.xml));
@@ -211,7 +211,7 @@ class UrdfReader {
       question("velocity", joint.velocity, "rad/s");
     }
   }
-  /// One warning a file of each kind, however many joints it concerns.
+  /// Adds one warning a file of each kind, however many joints it concerns.
   void warn_of_limits(const Element& robot) {
     std::vector<const UrdfJoint*> questioned, soft;
     for (const UrdfJoint& j : urdf_.joints) {
@@ -269,7 +269,7 @@ class UrdfReader {
                             urdf_number(estimate.given()) + " kg that the file gives, <= 1e5");
     if (!urdf_.assumed.empty()) warn(robot, estimate.words(total));
   }
-  /// From the frames with z on their joints to those of the model, which are turned about z.
+  /// Turns the frames with z on their joints to those of the model, which are turned about z.
   void turn_frames() {
     std::vector<int> parents;
     std::vector<PlacedLink> placed;

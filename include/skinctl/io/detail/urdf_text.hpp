@@ -45,7 +45,7 @@ class UrdfText {
     if (text == nullptr || *text == 0) fail(e, std::string("no attribute \"") + attribute + '"');
     return text;
   }
-  /// `N` numbers separated by blanks.
+  /// Reads `N` numbers separated by blanks from an attribute, or from `otherwise` where it is missing.
   template <std::size_t N>
   std::array<double, N> numbers(const Element& owner, const Element& e, const char* attribute,
                                 const char* otherwise) const {

@@ -25,7 +25,7 @@ struct alignas(64) LifeRow {
   Row tremor{}, rim_tremor{};  ///< means of squared second differences [their variance by noise alone], of
                                ///< the cell and of the sum with its neighbours
   Row alive{}, rim_alive{};    ///< time left of its life, of the sum's life [s]
-  Row way{}, speed{};          ///< way that the place has given [m], speed inwards [m/s]
+  Row way{}, speed{};          ///< distance that the place has given way [m], speed inwards [m/s]
   Row calm{};                  ///< time without a push [s]
 };
 
@@ -43,10 +43,10 @@ class CellLife {
   /// `Memory{}`: nothing is pressed.
   struct Memory {
     std::array<LifeRow, rows> row{};
-    Bits pressed{}, lives{}, rim_lives{};  ///< in the last tick
-    Bits quiet{};                          ///< has given way without life, and pushed within `calm`
+    Bits pressed{}, lives{}, rim_lives{};  ///< states of the cells in the last tick
+    Bits quiet{};                          ///< cells that gave way without life, and pushed within `calm`
     Nanoseconds at = Nanoseconds::min();   ///< time of the last tick
-    std::uint32_t slot = 0;                ///< of the newest reading
+    std::uint32_t slot = 0;                ///< slot of the newest reading
     friend bool operator==(const Memory& a, const Memory& b) noexcept {
       using Bytes = std::array<unsigned char, sizeof(a.row)>;
       return std::bit_cast<Bytes>(a.row) == std::bit_cast<Bytes>(b.row) && a.pressed == b.pressed &&
@@ -113,21 +113,23 @@ class CellLife {
     for (std::size_t b = 0; b < rows; ++b) m.lives[b] &= m.pressed[b], m.rim_lives[b] &= m.pressed[b];
   }
 
-  /// Adds what the place of pressed cell `i` has given way [m], at `speed` inwards [m/s].
+  /// Adds the distance `inwards` that the place of pressed cell `i` has given way [m], at `speed` inwards
+  /// [m/s].
   void give(Memory& m, std::size_t i, float inwards, float speed) const noexcept {
     LifeRow& r = m.row[i / 16];
     r.speed[i % 16] = speed;
     r.way[i % 16] += inwards > 0 ? inwards : 0;
     if (r.way[i % 16] > found * static_cast<float>(s_.way)) set(m.quiet, i, true);
   }
-  /// The cell has shown life.
+  /// Forgets how far the place of cell `i` has given way: it has shown life.
   static SKINCTL_INLINE void forgive(Memory& m, std::size_t i) noexcept { m.row[i / 16].way[i % 16] = 0; }
-  /// Share of the push of a cell without life that counts, by its way.
+  /// Share of the push of a cell without life that counts, by how far its place has given way, 0 to 1.
   [[nodiscard]] float share(const Memory& m, std::size_t i) const noexcept {
     const float left = 1 - m.row[i / 16].way[i % 16] / static_cast<float>(s_.way);
     return left > 0 ? left : 0;
   }
-  /// What damping leaves of it, for pushes without life of `force` [N] in all.
+  /// Share of the push of a cell without life that damping leaves, 0 to 1, for such pushes of `force` [N] in
+  /// all.
   [[nodiscard]] float braked(const Memory& m, std::size_t i, float force) const noexcept {
     const float speed = m.row[i / 16].speed[i % 16];
     const float damping =
@@ -138,9 +140,9 @@ class CellLife {
 
  private:
   static constexpr float found = 0.9f;                       ///< share of `way` from which on a cell is quiet
-  static constexpr std::array<int, 4> windows{1, 3, 6, 12};  ///< of a movement [ticks]
+  static constexpr std::array<int, 4> windows{1, 3, 6, 12};  ///< spans of a movement [ticks]
   static constexpr int half = 6;                      ///< span of a first difference of a tremor [ticks]
-  static constexpr float cap = 36, trembles = 6.25f;  ///< of squared second differences
+  static constexpr float cap = 36, trembles = 6.25f;  ///< limits of squared second differences
   static constexpr float enough = 25, mean_of = 37;   ///< ticks of 0.2 s and of 0.3 s
 
   [[nodiscard]] static SKINCTL_INLINE bool alive(const Memory& m, std::size_t i) noexcept {

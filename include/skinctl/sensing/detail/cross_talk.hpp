@@ -32,11 +32,11 @@ class CrossTalk {
   using Changes = std::array<std::int16_t, 32>;
   struct Memory {
     alignas(64) std::array<Changes, slots> change{};
-    std::array<std::int32_t, slots> energy{};                       ///< S_aa
+    std::array<std::int32_t, slots> energy{};                       ///< sum of squared changes, S_aa
     std::array<std::uint32_t, slots> cell{};                        ///< index of the cell and 1; 0: free
     std::array<float, slots> base{};                                ///< force at the last tick
-    std::array<std::uint16_t, slots> known{}, idle{}, explained{};  ///< for so many ticks
-    std::array<std::uint16_t, slots> by{};                          ///< the slot of the cell that explains it
+    std::array<std::uint16_t, slots> known{}, idle{}, explained{};  ///< numbers of ticks
+    std::array<std::uint16_t, slots> by{};                          ///< slot of the cell that explains it
     std::array<std::uint64_t, (Cells + 63) / 64> followed{};        ///< a bit per cell
     Nanoseconds next = Nanoseconds::min();
     std::uint16_t at = 0, suspect = 0, free = slots;
@@ -82,9 +82,10 @@ class CrossTalk {
       ++m.free;
     }
   }
-  /// Looks at one of the cells that are followed; the index of the cell if it is found, else `none`.
+  /// Looks at one of the cells that are followed; returns the index of the cell if its cross-talk is found,
+  /// else `none`.
   ///
-  /// @param share  `share(i)`: what may be left unexplained of cell `i`
+  /// @param share  `share(i)`: share of cell `i`'s changes that may be left unexplained
   /// @param apart  `apart(i, j)`: whether j is elsewhere, and counts
   template <class Sigma, class Share, class Apart>
   [[nodiscard]] static std::size_t look(Memory& m, const Sigma& sigma, const Share& share,

@@ -12,7 +12,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// What is known of 16 cells. Forces in steps of the sensor, proximities in 0 to 1, times in seconds.
+/// The statistics of 16 cells. Forces in steps of the sensor, proximities in 0 to 1, times in seconds.
 struct alignas(64) HealthRow {
   static constexpr std::size_t cells = 16;
   using Row = std::array<float, cells>;
@@ -24,27 +24,27 @@ struct alignas(64) HealthRow {
   Row force = nothing, last = nothing,
       change{};  ///< the newest reading, NaN: none; that of the frame before; their difference
   Row proximity{}, last_proximity{};
-  Row gap{};                        ///< since the last sample
+  Row gap{};                        ///< time since the last sample
   Row first{}, second{}, capped{};  ///< leaky means of squared differences, in sigma^2: see `frame_scan`
-  Row top{};                        ///< for so long a force sensor has been at its top
+  Row top{};                        ///< time for which a force sensor has been at its top
   Row jumps{}, pending{};           ///< leaky count of jumps without witness; time left for its witness
-  Row still{}, still_proximity{};   ///< since the force moved, since the proximity moved
-  Row seen{};                       ///< for so long the proximity has been above 0.1; -10 at a jump
+  Row still{}, still_proximity{};   ///< time since the force moved, since the proximity moved
+  Row seen{};                       ///< time for which the proximity has been above 0.1; -10 at a jump
   Row hold{}, mask{};               ///< time left for the mask; the mask, 0 to 1
   Row trust{};                      ///< share of its push that counts; fades within 0.1 s without a witness
 };
 /// Constants of the cells of a row.
 struct alignas(64) HealthLimitsRow {
   HealthRow::Row per_sigma{};  ///< 1 over the standard deviation of the force [1/step]
-  HealthRow::Row jump{};       ///< of the force within 6 ms [steps]
+  HealthRow::Row jump{};       ///< smallest jump of the force within 6 ms [steps]
   HealthRow::Row proximity{};  ///< six standard deviations of the proximity
   HealthRow::Row moves{};      ///< smallest movement of the force that no noise makes [steps]
 };
-/// What a frame of length `dt` multiplies with.
+/// The factors of a frame of length `dt` [s].
 struct HealthStep {
-  float dt = 0, leak = 1, rise = 0, fall = 0;  ///< of the jumps' count, and of the masks
+  float dt = 0, leak = 1, rise = 0, fall = 0;  ///< leak: of the jumps' count; rise, fall: of the masks
   float saturated = 0.2f;
-  float per_gap = 1 / 0.006f;  ///< how much more a cell may move in a longer gap [1/s]
+  float per_gap = 1 / 0.006f;  ///< factor of a gap by which a cell may move more than in 6 ms [1/s]
   /// Longest time between samples that follow each other [s]: a row of seven lost ones, less than a
   /// keep-alive.
   float follows = 0.03f;
@@ -52,12 +52,12 @@ struct HealthStep {
 
 /// A bit for each of 16 cells.
 struct HealthBits {
-  std::uint32_t jumped = 0;   ///< in this frame
-  std::uint32_t expired = 0;  ///< the time for a witness of the last jump is over
-  std::uint32_t look = 0;     ///< worth a look: one of these, or a mask, noise, a sensor at its top
+  std::uint32_t jumped = 0;   ///< cells that jumped in this frame
+  std::uint32_t expired = 0;  ///< cells whose time for a witness of the last jump is over
+  std::uint32_t look = 0;     ///< cells worth a look: one of these, or a mask, noise, a sensor at its top
 };
 
-/// The lanes of the lowest bits.
+/// The lowest bits as a mask of lanes.
 template <std::size_t W = native_lanes<float>>
 [[nodiscard]] SKINCTL_INLINE LaneMask<float, W> lanes_of(std::uint32_t bits) noexcept {
   if constexpr (W == 1) {
@@ -69,7 +69,7 @@ template <std::size_t W = native_lanes<float>>
   }
 }
 
-/// What a frame finds of the forces of a lane of cells.
+/// The findings of a frame about the forces of a lane of cells.
 template <class L>
 struct ForceChange {
   using Mask = LaneMask<float, L::lanes>;
@@ -115,9 +115,9 @@ template <class L>
 
 /// Moves 16 cells on by one frame.
 ///
-/// A force moves by 6 sigma, a proximity by 6 sigma and less than 0.3 in 6 ms. One that jumps by 0.1 in 6 ms
-/// has not seen anything for 10 s, or until it sees nothing. Samples that are farther apart than 6 ms may
-/// differ the more.
+/// A force has moved if it changes by 6 sigma, a proximity if by 6 sigma and less than 0.3 in 6 ms. One that
+/// jumps by 0.1 in 6 ms has not seen anything for 10 s, or until it sees nothing. Samples that are farther
+/// apart than 6 ms may differ the more.
 ///
 /// @param spoke, at_top  a bit for each cell: a sample has come since the last frame; a force sensor is at
 ///               its top.

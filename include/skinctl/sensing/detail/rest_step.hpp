@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <Scalar S = float>
 struct RestCell {
   S above{0};     ///< r: smoothed reading minus rest level [steps]
-  S whole{0};     ///< the rest level in whole steps: what is taken off readings
+  S whole{0};     ///< the rest level in whole steps, which is taken off readings
   S fraction{0};  ///< rest level beyond `whole` [steps], within +-0.75
   S frozen{0};    ///< time since it froze, up to 64 s; negative after a fast rise; 0: not frozen
   S below{0};     ///< time continuously below the level that the state waits for, t <= 2 s; -1 - t in release
@@ -21,17 +21,17 @@ struct RestCell {
 
 namespace detail {
 
-/// What a step of one duration does, the same for all cells; all but `pieces` for one of its pieces.
+/// The factors of a step of one duration, the same for all cells; all but `pieces` for one of its pieces.
 template <Real T>
 struct RestStep {
   int pieces = 1;  ///< number of equal pieces of a step, so that changes of state are in their places
   T per_piece = T(1);
-  T dt = T(0), per_dt = T(0);                    ///< [s], [1/s]; 0 s: nothing changes
+  T dt = T(0), per_dt = T(0);                    ///< length [s], 1 over it [1/s]; 0 s: nothing changes
   T begin = T(0), end = T(0);                    ///< share of (reading - m), at both ends, by which m moves
   T begin_mean = T(0), end_mean = T(0);          ///< factor of the mean of m over the step
-  T follow = T(0), fall = T(0), release = T(0);  ///< share of r by which b moves, state by state
+  T follow = T(0), fall = T(0), release = T(0);  ///< share of r by which the rest level moves, state by state
   T smooth = T(0);                               ///< share by which the evidence moves
-  T low_for = T(0), quiet_for = T(0), fast_within = T(0);  ///< [s]
+  T low_for = T(0), quiet_for = T(0), fast_within = T(0);  ///< see `RestSettings` [s]
 };
 
 template <Scalar S>
@@ -81,11 +81,11 @@ SKINCTL_INLINE void carry_over(RestCell<S>& cell, const S& above, const S& fract
   cell.fraction = fraction - carry;
 }
 
-/// Readings beyond this are none [steps].
+/// Largest magnitude of a valid reading [steps].
 inline constexpr double max_steps = 1048576;
-/// Sums of evidence beyond this are none.
+/// Largest magnitude of a valid sum of evidence.
 inline constexpr double max_evidence = 100;
-/// Beyond this time a frozen cell is frozen [s].
+/// Longest time since freezing that is counted [s].
 inline constexpr double longest_frozen = 64;
 
 /// Moves a cell on by one step, over which its reading goes linearly from `x0` to `x1`. States change within

@@ -7,8 +7,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// What changes of single cells add to sums and means, by any rule and in any interval. `Means` is a
-/// `LinkWrenches`, or a `TouchWrenches` for contacts and what is seen apart.
+/// Adds the changes of single cells to sums and mean wrenches, by any rule and in any interval. `Means` is a
+/// `LinkWrenches`, or a `TouchWrenches` that separates contacts from what is only seen.
 template <class Kind, Real T, class Memory, class Means>
 class CellChanges {
  public:
@@ -26,8 +26,8 @@ class CellChanges {
         hold_(static_cast<std::uint64_t>((tables.times.max_age - tables.times.fade).count())),
         ramp_(static_cast<std::uint64_t>(tables.times.ramp.count())) {}
 
-  /// Another reading for a cell that is heard: from `raw` at the end of the interval on, with a change within
-  /// the last `ramp` of it. Nothing before the interval is revised, and the cell goes on ageing. One that is
+  /// Gives a cell that is heard the reading `raw` from the end of the interval on, by a change within the
+  /// last `ramp` of it. Nothing before the interval is revised, and the cell goes on ageing. A cell that is
   /// silent or fades stays as it is.
   SKINCTL_NOINLINE void revise(std::size_t i, const Counts& raw) const noexcept {
     CellRecord<Kind>& cell = memory_.records[i];
@@ -55,7 +55,7 @@ class CellChanges {
   }
 
  protected:
-  /// Cell `i`, whose reading of `last` is held, holds `passed` from `time` on.
+  /// Lets cell `i`, which holds its reading of time `last`, hold the counts `passed` from `time` on.
   void change_to(std::size_t i, const Counts& passed, Nanoseconds last, Nanoseconds time) const noexcept {
     CellRecord<Kind>& cell = memory_.records[i];
     const bool was_heard = memory_.hears(i);
@@ -75,7 +75,8 @@ class CellChanges {
     }
   }
 
-  /// Adds a change of a cell by a ramp from `last` to `time`, and what of it is missing before the interval.
+  /// Adds a change of a cell by a ramp from `last` to `time`, and the impulse that is missing before the
+  /// interval.
   SKINCTL_NOINLINE void spread(const CellRow<Kind>& cell, const Weighed& change, Nanoseconds last,
                                Nanoseconds time) const noexcept {
     const Ramp<T> ramp = ramp_between(last, time);
@@ -102,7 +103,8 @@ class CellChanges {
   std::uint64_t max_age_, hold_, ramp_;
 
  private:
-  /// Whether channel `c` acts along a line and belongs to a use; where the two uses are not apart, to both.
+  /// Whether channel `c` acts along line `line` and belongs to what is `seen`, or to contacts; to both where
+  /// the two are not separate.
   static constexpr bool belongs(std::size_t c, bool seen, std::size_t line) noexcept {
     return KindTable<Kind>::line[c] == line && (!apart || KindTable<Kind>::is_seen(c) == seen);
   }
@@ -149,7 +151,8 @@ class CellChanges {
       before = after;
     }
   }
-  /// A cell that was fading or silent changes: a ramp from what had remained of it, and the loss ends.
+  /// Adds the change of a cell that was fading or silent: a ramp from the force that remained, at whose start
+  /// the fading ends.
   void change_of_fading(const CellRow<Kind>& cell, const Weighed& was, const Weighed& is, Nanoseconds last,
                         Nanoseconds time, bool was_heard) const noexcept {
     const Ramp<T> ramp = ramp_between(last, time), loss = loss_since(last);
@@ -186,7 +189,7 @@ class CellChanges {
     }
     memory_.oldest[b] = oldest;
   }
-  /// A cell that has been silent for longer than it is held.
+  /// Fades a cell that has been silent for longer than its reading is held.
   void age_cell(std::size_t i) const noexcept {
     const CellRecord<Kind>& cell = memory_.records[i];
     const CellRow<Kind>& row = tables_.cells[i];

@@ -49,9 +49,9 @@ template <Real T, std::signed_integral N>
 /// A unit wrench: forces in steps of 2^-24, moments in steps of 2^-24 times the reach of its patch.
 using UnitWrench = std::array<std::int32_t, 6>;
 
-/// What one channel of a cell has of its own, in counts: a magnitude above `opens` passes, while it is open
-/// one above `opens - less`, and `subtract`, which is no more than that and one, is taken off; `share` of its
-/// patch's gain.
+/// Gate and gain of one channel of a cell, in counts: a magnitude above `opens` passes, while the gate is
+/// open one above `opens - less`; `subtract`, at most `opens - less + 1`, is taken off it. `share` is the
+/// cell's share of its patch's gain, in steps of 2^-15.
 struct ChannelTuning {
   std::uint16_t opens = 0, less = 0, subtract = 0;
   std::uint16_t share = whole;
@@ -76,10 +76,10 @@ struct CellRow {
   using Counts = PerChannel<Kind, std::uint16_t>;
   using Weighed = PerChannel<Kind, std::int32_t>;
   std::array<UnitWrench, Table::lines> unit{};
-  std::uint16_t patch = 0, slot = 0;  ///< index of its patch; of its link in the link wrenches
+  std::uint16_t patch = 0, slot = 0;  ///< index of the cell's patch; of its link in the link wrenches
   PerChannel<Kind, ChannelTuning> tuning{};
 
-  /// The counts that pass its gates; `old` passed last.
+  /// The counts of `raw` that pass the cell's gates; `old` passed last.
   [[nodiscard]] SKINCTL_INLINE Counts gated(const Counts& raw, const Counts& old) const noexcept {
     Counts out;
     each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
@@ -91,7 +91,7 @@ struct CellRow {
     });
     return out;
   }
-  /// Counts as shares of its patch's gains.
+  /// Counts times the cell's shares of its patch's gains.
   [[nodiscard]] SKINCTL_INLINE Weighed weigh(const Counts& counts) const noexcept {
     Weighed out;
     each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {
@@ -102,7 +102,7 @@ struct CellRow {
     });
     return out;
   }
-  /// What of its counts lies within their cones: the others are scaled down to them, toward 0.
+  /// The counts, with shear scaled down toward 0 to its friction cone; `newton` are gains [N] per count.
   [[nodiscard]] Counts within_cones(Counts counts, const PerChannel<Kind, double>& newton) const noexcept {
     const Weighed weighed = weigh(counts);
     double pressure = 0, square = 0;
@@ -125,18 +125,17 @@ struct CellRow {
   }
 };
 
-/// A patch, as all its cells have it.
+/// The data of a patch that its cells share.
 template <class Kind, Real T>
 struct PatchRow {
-  PerChannel<Kind, T> gain{};               ///< [N] per count
-  PerChannel<Kind, double> newton{};        ///< gain of the cones [N] per count
-  T moment_step{};                          ///< of its cells' unit wrenches [m]
-  std::uint32_t first = 0, count = 0;       ///< cells
-  std::uint32_t link = 0, slot = 0;         ///< and its index in the link wrenches
-  PerChannel<Kind, std::int32_t> hidden{};  ///< no count of what is seen below passes
+  PerChannel<Kind, T> gain{};               ///< gain of each channel [N] per count
+  PerChannel<Kind, double> newton{};        ///< gain for the cones [N] per count
+  T moment_step{};                          ///< step of the moments of unit wrenches times 2^24 [m]
+  std::uint32_t first = 0, count = 0;       ///< first cell, number of cells
+  std::uint32_t link = 0, slot = 0;         ///< link, its index in the link wrenches
+  PerChannel<Kind, std::int32_t> hidden{};  ///< largest opening threshold [counts]
 
-  /// The counts of a cell that count: those that pass its gates, as far as their cones let them. `old` passed
-  /// last.
+  /// The counts of `raw` that pass a cell's gates, limited to the friction cones; `old` passed last.
   [[nodiscard]] SKINCTL_INLINE PerChannel<Kind, std::uint16_t> pass(
       const CellRow<Kind>& cell, const PerChannel<Kind, std::uint16_t>& raw,
       const PerChannel<Kind, std::uint16_t>& old) const noexcept {
@@ -147,13 +146,13 @@ struct PatchRow {
       return out;
     }
   }
-  /// A unit wrench times `factor`, added to a wrench.
+  /// Adds `factor` times a unit wrench to a wrench.
   SKINCTL_INLINE void add_unit(const UnitWrench& unit, const T& factor, T* wrench) const noexcept {
     const T force = factor * T(0x1p-24), moment = factor * moment_step;
     for (std::size_t r = 0; r < 3; ++r) wrench[r] = wrench[r] + force * real_of<T>(unit[r]);
     for (std::size_t r = 3; r < 6; ++r) wrench[r] = wrench[r] + moment * real_of<T>(unit[r]);
   }
-  /// The pressure by weighed counts [N].
+  /// The pressure of weighed counts [N].
   [[nodiscard]] SKINCTL_INLINE T pressure(const PerChannel<Kind, std::int32_t>& weighed) const noexcept {
     T sum(0);
     each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {

@@ -14,7 +14,7 @@ namespace detail {
 /// The times of a sampled signal.
 struct SampledTimes {
   Nanoseconds max_age = 50ms;   ///< age of the last sample from which the signal is 0
-  Nanoseconds fade = 25ms;      ///< in the last part of `max_age` it goes linearly to 0
+  Nanoseconds fade = 25ms;      ///< last part of `max_age`, in which the signal goes linearly to 0
   Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample
   Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
   Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end
@@ -78,9 +78,9 @@ template <Real T>
 struct Parts {
   Nanoseconds from, to;
   std::size_t count;
-  T length, per_length, per_whole;  ///< [s], [1/s]; 0 for an interval without length
+  T length, per_length, per_whole;  ///< length of a part [s], 1 over it, 1 over the whole [1/s]; 0 without
   T back;                           ///< <= 0: start of the time for which missing impulse is added [s]
-  std::uint64_t reach;              ///< from there to the end [ns]
+  std::uint64_t reach;              ///< length from `back` to the end [ns]
 
   static Parts of(Nanoseconds from, Nanoseconds to, std::size_t count, Nanoseconds back) noexcept {
     const T whole = seconds<T>(elapsed(from, to)), parts = static_cast<T>(count);

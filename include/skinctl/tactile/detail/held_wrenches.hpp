@@ -7,7 +7,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The wrenches to which a use belongs: where contacts and what is seen are not apart, all.
+/// The wrenches of contacts, or of what is `Seen` only; all wrenches where the two are not separate.
 template <bool Seen, class Means>
 [[nodiscard]] SKINCTL_INLINE auto& use_of(Means& means) noexcept {
   if constexpr (!is_apart<Means>) {
@@ -18,7 +18,7 @@ template <bool Seen, class Means>
     return means.force;
   }
 }
-/// The wrenches of the held readings to each of `count` parts.
+/// Writes the wrenches of the held readings to each of `count` parts.
 template <class Kind, Real T, class Memory, class Means>
 SKINCTL_INLINE void write_held(const SkinTables<Kind, T>& tables, const Memory& memory, Means* means,
                                std::size_t count) noexcept {

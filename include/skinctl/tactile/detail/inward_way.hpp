@@ -12,7 +12,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Of the links with skin `Links` of a model.
+/// Inward displacement of places of a skin on the links `Links`, between two positions of a robot.
 template <RobotModel M, LinkMask Links, Scalar T>
 class InwardWay {
   static constexpr std::size_t count = static_cast<std::size_t>(std::popcount(Links));
@@ -25,7 +25,8 @@ class InwardWay {
       ((put<Ix>(a, b)), ...);
     }(std::make_index_sequence<M::joints>{});
   }
-  /// Of the place on the link in slot `slot`, with the normal outwards, both along the link's axes [m].
+  /// Displacement of a place against its outward normal [m], positive inwards, on the link in slot `slot`;
+  /// `place` [m] and `normal` along the link's axes.
   [[nodiscard]] float operator()(std::size_t slot, const std::array<float, 3>& place,
                                  const std::array<float, 3>& normal) const noexcept {
     const Link& l = links_[slot];

@@ -19,14 +19,14 @@ struct AsSent {
   }
 };
 
-/// One reception. `means` starts with the wrenches of the previous sums; every change of a cell's push is
-/// added when it occurs.
+/// Takes the samples of one interval. `means` starts with the wrenches of the previous sums; every change of
+/// a cell's push is added when it occurs.
 ///
 /// The usual sample is taken on a path of its own: of a cell that is heard and not fading, not ahead of the
 /// interval's end, with a ramp that began within the time for which missing impulse is added. The mean over
-/// an interval of one part is then `jump (2 (to - t) + min(gap, ramp)) / 2h`, without a division, and `jump
-/// (...)` add up for each link until all samples have been taken. What is not usual is taken by the rules one
-/// by one.
+/// an interval of length h in one part is then `jump (2 (to - t) + min(gap, ramp)) / 2h`, for a sample at t
+/// that follows the last one after `gap`, without a division, and `jump (...)` add up for each link until all
+/// samples have been taken. What is not usual is taken by the rules one by one.
 template <class Kind, Real T, class Memory, class Means>
 class Reception : public CellChanges<Kind, T, Memory, Means> {
   using Changes = CellChanges<Kind, T, Memory, Means>;
@@ -68,7 +68,7 @@ class Reception : public CellChanges<Kind, T, Memory, Means> {
   }
 
  private:
-  /// Whether there is a usual sample: the interval has a length, and no time is so far from 0
+  /// Whether samples of this interval can be usual: the interval has a length, and no time is so far from 0
   /// that a difference of two overflows.
   [[nodiscard]] SKINCTL_INLINE bool has_usual() const noexcept {
     constexpr std::uint64_t far = std::uint64_t(1) << 61;
@@ -110,7 +110,7 @@ class Reception : public CellChanges<Kind, T, Memory, Means> {
     return true;
   }
 
-  /// Any sample, any interval.
+  /// Takes any sample, in any interval.
   template <class Front>
   SKINCTL_NOINLINE Status take_any(const Sample& sample, Front& front) const noexcept {
     if (const Status bad = check(sample); bad.any()) return bad;
@@ -142,7 +142,7 @@ class Reception : public CellChanges<Kind, T, Memory, Means> {
   const PatchRow<Kind, T>* patches_;
   std::size_t last_id_, cells_;
   std::uint64_t to_;                ///< end of the interval [ns]
-  std::uint64_t latest_, longest_;  ///< of a usual sample: how late, and how long after the last one [ns]
+  std::uint64_t latest_, longest_;  ///< of a usual sample, bounds of age and gap to the last one [ns]
 };
 
 }  // namespace detail

@@ -10,12 +10,12 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// See `SampledInterval`.
+/// The memory of a `SampledInterval`.
 template <std::size_t K, Real T>
 struct SampledRow {
-  Nanoseconds stamp = Nanoseconds::min();  ///< of the last sample; `min`: silent
-  Nanoseconds begin = Nanoseconds::min();  ///< no missing impulse is added before this time
-  T held[K] = {};                          ///< of the last sample
+  Nanoseconds stamp = Nanoseconds::min();  ///< stamp of the last sample; `min`: silent
+  Nanoseconds begin = Nanoseconds::min();  ///< time before which no missing impulse is added
+  T held[K] = {};                          ///< numbers of the last sample
   T owed[K] = {};                          ///< impulse to be added in the next interval [s]
   friend bool operator==(const SampledRow&, const SampledRow&) noexcept = default;
 };
@@ -46,7 +46,7 @@ class SampledInterval {
       for (T& x : m_.owed) x = T(0);
   }
 
-  /// Whether a sample of this stamp counts, else why not.
+  /// Empty if a sample of this stamp counts, else the reason why not.
   [[nodiscard]] SKINCTL_INLINE Status admits(Nanoseconds time) const noexcept {
     if (!is_silent() && time <= m_.stamp) return Reason::time_backwards;
     if (time > p_.to && span(p_.to, time) > static_cast<std::uint64_t>(times_.max_ahead.count()))
@@ -54,7 +54,7 @@ class SampledInterval {
     if (time < p_.to && span(time, p_.to) >= max_age()) return Reason::sample_stale;
     return !is_silent() && m_.stamp == p_.to ? Status{Reason::time_backwards} : Status{};
   }
-  /// The signal is `value` at `stamp`, which is admitted.
+  /// Takes a sample: the signal is `value` at `stamp`, which `admits` has admitted.
   SKINCTL_INLINE void take(Nanoseconds stamp, const T (&value)[K]) noexcept {
     const Nanoseconds time = stamp < p_.to ? stamp : p_.to;
     Nanoseconds since = time - times_.ramp;
@@ -86,7 +86,7 @@ class SampledInterval {
     for (std::size_t r = 0; r < K; ++r) m_.held[r] = value[r];
     m_.stamp = time;
   }
-  /// After the last sample: whether the signal is silent from now on.
+  /// Ends the interval after its last sample; returns whether the signal is silent from now on.
   [[nodiscard]] SKINCTL_INLINE bool end() noexcept {
     if (is_silent()) return true;
     if (age() < max_age()) return false;

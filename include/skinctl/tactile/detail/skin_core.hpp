@@ -16,7 +16,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// See `Skin`, whose rules these are. It has room for `Cells` of a kind in `Patches`.
+/// The base of `Skin`, whose rules these are, and `SkinOf`: room for `Cells` cells of a kind in `Patches`
+/// patches.
 template <Topology M, Real T, LinkMask Links, std::size_t Cells, std::size_t Patches, SensorKind Kind>
 class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   using Table = KindTable<Kind>;
@@ -63,7 +64,8 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   /// adds their impulse to the next interval. Time is bounded: per sample and per cell a constant times
   /// `substeps`.
   ///
-  /// @param means  `Wrenches`, or `Touch` for forces and proximities apart. A memory stays with one of them.
+  /// @param means  `Wrenches`, or `Touch` for separate forces and proximities. A memory stays with one of
+  ///               them.
   /// @param front  at most one: a front end that judges the cells, for example one that masks faulty ones.
   ///   `front.reading(i, sample) -> Counts` is called for each sample that is not ignored, in place of
   ///   `counts(sample)`; `i` is the cell's index. Then, once after all samples and before cells age,
@@ -92,7 +94,7 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
     return parts.from == parts.to ? status | Reason::interval_empty : status;
   }
 
-  /// The same as the touch of a scene, of a kind whose samples the input has in `sensed`.
+  /// `receive` as the touch of a scene, for a kind whose samples are in `sensed`.
   template <class Hexagons, class State, class Means, class... Front>
     requires(!std::is_same_v<Kind, Hexagon>)
   Status receive(Memory& memory, const Hexagons&, const KindInput<Kind>& sensed, const State&,
@@ -109,7 +111,7 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
     write_held(tables_, memory, &out, 1);
     return out;
   }
-  /// Contacts and what is seen apart.
+  /// The wrenches of the held readings, contacts separate from what is only seen.
   [[nodiscard]] Touch touch(const Memory& memory) const noexcept {
     Touch out;
     write_held(tables_, memory, &out, 1);
@@ -126,8 +128,8 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
     return memory;
   }
 
-  /// The areas where force readings are held: the contacts. Time is bounded: per pressed cell a constant.
-  /// What else is touched (a second argument) is nothing to a skin.
+  /// The areas where force readings are held: the contacts. Time is bounded: per pressed cell a constant. A
+  /// second argument, the touch, is ignored.
   [[nodiscard]] Pressed pressed(const Memory& memory, const auto&...) const noexcept {
     Pressed areas;
     memory.each_cell(&BlockStates::pressed, 0, size(), [&](std::size_t i) {
@@ -183,7 +185,8 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   /// Number of silent cells: never received, or not within `max_age`.
   [[nodiscard]] std::size_t silent(const Memory& memory) const noexcept { return size() - memory.heard; }
   /// The least reading of a push on the middle of cell `i` that somebody notices, 0 <= i < size(): that opens
-  /// the gate of its pressure; infinite for a silent cell, of whose neighbours a plain skin knows nothing.
+  /// the gate of its pressure; infinite for a cell that is silent or has no gain, of whose neighbours a plain
+  /// skin knows nothing.
   [[nodiscard]] double noticed(const Memory& memory, std::size_t i) const noexcept {
     double least = std::numeric_limits<double>::infinity();
     if (!memory.hears(i) || numb(memory, i, 1) > 0) return least;
@@ -271,7 +274,7 @@ class SkinCore : public sensor_sums::Summand, public SensesKind<Kind> {
   SkinTables<Kind, T> tables_;
 
  private:
-  /// Of `count` cells from `first` on those that are heard and have no gain.
+  /// Number of the `count` cells from `first` on that are heard and have no gain.
   [[nodiscard]] std::size_t numb(const Memory& memory, std::size_t first, std::size_t count) const noexcept {
     std::size_t n = 0;
     for (const std::uint32_t i : tables_.numb)

@@ -11,11 +11,11 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// All that changes of one cell.
+/// The changing data of one cell.
 template <class Kind>
 struct alignas(8) CellRecord {
-  Nanoseconds stamp = Nanoseconds::min();  ///< of the last sample
-  PerChannel<Kind, std::uint16_t> held{};  ///< counts of it after the gates
+  Nanoseconds stamp = Nanoseconds::min();  ///< stamp of the last sample
+  PerChannel<Kind, std::uint16_t> held{};  ///< counts of that sample after the gates
   friend bool operator==(const CellRecord&, const CellRecord&) noexcept = default;
 };
 
@@ -36,9 +36,9 @@ struct PatchSums {
 
 /// The states of 64 cells, a bit a cell.
 struct BlockStates {
-  std::uint64_t heard = 0;    ///< a cell whose reading is in the sums
-  std::uint64_t pressed = 0;  ///< a pressure of it is not 0
-  std::uint64_t seeing = 0;   ///< a cell that sees something
+  std::uint64_t heard = 0;    ///< cells whose readings are in the sums
+  std::uint64_t pressed = 0;  ///< cells with a pressure that is not 0
+  std::uint64_t seeing = 0;   ///< cells that see something
 
   SKINCTL_INLINE void set(std::uint64_t BlockStates::* state, std::size_t cell, bool value) noexcept {
     const std::uint64_t at = cell % 64;
@@ -58,15 +58,15 @@ constexpr std::array<Nanoseconds, N> all_at(Nanoseconds time) noexcept {
 template <class Kind, std::size_t Cells, std::size_t Patches, class Wrenches>
 struct SkinMemory {
   static constexpr std::size_t blocks = (Cells + 63) / 64;
-  std::array<PatchSums<Kind>, Patches> sums{};  ///< over the cells that are not silent
-  /// Of each block the lower bound of the stamps of its cells that are not silent.
+  std::array<PatchSums<Kind>, Patches> sums{};  ///< sums over the cells that are not silent
+  /// Per block, lower bound of the stamps of its cells that are not silent.
   std::array<Nanoseconds, blocks> oldest = all_at<blocks>(Nanoseconds::max());
   std::array<BlockStates, blocks> states{};
   std::array<CellRecord<Kind>, Cells> records{};
 
   std::uint32_t heard = 0;                 ///< number of cells that are not silent
   bool owes = false;                       ///< whether impulse is `owed`
-  Nanoseconds begin = Nanoseconds::min();  ///< no missing impulse is added before this time
+  Nanoseconds begin = Nanoseconds::min();  ///< time before which no missing impulse is added
   /// Impulse to be added in the next interval [N s], [N m s]; in `force` where the two are not told apart.
   TouchWrenches<Wrenches> owed{};
 
@@ -76,7 +76,7 @@ struct SkinMemory {
   [[nodiscard]] bool presses(std::size_t i) const noexcept {
     return ((states[i / 64].pressed >> (i % 64)) & 1u) != 0;
   }
-  /// Calls `f(i)` for each of `count` cells from `first` on that is in a state.
+  /// Calls `f(i)` for each of `count` cells from `first` on that is in the state `state`.
   template <class F>
   SKINCTL_INLINE void each_cell(std::uint64_t BlockStates::* state, std::size_t first, std::size_t count,
                                 const F& f) const noexcept {
@@ -91,13 +91,13 @@ struct SkinMemory {
       n += std::popcount(states[b].heard & among(b, first, count));
     return static_cast<std::size_t>(n);
   }
-  /// Cell `i` is heard, or silent, from now on.
+  /// Sets whether cell `i` is heard, or silent, from now on.
   SKINCTL_INLINE void enter(std::size_t i, bool is_heard) noexcept {
     heard = heard + (is_heard ? 1u : 0u) - (hears(i) ? 1u : 0u);
     states[i / 64].set(&BlockStates::heard, i, is_heard);
     follow(i, is_heard);
   }
-  /// The state of a cell follows what it holds.
+  /// Updates the state of cell `i` from the counts that it holds.
   SKINCTL_INLINE void follow(std::size_t i, bool is_heard = true) noexcept {
     bool pressed = false, seeing = false;
     each_channel<Kind>([&](auto c) SKINCTL_INLINE_LAMBDA {

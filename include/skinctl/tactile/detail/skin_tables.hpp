@@ -19,8 +19,8 @@ template <class Kind>
 struct GivenCell {
   AnyCell placed;
   PerChannel<Kind, EventGate<>> gates;
-  PerChannel<Kind, double> gain;  ///< [N] per unit of each channel
-  bool masked = false;            ///< whether it is no part of what feels
+  PerChannel<Kind, double> gain;  ///< gain of each channel [N] per unit of it
+  bool masked = false;            ///< whether the cell is excluded
 };
 
 /// All cells of a skin, in the order of their patches.
@@ -32,18 +32,19 @@ struct SkinTables {
   SampledTimes times;
   std::vector<PatchRow<Kind, T>> patches;
   std::vector<CellRow<Kind>> cells;
-  std::vector<Xyz<float>> origins;            ///< of each cell on its link [m]
+  std::vector<Xyz<float>> origins;            ///< origin of each cell on its link [m]
   std::vector<std::uint32_t> numb;            ///< cells without gains: they are heard, and do not feel
-  std::vector<std::uint32_t> by_id = {none};  ///< index of each id; the last one is of no cell
+  std::vector<std::uint32_t> by_id = {none};  ///< cell's index for each id; the last one is `none`
   static constexpr std::uint32_t none = ~std::uint32_t(0);
-  std::vector<ChannelCalibration<Kind>> calibration;  ///< of each cell, one for all, or none
-  std::vector<GivenCell<Kind>> given;                 ///< for what is built on this skin; not for the loop
+  std::vector<ChannelCalibration<Kind>> calibration;  ///< calibration of each cell, one for all, or none
+  std::vector<GivenCell<Kind>> given;                 ///< cells as given, for wrappers; not for the loop
 
-  /// Room for so many cells.
+  /// Reserves room for `count` cells.
   SKINCTL_COLD void reserve(std::size_t count) {
     cells.reserve(count), origins.reserve(count), given.reserve(count), by_id.reserve(count + 2);
   }
-  /// Adds a patch on link `link`, whose gains are the greatest of its cells', or `gain`.
+  /// Adds a patch on link `link`. `gain` is no less than the gains of its cells, which are kept as shares of
+  /// it.
   SKINCTL_COLD void add(const std::vector<GivenCell<Kind>>& patch, const PerChannel<Kind, double>& gain,
                         std::size_t link, std::size_t slot) {
     require(patches.size() < 0xFFFF, "Skin: patches", double(patches.size() + 1), "at most 65535");
@@ -115,7 +116,8 @@ struct SkinTables {
     const Xyz<double> p = cell.X_LC.origin() + at[0] * axes.x + at[1] * axes.y + at[2] * axes.z;
     return {force, cross(p, force)};
   }
-  /// The moments of a patch's unit wrenches are at most 2^reach.
+  /// The smallest exponent >= -20 with which the moments of a patch's unit wrenches are at most 2^exponent
+  /// [m].
   [[nodiscard]] SKINCTL_COLD static int reach_of(const std::vector<GivenCell<Kind>>& patch) {
     int reach = -20;
     for (const GivenCell<Kind>& cell : patch)

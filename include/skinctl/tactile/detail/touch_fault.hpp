@@ -60,7 +60,7 @@ constexpr bool max_proximity_of_its_links() noexcept {
   return true;
 }
 
-/// A sum has a member where one of its parts has it.
+/// A sum of touches, which has a member where one of its parts has it.
 template <class S>
 concept IsTouchSum = requires {
   typename S::FirstTouch;
@@ -117,7 +117,7 @@ consteval TouchFault fault_in_touch() {
     return none;
   }
 }
-/// Says it, at compile time.
+/// States the fault of a touch as a compile error.
 template <TouchFault F, class Touch>
 struct SayTouch {
   using enum TouchFault;

@@ -72,7 +72,7 @@ concept HasLinks = requires {
 /// Whether the wrench on link `Ix` is known, if the touch is of that link at all.
 template <class W, std::size_t Ix>
 concept KnowsWrench = ((W::links >> Ix) & 1u) == 0 || requires(const W& w) { w.template wrench<Ix>(); };
-/// Wrenches of links, as numbers side by side.
+/// Whether a touch holds the wrenches of links, as numbers side by side.
 template <class W>
 concept HoldsWrenches = requires(const W& w) { w.data[0][0]; };
 template <class S>
@@ -84,7 +84,7 @@ concept HasNearest = requires(const S& s, const typename S::Memory& m) {
 template <class S, std::size_t Ix>
 concept TellsMaxProximity = HasLinks<S> && ((S::Wrenches::links >> Ix) & 1u) != 0 && HasNearest<S, Ix>;
 
-/// Takes what `each_cell` and `each_point` call.
+/// A function that `each_cell` and `each_point` can call.
 struct TakesWrenches {
   template <class V>
   void operator()(std::size_t, const V&, const V&, double) const noexcept {}
@@ -127,7 +127,7 @@ template <HasTouch S>
 struct ApartOf<S> {
   using type = typename S::Touch;
 };
-/// In place of the contacts of a touch that finds none.
+/// Type of the contacts of a touch that finds none.
 struct NothingFound {};
 
 /// The inputs of two sources, each with its own members.

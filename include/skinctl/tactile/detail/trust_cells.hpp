@@ -16,12 +16,12 @@ template <class Kind>
 struct TrustCell {
   std::uint32_t id = 0, patch = 0;
   std::size_t link = 0;
-  std::array<float, 3> place{}, normal{};            ///< in its link [m]; outwards
-  PerChannel<Kind, double> gain{};                   ///< [N per unit of each channel]
-  PerChannel<Kind, EventGate<std::int32_t>> gate{};  ///< on counts
-  double lone = 0;                                   ///< F_1 [N]
-  float rest = 0;                                    ///< of one sensor, where rest levels begin [steps]
-  bool masked = false;                               ///< for good: by the skin's file
+  std::array<float, 3> place{}, normal{};            ///< place on the link [m]; outward normal
+  PerChannel<Kind, double> gain{};                   ///< gain of each channel [N] per unit of it
+  PerChannel<Kind, EventGate<std::int32_t>> gate{};  ///< gates on counts
+  double lone = 0;                                   ///< lone force F_1 [N]
+  float rest = 0;                                    ///< initial rest level of one sensor [steps]
+  bool masked = false;                               ///< whether masked for good, by the skin's file
 };
 /// Whether one body hardly touches both: they are on two links, or farther apart than a hand is long.
 template <class Kind>
@@ -30,7 +30,7 @@ template <class Kind>
   for (std::size_t k = 0; k < 3; ++k) square += (a.place[k] - b.place[k]) * (a.place[k] - b.place[k]);
   return a.link != b.link || square > 0.04f;
 }
-/// Those of a skin with these tables.
+/// The constants of the cells of a skin with these tables.
 template <class Kind, class T>
 [[nodiscard]] SKINCTL_COLD std::vector<TrustCell<Kind>> trust_cells(const TrustSettings& trust,
                                                                     const SkinTables<Kind, T>& skin) {

@@ -9,7 +9,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// See `TrustedSkin`.
+/// The base of `TrustedSkin`: what the readings of its cells count.
 template <class S>
 class TrustCore : public TrustFrames<S> {
   using Frames = TrustFrames<S>;
@@ -46,9 +46,9 @@ class TrustCore : public TrustFrames<S> {
     }
   };
 
-  /// What cells would read after the gates, from those around them, in counts of each channel. What these
-  /// count without a witness is not passed on: it would be more than their lone force. What is found of a
-  /// cell is kept for the others that it is around of.
+  /// The readings after the gates that fill in cells, from the cells around them, in counts of each channel.
+  /// Counts that these have without a witness are not passed on: they would be more than their lone force.
+  /// Results for a cell are kept for the others that have it around them.
   class Filled {
    public:
     using Values = PerChannel<Kind, float>;
@@ -128,9 +128,9 @@ class TrustCore : public TrustFrames<S> {
   }
 
  private:
-  static constexpr float witnessed_before = 0.5f;  ///< trust that fades no longer than 50 ms
-  /// What the newest sample of cell `i` counts: above its rest level, less its mask, and at most its part of
-  /// the lone force as far as it is not witnessed.
+  static constexpr float witnessed_before = 0.5f;  ///< trust of a cell that lost its witness 50 ms ago
+  /// The counts of the newest sample of cell `i` that count: above its rest level, less its mask, and at most
+  /// its share of the lone force as far as it is not witnessed.
   [[nodiscard]] Raw worth(const Memory& m, std::size_t i) const noexcept {
     const HealthRow& row = m.health.row[i / 16];
     const std::size_t k = i % 16;
@@ -164,7 +164,7 @@ class TrustCore : public TrustFrames<S> {
     for (std::size_t a = 0; a < n.size(); ++a) out[a] = static_cast<std::uint16_t>(n[a]);
     return out;
   }
-  /// What passes of counts without a cone, by gates that are open.
+  /// The counts that pass gates that are open, of channels without a cone; 0 for the others.
   [[nodiscard]] static PerChannel<Kind, std::int32_t> passed_of(
       const TrustCell<Kind>& c, const PerChannel<Kind, std::int32_t>& n) noexcept {
     PerChannel<Kind, std::int32_t> out{};
@@ -186,7 +186,7 @@ class TrustCore : public TrustFrames<S> {
     return raw;
   }
 
-  /// The push of what passed, but for shear, which comes with it [N].
+  /// The push of the counts that passed [N], without shear, which comes with it.
   [[nodiscard]] static SKINCTL_INLINE double push_of(const TrustCell<Kind>& c,
                                                      const PerChannel<Kind, std::int32_t>& passed) noexcept {
     double sum = 0;
@@ -201,7 +201,7 @@ class TrustCore : public TrustFrames<S> {
     if (!has_lone(i) || !(row.trust[k] < 1) || !(c.lone > 0) || c.masked) return 0;
     return (1 - double(quantised(row.trust[k]))) * std::min(push(m, i) / c.lone, 1.0);
   }
-  /// The push of cell `i`, if it is believed: less its mask [N].
+  /// The push of cell `i`, less its mask, as if it were fully trusted [N].
   [[nodiscard]] double push(const Memory& m, std::size_t i) const noexcept {
     const HealthRow& row = m.health.row[i / 16];
     const std::size_t k = i % 16;
@@ -232,10 +232,10 @@ class TrustCore : public TrustFrames<S> {
       m.pushing[b] = static_cast<std::uint16_t>(active);
     }
   }
-  /// Says how far cells are trusted, and shares one lone force between what is not: as many as there are give
-  /// a joint no more than one alone may. A cell that lives is still the body that was witnessed. A cell that
-  /// is pressed and shows no life counts by the way that it has got; all these together at most
-  /// `LifeSettings::force`, less their damping.
+  /// Says how far cells are trusted, and shares one lone force among those that are not: as many as there are
+  /// give a joint no more than one alone may. A cell that lives is still the body that was witnessed. A cell
+  /// that is pressed and shows no life counts the less, the farther its place has given way; all these
+  /// together at most `LifeSettings::force`, less their damping.
   void trust(Memory& m) const noexcept {
     find_pushing(m);
     typename Life::Bits lifeless{};

@@ -31,7 +31,7 @@ class TrustFrames : public TrustTables<S> {
       Tables::life_, Tables::opens_at_, Tables::pressed_from_, Tables::pressure_, Tables::rest_,
       Tables::row_patch_, Tables::s_, Tables::seen_, Tables::steps_per_, Tables::talk_unit_;
 
-  /// Takes what a sample of cell `i` reads.
+  /// Takes the readings of a sample of cell `i`.
   SKINCTL_INLINE void note(Memory& m, std::size_t i, const SampleOf<Kind>& s) const noexcept {
     const PerChannel<Kind, float> amount = this->amounts(i, s);
     float force = 0, proximity = 0;
@@ -145,7 +145,7 @@ class TrustFrames : public TrustTables<S> {
                     step);
   }
 
-  /// What others say of cell `i`.
+  /// Whether other sensors tell that something moves at cell `i`, or touches it.
   [[nodiscard]] typename Health::Witness witness(const Memory& m, std::size_t i) const noexcept {
     const HealthRow& own = m.health.row[i / 16];
     const std::size_t k = i % 16;
@@ -200,8 +200,9 @@ class TrustFrames : public TrustTables<S> {
       life_.give(m.life, i, own_share(m, i) * inwards, inwards / seconds<float>(since));
     });
   }
-  /// The share of a way that pushed cell `i` answers for: its force beside that of neighbours that live. At
-  /// the rim of a touch a place gives way to the touch, not to what its own cell feels of it.
+  /// The share of its place's displacement that counts for pushed cell `i`: its force over the sum with that
+  /// of neighbours that live. At the rim of a touch a place gives way to the touch, not to what its own cell
+  /// feels of it.
   [[nodiscard]] float own_share(const Memory& m, std::size_t i) const noexcept {
     const float own = above(m, i);
     float all = own;

@@ -15,7 +15,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Trivially copyable; only the skin reads and writes its members.
+/// The memory of a `TrustedSkin`. Trivially copyable; only the skin reads and writes its members.
 template <class S>
 struct TrustMemory : S::Memory {
   using Touch = typename S::Touch;
@@ -28,22 +28,22 @@ struct TrustMemory : S::Memory {
   static constexpr std::size_t rows = Health::rows, pressures = Table::pressures, cones = Table::cones;
 
   typename Health::Memory health;
-  std::array<std::array<RestRow, rows>, pressures> rest{};  ///< of each pressure
-  /// What each pressure reads, now and a frame ago [steps]; NaN of cells that were not heard.
+  std::array<std::array<RestRow, rows>, pressures> rest{};  ///< rest levels of each pressure
+  /// Reading of each pressure, now and a frame ago [steps]; NaN of cells that were not heard.
   std::array<std::array<Row, rows>, pressures> now = unheard(), last = unheard();
-  std::array<std::array<Row, rows>, cones> shear{}, shear_rest{};  ///< of each cone: what it reads [counts]
+  std::array<std::array<Row, rows>, cones> shear{}, shear_rest{};  ///< reading of each cone, at rest [counts]
   typename Cross::Memory cross;
   typename Life::Memory life;
-  /// Joints for which the ways of pressed places have been counted [rad], [m]; and when.
+  /// Joint positions up to which the displacements of pressed places have been counted [rad], [m]; and when.
   std::array<typename S::Wrenches::scalar, S::Wrenches::model_type::joints> counted_q{};
   Nanoseconds counted_at = Nanoseconds::min();
   std::array<std::uint16_t, rows> pushing{};  ///< cells that count for something
-  /// Of what the cells of a patch read above their rest levels, for each pressure [steps].
+  /// Median, per pressure and patch, of the cells' readings above their rest levels [steps].
   std::array<std::array<float, patches>, pressures> median{};
   Nanoseconds median_at = Nanoseconds::min();
-  std::uint32_t median_of = 0;              ///< the patch whose turn it is
-  Nanoseconds newest = Nanoseconds::min();  ///< stamp of a sample
-  float lone_share = 1;                     ///< of its lone force that each cell without witness has
+  std::uint32_t median_of = 0;              ///< patch whose median is next
+  Nanoseconds newest = Nanoseconds::min();  ///< newest stamp of a sample
+  float lone_share = 1;                     ///< share of its lone force for each cell without witness
   Touch filled{};                           ///< wrenches of the cells that are filled in
 
   [[nodiscard]] static constexpr auto unheard() noexcept {

@@ -93,16 +93,16 @@ class TrustTables : public WrappedTouch<TrustedSkin<S>, S> {
   [[nodiscard]] bool counts(const Memory& m, std::size_t i) const noexcept {
     return m.hears(i) && Health::mask(m.health, i) < 0.5f && !cell_[i].masked;
   }
-  /// The noise of each cell that there is room for.
+  /// The noise of the cells, with an entry for each cell that there is room for.
   [[nodiscard]] static std::vector<SensorNoise> with_room(std::vector<SensorNoise> noise) {
     noise.resize(cells);
     return noise;
   }
-  /// Masks and trust go in steps of 1/256, so that readings stay whole.
+  /// A mask or trust in whole steps of 1/256, so that readings stay whole.
   static SKINCTL_INLINE float quantised(float share) noexcept {
     return static_cast<float>(static_cast<std::int32_t>(share * 256.0f + 0.5f)) * (1.0f / 256);
   }
-  /// Force sensors of all pressures, and of the `p`-th.
+  /// Number of force sensors of all pressures, and of the `p`-th.
   static constexpr double sensors = std::popcount(Table::pressed_readings);
   [[nodiscard]] int sensors_of(std::size_t p) const noexcept {
     return std::popcount(Kind::channels[pressure_[p]].readings);
@@ -111,7 +111,7 @@ class TrustTables : public WrappedTouch<TrustedSkin<S>, S> {
   [[nodiscard]] float counts_seen() const noexcept {
     return static_cast<float>(Kind::channels[seen_].greatest / Table::step(seen_));
   }
-  /// What cell `i` reads above its rest level [steps]: in its `p`-th pressure, in all.
+  /// Reading of cell `i` above its rest level [steps], of its `p`-th pressure; without `p` the sum of all.
   [[nodiscard]] static SKINCTL_INLINE float above(const Memory& m, std::size_t p, std::size_t i) noexcept {
     const float x = m.now[p][i / 16][i % 16] - m.rest[p][i / 16].whole[i % 16];
     return x > 0 ? x : 0;
@@ -135,11 +135,11 @@ class TrustTables : public WrappedTouch<TrustedSkin<S>, S> {
   std::array<std::vector<Row>, pressures>
       pressed_from_;                               ///< reading above rest from which a cell pushes [steps]
   std::vector<std::size_t> row_patch_;             ///< the patch of all cells of a row; `patches`: of several
-  std::vector<bool> masked_;                       ///< a cell of a row is, for good
+  std::vector<bool> masked_;                       ///< whether a cell of the row is masked for good
   std::vector<std::uint16_t> lone_;                ///< cells with a lone force that is a limit
-  std::vector<std::size_t> first_;                 ///< cell of each patch
+  std::vector<std::size_t> first_;                 ///< first cell of each patch
   std::array<std::size_t, pressures> pressure_{};  ///< channel of each pressure
-  std::array<std::size_t, cones> cone_{};          ///< and of each cone
+  std::array<std::size_t, cones> cone_{};          ///< channel of each cone
   std::size_t seen_ = 0;                           ///< the channel that sees
   std::array<float, pressures> per_step_{},
       steps_per_{};  ///< counts in a step, steps in a unit of the pressure
@@ -148,7 +148,7 @@ class TrustTables : public WrappedTouch<TrustedSkin<S>, S> {
     std::array<float, pressures> all{};
     all.fill(1e9f);
     return all;
-  }();  ///< below these no cell counts [steps]
+  }();  ///< readings below which no cell counts [steps]
   float low_proximity_ = 1e9f;  ///< proximity below which no cell counts, 0 to 1
 };
 
