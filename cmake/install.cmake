@@ -31,7 +31,7 @@ if(SKINCTL_INSTALL_ADAPTERS)
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples/adapters" DESTINATION "${adapters_dir}"
     FILES_MATCHING PATTERN "*.hpp" PATTERN "*.cpp" PATTERN "*.md"
     PATTERN tests EXCLUDE PATTERN camera EXCLUDE PATTERN measure_rate.cpp EXCLUDE PATTERN torque_study.cpp EXCLUDE)
-  set(support exit job report_style)
+  set(support exit job report_style text)
   list(TRANSFORM support PREPEND "${PROJECT_SOURCE_DIR}/examples/support/")
   list(TRANSFORM support APPEND ".hpp")
   install(FILES ${support} DESTINATION "${adapters_dir}/support")

@@ -116,7 +116,7 @@ function show() {
       $('reasons').textContent = status.reasons.length ? status.reasons.map(reason).join('; ') : 'nothing limited, nothing held';
       strip($('events'), part('/skinctl/status', v => v.reasons).filter(([, r]) => r.length).map(([s, r]) => [s, effect(r)]), from, to);
       const facts = [['cycle', status.cycle], ['cycles dropped on the way', status.dropped]];
-      const period = periodOf(t.list('/joint_states')), spent = Object.values(status.times_us).reduce((a, b) => a + b, 0);
+      const period = periodOf(t.list('/skinctl/status')), spent = Object.values(status.times_us).reduce((a, b) => a + b, 0);
       if (period > 0 && spent > 0) facts.push(['time of a cycle', `${spent.toFixed(0)} µs`], [`of its ${(1e3 * period).toFixed(0)} ms`, `${(1e-4 * spent / period).toFixed(1)} %`]);
       if (state.errors) facts.push(['messages that could not be read', state.errors]);
       $('facts').replaceChildren(...facts.flatMap(([k, v]) => { const a = document.createElement('dt'), b = document.createElement('dd'); a.textContent = k, b.textContent = v; return [a, b]; }));
@@ -135,11 +135,12 @@ function show() {
   if (state.view) state.view.draw(getComputedStyle(document.documentElement).getPropertyValue('--card').trim() || '#fff');
 }
 
-/// The median time between the last cycles [s].
+/// The time of a cycle by the numbers and stamps of the last ones [s].
 function periodOf(list) {
-  const n = Math.min(list.length - 1, 15), steps = [];
-  for (let i = list.length - n; i < list.length; ++i) steps.push(list[i].time - list[i - 1].time);
-  return n > 2 ? steps.sort((a, b) => a - b)[n >> 1] : 0;
+  const n = Math.min(list.length - 1, 15);
+  if (n < 3) return 0;
+  const a = list[list.length - 1 - n], b = list[list.length - 1], cycles = b.value.cycle - a.value.cycle;
+  return cycles > 0 ? (b.time - a.time) / cycles : 0;
 }
 
 let next = 0;

@@ -155,6 +155,16 @@ TEST_CASE("recording: a replay says how the recorded start and the first state d
         "at most 0.250000 (joint 4)");
 }
 
+TEST_CASE("recording: a difference in the middle is not put down to the start") {
+  Replayed r{
+      .cycles = 500, .different = 99, .first_different = 101, .started_at = 8ms, .first_state_at = 8ms};
+  CHECK(in_words(r).find("no start of the scene") == std::string::npos);
+  r.first_different = 0;
+  CHECK(in_words(r).find("no start of the scene") != std::string::npos);
+  r.first_different = 101, r.started_at = 9ms;
+  CHECK(in_words(r).find("no start of the scene") != std::string::npos);
+}
+
 TEST_CASE("recording: without room it stops, and says so") {
   const auto scene = reaching_scene();
   const auto recording = recorded_run(scene, 100'000);

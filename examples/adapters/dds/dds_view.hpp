@@ -34,7 +34,9 @@ class DdsView : public skinctl::CycleConsumer<C> {
     messages_.take(r);
     refused_ += !joints_.write(messages_.joint_states(r));
     if (r.input.samples.empty()) return;
-    refused_ += !cells_.write(messages_.cells(r));
+    const auto cells = messages_.cells(r);
+    if (cells.empty()) return;
+    refused_ += !cells_.write(cells);
     ++frames_;
   }
   [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }

@@ -493,16 +493,18 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
     for (const char c : {'c', 'd', 'r'}) out.push_back(static_cast<unsigned char>(c));
     const Bytes response = trigger_response(answer);
     out.insert(out.end(), response.begin(), response.end());
-    static_cast<void>(push({true, std::make_shared<Bytes>(std::move(out))}));
+    static_cast<void>(push({true, std::make_shared<Bytes>(std::move(out))}, true));
   }
 
   /// False: too much waits for this client already.
-  bool push(Message m) {
+  ///
+  /// @param at_once  before all that waits: an answer to a person.
+  bool push(Message m, bool at_once = false) {
     if (!open_) return false;
     const std::size_t size = m.bytes->size();
-    if (queued_ + size > server_.options.queued) return false;
+    if (queued_ + size > server_.options.queued && !at_once) return false;
     queued_ += size;
-    queue_.push_back(std::move(m));
+    queue_.insert(at_once && !queue_.empty() ? queue_.begin() + 1 : queue_.end(), std::move(m));
     if (queue_.size() == 1) write();
     return true;
   }

@@ -142,12 +142,18 @@ class LiveView : public skinctl::CycleConsumer<C> {
       if (const auto* asked = r.input.goal ? weights_in(*r.input.goal) : nullptr)
         weighed(*asked, r.status.has(Reason::goal_refused));
     }
-    if (server_.wanted(joints_)) server_.publish(joints_, now, messages_.joint_states(r));
-    if (server_.wanted(shares_)) server_.publish(shares_, now, messages_.torque_shares(r));
+    const auto send = [&](std::uint32_t channel, auto&& message) {
+      if (!server_.wanted(channel)) return;
+      if (const auto bytes = message(); !bytes.empty()) server_.publish(channel, now, bytes);
+    };
+    if (plotted_.due(now)) {
+      send(joints_, [&] { return messages_.joint_states(r); });
+      send(shares_, [&] { return messages_.torque_shares(r); });
+    }
     if (drawn_.due(now)) {
-      if (server_.wanted(tf_)) server_.publish(tf_, now, messages_.tf(r));
-      if (server_.wanted(cells_)) server_.publish(cells_, now, messages_.cells(r));
-      if (server_.wanted(contacts_)) server_.publish(contacts_, now, messages_.contacts(r));
+      send(tf_, [&] { return messages_.tf(r); });
+      send(cells_, [&] { return messages_.cells(r); });
+      send(contacts_, [&] { return messages_.contacts(r); });
     }
     if (felt_ != nullptr && felt_->whole() && mapped_.due(now))
       server_.publish(felt_topic_, now, messages_.encoded(ros::String{felt_->text()}));
@@ -180,6 +186,8 @@ class LiveView : public skinctl::CycleConsumer<C> {
   Requests* requests_ = nullptr;
   std::uint32_t joints_ = 0, shares_ = 0, status_ = 0, cells_ = 0, contacts_ = 0, tf_ = 0, robot_ = 0,
                 layout_ = 0, felt_topic_ = 0;
+  // Of a faster loop: a browser that falls behind shows the past, and a person's Stop waits for its answer.
+  skinctl::detail::Pace plotted_{std::chrono::milliseconds(8)};
   skinctl::detail::Pace drawn_{std::chrono::milliseconds(33)}, said_{std::chrono::milliseconds(100)},
       mapped_{std::chrono::seconds(1)};
   skinctl::Status since_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "skinctl/io/parse_urdf.hpp"
@@ -94,8 +95,11 @@ template <std::size_t Ix, FrameName Name, std::size_t N>
 /// limits that look like degrees (`UrdfOptions::large_limits` accepts them).
 ///
 /// @param acceleration  acceleration limit of every joint [rad/s^2], [m/s^2]; a URDF has none.
+/// @param torque        largest torque of each joint [N m], [N], in place of `effort`, which files of makers
+///                      have as 0.
 template <std::size_t N, Real T = double>
-[[nodiscard]] JointLimits<N, T> limits_of(const Urdf& urdf, const T& acceleration = T(40)) {
+[[nodiscard]] JointLimits<N, T> limits_of(const Urdf& urdf, const T& acceleration = T(40),
+                                          const std::optional<JointTorque<N, T>>& torque = {}) {
   if (urdf.joints.size() != N)
     refuse("skinctl: " + urdf.source + ": " + std::to_string(urdf.joints.size()) +
            " joints move, limits are asked for " + std::to_string(N));
@@ -112,11 +116,13 @@ template <std::size_t N, Real T = double>
     };
     check(j.question.empty(), j.question + "; UrdfOptions::large_limits takes it as it is");
     above_zero("velocity", j.velocity, 1e3, "> 0, <= 1000 rad/s");
-    above_zero("effort", j.effort, static_cast<double>(std::numeric_limits<T>::max()), "> 0, finite N m");
+    if (!torque)
+      above_zero("effort", j.effort, static_cast<double>(std::numeric_limits<T>::max()),
+                 "> 0, finite N m; limits_of(urdf, acceleration, torque) takes yours");
     check(j.lower < j.upper, "<limit lower=\"" + detail::urdf_number(j.lower) + "\" upper=\"" +
                                  detail::urdf_number(j.upper) + "\">: it cannot move, lock it");
     v.lower[i] = T(std::max(j.lower, j.soft_lower)), v.upper[i] = T(std::min(j.upper, j.soft_upper));
-    v.velocity[i] = T(j.velocity), v.torque[i] = T(j.effort);
+    v.velocity[i] = T(j.velocity), v.torque[i] = torque ? (*torque)[i] : T(j.effort);
     v.acceleration[i] = acceleration;
   }
   return JointLimits<N, T>(v);

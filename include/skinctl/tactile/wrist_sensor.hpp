@@ -41,9 +41,9 @@ struct WristInput {
 /// force and moment; with the default ones 2 N and 0.2 N m are subtracted, so that a push ends without a step.
 ///
 /// **Time.** The wrench is linear in time through its stamped samples, or constant until `ramp` before the
-/// next one where they are further apart. After the last sample it is held; from `max_age - fade` on it goes
-/// to zero. A sample that shows that it had changed before the interval began has its missing impulse added,
-/// up to `catch_up` back.
+/// next one where they are further apart, and is held after the last; from `max_age - fade` on it goes to
+/// zero. A sample that shows that it had changed before gets its missing impulse added, up to `catch_up`
+/// back.
 ///
 /// **Bias.** `tared` finds it at the start. With `noise` declared a push has to live, as a hand's does: a bias that
 /// creeps or jumps moves the arm by 8 mm, is reported (`push_without_life`), and becomes the reading of rest once
@@ -86,7 +86,7 @@ class WristSensor : public sensor_sums::Summand {
     const Xyz<T> g = dense<T>(model_.template gravity<T>());
     require(s_.mass == 0 || dot(g, g) > T(0), "WristSensor: mass", s_.mass,
             "0 kg for a model without gravity: name the model that has it");
-    finite(s_.centre, 10, "WristSensor: centre [m]");
+    for (const auto& x : {s_.centre, s_.X_LS.origin()}) finite(x, 10, "WristSensor: centre, or X_LS [m]");
     require(s_.reach >= 0 && s_.reach <= 10, "WristSensor: reach", s_.reach, "0 to 10 m");
     require(s_.gain > 0 && s_.gain <= 1000, "WristSensor: gain", s_.gain, "> 0, <= 1000");
     require(s_.max_force > 0 && s_.max_force <= 1e6, "WristSensor: max_force", s_.max_force, "> 0, <= 1e6 N");

@@ -87,7 +87,9 @@ consteval LimitFault fault_in_limit() {
 template <LimitFault F, class Limit>
 struct SayLimit {
   using enum LimitFault;
-  static_assert(F != memory, "a limit has a Memory, if only an empty one");
+  static_assert(
+      F != memory,
+      "a limit has a Memory, if only an empty one; one of skinctl: include its header, limits/...hpp");
   static_assert(F != heavy_memory, "the Memory of a limit is trivially copyable");
   static_assert(F != precedence, "a limit has a Precedence, its place among the others");
   static_assert(F != share, "limit: share(memory, going, seen, u) has to give a SpeedShare");
