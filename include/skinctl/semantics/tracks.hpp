@@ -23,10 +23,10 @@ SKINCTL_BEGIN_NAMESPACE
 ///     P(fail | real) = (failed + f) / (taken + failed + f + s), at least that of no take
 ///     c = log((1 - things) / things) = 2.94
 ///
-/// with `s` takes that succeeded and `f` that failed, each weighted by the belief that was left. A new track
-/// starts with -c + log(d / n) = -1.39: a single flash is not believed. The cap `c` keeps any number of
-/// pictures below two failed takes: no ghost is voted up. `touch` is undone when the track moves, as only
-/// real things do.
+/// with `s` takes that succeeded and `f` that failed, each of these weighted by the belief that was left. A
+/// new track starts with -c + log(d / n) = -1.39: a single flash is not believed. The cap `c` keeps any
+/// number of pictures below two failed takes: no ghost is voted up. `touch` is undone when the track moves,
+/// as only real things do.
 ///
 /// A take of a ghost fails without contact, and its detections stay in place: two such takes end the belief.
 /// A take that misses a real thing touches it, or moves it. Where that happens at `places` places, with fewer
@@ -45,16 +45,16 @@ class Tracks {
   static constexpr std::uint8_t no_trial = 0, trials = 5;
   struct Memory {
     std::array<Track<T>, Capacity> tracks{};
-    Xyz<T> bias{T(0), T(0), T(0)};    ///< offset from where things are seen to where they are [m]
-    Xyz<T> failed{T(0), T(0), T(0)};  ///< place at which a real thing was missed last [m]
-    T successes = T(0);               ///< s
-    T failures = T(0);                ///< f
+    Xyz<T> bias{T(0), T(0), T(0)};    ///< offset from where things are seen to where hands find them [m]
+    Xyz<T> failed{T(0), T(0), T(0)};  ///< place at which a take missed a real thing last [m]
+    T successes = T(0);               ///< number of takes that succeeded
+    T failures = T(0);                ///< number of takes that failed, weighted by the belief that was left
     Nanoseconds time{};               ///< time of the newest picture
     std::uint8_t trial = no_trial;    ///< number of the try of the search for the bias; 0: it does not search
-    std::uint8_t places = 0;  ///< places where a real thing was missed, fewer than `takes` successes apart
-    std::uint8_t since = 0;   ///< takes that succeeded since such a place failed
+    std::uint8_t places = 0;  ///< places where a take missed a real thing, fewer than `takes` successes apart
+    std::uint8_t since = 0;   ///< takes that succeeded since a take missed a real thing
     std::uint8_t takes = 0;  ///< takes that succeeded since the bias changed, at most `takes` of the settings
-    std::uint8_t searches = 0;           ///< rounds of tries beside
+    std::uint8_t searches = 0;           ///< rounds of the search for the bias
     bool asks = false, started = false;  ///< a person shall look at camera and hand; a picture was seen
   };
 
@@ -81,9 +81,10 @@ class Tracks {
     miss_ = log((T(1) - s.seen_if_there) / (T(1) - s.seen_if_not));
   }
 
-  /// Takes a picture of the instant `time`. `shows(p_W)`: whether it would show a thing there; what is hidden
-  /// or out of it says nothing. One not later than the last (`time_backwards`) changes nothing; detections
-  /// that are no numbers (`sample_not_finite`), or beyond `Capacity` (`sample_out_of_range`), are left out.
+  /// Takes a picture of the instant `time`. `shows(p_W)`: whether the picture would show a thing at `p_W`,
+  /// neither hidden nor outside. A picture not later than the last (`time_backwards`) changes nothing;
+  /// detections that are no numbers (`sample_not_finite`), or beyond `Capacity` (`sample_out_of_range`), are
+  /// left out.
   template <class Shows>
   Status see(Memory& m, Nanoseconds time, std::span<const ClassDetection<T>> seen,
              const Shows& shows) const noexcept {
@@ -108,8 +109,9 @@ class Tracks {
       if (!done.detections[i]) begin(m, seen[i], time);
     return out;
   }
-  /// Of the tracks that `fits(track)` and that are believed (above 0) the most believed one, of these that at
-  /// which fewest takes failed, of these that of the least `cost(track)`; `no_object`: there is none.
+  /// Index of the most believed track (above 0) with `fits(track)`; among equals that with fewest failed
+  /// takes, then that of the least `cost(track)`. `no_object`: there is none. In a search for the bias only
+  /// the sign of the belief counts.
   template <class Fits, class Cost>
   [[nodiscard]] std::uint8_t choose(const Memory& m, const Fits& fits, const Cost& cost) const noexcept {
     std::uint8_t best = no_object;
@@ -126,11 +128,11 @@ class Tracks {
     }
     return best;
   }
-  /// Log odds that a thing is there.
+  /// Log odds that a thing is at the place of the track.
   [[nodiscard]] static T belief(const Memory& m, const Track<T>& t) noexcept {
     return m.trial != no_trial && t.real ? t.sight : t.sight + t.touch;
   }
-  /// Whether something is seen there that hands have not found.
+  /// Whether pictures show a thing at the place of the track that hands have not found.
   [[nodiscard]] static bool is_doubted(const Memory& m, const Track<T>& t) noexcept {
     return t.kind != 0 && t.sight > T(0) && !(belief(m, t) > T(0));
   }
