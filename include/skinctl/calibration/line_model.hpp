@@ -84,6 +84,9 @@ inline double angle_about(const Eigen::Vector3d& axis, const Eigen::Vector3d& fr
 }
 }  // namespace detail::fit
 
+/// The model of a chain of revolute joints, from its axes at home. Throws `ConfigurationError` for a
+/// direction that is no unit vector.
+///
 /// @param lines  axes of the joints at home, all in one frame with z up: unit directions, any point of each
 ///               [m].
 /// @param home   positions of the joints there [rad].

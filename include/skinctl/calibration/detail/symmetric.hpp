@@ -42,7 +42,7 @@ class Cholesky {
     positive_ = A.allFinite() && llt_.info() == Eigen::Success;
   }
   [[nodiscard]] bool positive() const noexcept { return positive_; }
-  /// Where `row >= column`.
+  /// An element of L, for `row >= column`.
   [[nodiscard]] double factor(Eigen::Index row, Eigen::Index column) const {
     return llt_.matrixLLT()(row, column);
   }
