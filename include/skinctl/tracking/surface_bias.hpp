@@ -16,9 +16,9 @@ namespace detail {
 template <Real T = double>
 class Decay {
  public:
-  /// Of an interval that is not known.
+  /// A decay for intervals that are not known.
   Decay(const T& kappa) noexcept : Decay(kappa, T(0)) {}
-  /// @param kappa  [1/s]; `dt`: the interval [s].
+  /// @param kappa  rate of the decay [1/s]; `dt`: the interval between evaluations [s].
   Decay(const T& kappa, const T& dt) noexcept
       : kappa_(kappa),
         dt_(dt),
@@ -45,7 +45,7 @@ class Decay {
 };
 }  // namespace detail
 
-/// `S_d` and its derivative.
+/// The bias `S_d` of the sliding surface at an instant, and its derivative.
 template <std::size_t N, Scalar T = double>
 struct BiasNow {
   JointVelocity<N, T> S_d;
