@@ -54,7 +54,7 @@ struct MassMatrix {
     }
     return tau;
   }
-  /// As an Eigen matrix, without a copy; read-only, because both triangles are stored.
+  /// The mass matrix as an Eigen matrix, without a copy; read-only, because both triangles are stored.
   [[nodiscard]] friend SKINCTL_INLINE EigenMap<const EigenMatrix<T, int(N), int(N)>> as_eigen(
       const MassMatrix& M) noexcept {
     return EigenMap<const EigenMatrix<T, int(N), int(N)>>(M.data);
@@ -133,7 +133,7 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
   }
 }
 
-/// In a chain all joints are coupled and every entry is written; other trees have zeros.
+/// A matrix to write to: uninitialised for a chain, whose entries are all written; zeros for other trees.
 template <Scalar T, RobotModel M>
 SKINCTL_INLINE MassMatrix<M::joints, T> empty_mass() noexcept {
   using Matrix = MassMatrix<M::joints, T>;

@@ -107,9 +107,9 @@ SKINCTL_INLINE void transposed_product(const Input& in, const LinkMotion<T>& par
 
 }  // namespace detail
 
-/// `Y(q, dq, dq_r, ddq_r)`, N x 10 N, with `Y Theta = M ddq_r + C(q, dq) dq_r + G` for every parameter vector
-/// (section 3.5; C is Christoffel's). A link's parameters have no effect on joints that do not carry it:
-/// those blocks of ten are zero by topology, and neither stored nor multiplied.
+/// The regressor `Y(q, dq, dq_r, ddq_r)`, N x 10 N, with `Y Theta = M ddq_r + C(q, dq) dq_r + G` for every
+/// parameter vector Theta (section 3.5; C is Christoffel's). A link's parameters have no effect on joints
+/// that do not carry it: those blocks of ten are zero by topology, and neither stored nor multiplied.
 template <Topology M, Scalar T = double>
 class Regressor {
  public:
