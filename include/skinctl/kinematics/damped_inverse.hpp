@@ -65,13 +65,13 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   }
   /// From 0 (outside the zone: no damping) to 1 (at a singularity).
   [[nodiscard]] T nearness() const noexcept { return damping_.nearness(w_squared_); }
-  /// l.
+  /// The damping l that is used, in the unit of the Jacobian's elements.
   [[nodiscard]] T damping() const noexcept {
     using std::sqrt;
     return sqrt(damping_.squared(w_squared_));
   }
 
-  /// `dq_r = J^+ dx_r`. Joints that do not move the body stay at 0.
+  /// Joint velocities `dq_r = J^+ dx_r`. Joints that do not move the body stay at 0.
   [[nodiscard]] JointVelocity<joints, T> solve(const Velocity& dx_r) const noexcept {
     JointVelocity<joints, T> dq;
     apply(dx_r, dq.data);
@@ -288,7 +288,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   T w_squared_;
   bool damped_;
   [[no_unique_address]] Blocks blocks_;
-  std::optional<math::Ldlt<order, T>> factors_;  ///< of the smaller product, where the blocks do not serve
+  std::optional<math::Ldlt<order, T>> factors_;  ///< factors of the smaller product, unless the blocks serve
 };
 
 /// The damped inverse of a Jacobian.

@@ -45,7 +45,7 @@ class SingularityDamping {
     next.max_squared_rate_ = factor * rate * less * less;
     return next;
   }
-  /// l^2.
+  /// The square of the damping, l^2, from the square of the manipulability.
   [[nodiscard]] T squared(const T& w_squared) const noexcept { return max_squared_ * nearness(w_squared); }
   /// `d(l^2)/dt = 2 l dl`, from the rate of the square of the manipulability.
   [[nodiscard]] T squared_rate(const T& w_squared, const T& w_squared_rate) const noexcept {
