@@ -149,7 +149,7 @@ class DeedReader {
   }
   [[nodiscard]] Xyz<double> hand(std::size_t i) const { return d_.hand[i].X_WH.origin(); }
 
-  /// Where a thing lies at an instant: the middle of its last detections since it was put there.
+  /// Whether a thing has a place at `at`; `X_WO`: middle of its last detections since it was put there.
   [[nodiscard]] bool find(std::size_t thing, Nanoseconds at, ObjectPose<W>& X_WO) const {
     std::vector<ObjectPose<W>> seen;
     for (auto d = std::upper_bound(d_.seen.begin(), d_.seen.end(), at,
@@ -266,7 +266,7 @@ class DeedReader {
 };
 inline constexpr Nanoseconds shortest_sample = 100us;  ///< shortest time between two samples
 
-/// Whether it has 10 samples, finite, at times that rise by 0.1 ms or more, and all detected objects exist.
+/// Whether `d` has 10 samples, finite, at times that rise by 0.1 ms or more, and only objects that exist.
 template <Frame W>
 [[nodiscard]] bool is_recording(const Demonstration<W>& d) {
   const auto pose = [](const auto& X) {

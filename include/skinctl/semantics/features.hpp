@@ -50,10 +50,10 @@ struct FeatureSettings {
   Nanoseconds force_filter = 4ms;                    ///< time constant of the force's low pass
   Bit<>::Settings in_hand{0.5, 0.25, 8ms, 8ms};      ///< thresholds of the filtered force [N]
   Bit<>::Settings squeezed{1.45, 1.33, 8ms, 8ms};    ///< thresholds of force over holding force
-  double carried = 0.015;                            ///< way of the hand from which on it carries [m]
+  double carried = 0.015;                            ///< distance since contact, of a carried object [m]
   double grasp_reach = 0.15;                         ///< largest distance of an object that it takes [m]
   std::uint64_t tools = 0;                           ///< bit k: objects of class k < 64 are tools
-  double tool_near = 0.15, tool_far = 0.16;          ///< an object comes near a tool, leaves it [m]
+  double tool_near = 0.15, tool_far = 0.16;          ///< nearness to a tool: begin and end distance [m]
   double left_stopped = 0.02;  ///< a hand that stopped this far from what it released has left it [m]
   double left_heading = 0.06;  ///< a hand this far away, heading for another object, has left it [m]
   double heading = 0.95;  ///< cosine between velocity and direction from which a hand heads for an object

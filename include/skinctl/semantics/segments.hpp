@@ -156,8 +156,8 @@ class Cutter {
       if (2 * static_cast<std::size_t>(slow) > s.end - s.begin) c.squeezes.push_back({s, felt(in, s)});
     }
   }
-  /// Stiffness [N/m]: change of the force over the way of the fingers, from holding to squeezing; NaN: not
-  /// known.
+  /// Stiffness [N/m] of the object: change of the force over the closing of the fingers, from holding to
+  /// squeezing; NaN: not known.
   [[nodiscard]] double felt(Span contact, Span s) const {
     std::vector<double> f[2], x[2];
     for (std::size_t i = contact.begin; i < contact.end; ++i) {

@@ -41,8 +41,8 @@ struct TrackSettings {
   T taken = T(9), failed = T(1);  ///< prior counts of takes of real things, Beta(9, 1): 9 of 10 takes succeed
   T moved = T(0.02);              ///< smallest motion of a thing that is no ghost [m]: 4 sigma of a detection
   T beside = T(0.018);      ///< step of the search for the bias [m]: fingers open 17 mm wider on each side
-  std::uint8_t places = 2;  ///< places where takes miss real things, before camera or hand is at fault
-  std::uint8_t takes = 3;   ///< takes that succeed, after which the count of these places starts anew
+  std::uint8_t places = 2;  ///< number of places with missed real things from which camera or hand errs
+  std::uint8_t takes = 3;   ///< number of successes in a row after which the count of these places restarts
 };
 
 SKINCTL_END_NAMESPACE

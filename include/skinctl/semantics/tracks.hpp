@@ -136,11 +136,11 @@ class Tracks {
   [[nodiscard]] static bool is_doubted(const Memory& m, const Track<T>& t) noexcept {
     return t.kind != 0 && t.sight > T(0) && !(belief(m, t) > T(0));
   }
-  /// The place to which a hand goes for a thing seen at `p`: by the bias, and the try that is due.
+  /// The place [m] to which a hand goes for a thing seen at `p_W`: by the bias, and the try that is due.
   [[nodiscard]] Xyz<T> aim(const Memory& m, const Xyz<T>& p_W) const noexcept {
     return p_W + m.bias + tried(m.trial);
   }
-  /// The take of a track succeeded: what was there is in the hand.
+  /// Reports that the take of a track succeeded: the thing that was there is in the hand.
   void took(Memory& m, std::uint8_t track) const noexcept {
     if (track >= Capacity || m.tracks[track].kind == 0) return;
     m.tracks[track] = {};
@@ -152,9 +152,9 @@ class Tracks {
     if (m.trial > 1) m.takes = 1, give_back(m);
     m.trial = no_trial, m.places = m.since = 0;
   }
-  /// The take of a track failed: a hand there has nothing. `felt`: the fingers touched something on their way
-  /// or while they closed, other than each other; true for a hand that cannot tell. `fits(track)`: this hand
-  /// could take that one.
+  /// Reports that the take of a track failed: a hand there has nothing. `felt`: the fingers touched something
+  /// on their way or while they closed, other than each other; true for a hand that cannot tell.
+  /// `fits(track)`: this hand could take that one.
   template <class Fits>
   void failed(Memory& m, std::uint8_t track, bool felt, const Fits& fits) const noexcept {
     if (track >= Capacity || m.tracks[track].kind == 0) return;
@@ -174,12 +174,12 @@ class Tracks {
       fresh = fresh || (other.kind != 0 && other.fails == 0 && other.sight > T(0) && fits(other));
     if (t.real) missed(m, t.p, fresh);
   }
-  /// A person has looked: it does not ask that again.
+  /// Reports that a person has looked: `asks` is cleared, and not set again.
   void answered(Memory& m) const noexcept { m.asks = false, m.searches = max_searches; }
 
  private:
-  static constexpr std::uint8_t max_searches = 2;  ///< a right try fails by chance, or at a ghost
-  static constexpr std::uint8_t max_votes = 20;    ///< no class is wrong in 20 detections in a row
+  static constexpr std::uint8_t max_searches = 2;  ///< rounds: a right try fails by chance, or at a ghost
+  static constexpr std::uint8_t max_votes = 20;    ///< cap of votes: no class is wrong 20 times in a row
   struct Pair {
     std::size_t track = Capacity, detection = 0;
   };
@@ -189,7 +189,7 @@ class Tracks {
   [[nodiscard]] bool is_at(const Track<T>& t, const Xyz<T>& p) const noexcept {
     return dot(t.p - p, t.p - p) <= s_.moved * s_.moved;
   }
-  /// A take missed a real thing at `p`.
+  /// Counts that a take missed a real thing at `p`, and begins the search for the bias if it is due.
   void missed(Memory& m, const Xyz<T>& p, bool fresh) const noexcept {
     const bool elsewhere = m.places == 0 || dot(p - m.failed, p - m.failed) > s_.moved * s_.moved;
     m.failed = p;
@@ -198,7 +198,7 @@ class Tracks {
     if (m.places < 255) ++m.places;
     if (m.places >= s_.places && (fresh || m.takes < s_.takes)) m.trial = 1;
   }
-  /// All tries failed: once more, without the first; then it asks.
+  /// Goes on to the next try. After the last one all are made once more, without the first; then it asks.
   static void try_next(Memory& m) noexcept {
     if (++m.trial == 2) ++m.searches;
     if (m.trial <= trials) return;
@@ -206,11 +206,11 @@ class Tracks {
     m.trial = m.asks ? no_trial : std::uint8_t(2), m.searches = max_searches;
     if (m.asks) m.places = m.since = 0, give_back(m);
   }
-  /// The hand went beside: real things are believed again, half of `touch` of the others is one more take.
+  /// Undoes failures, as the hand went beside: real things are believed again, `touch` of others is halved.
   static void give_back(Memory& m) noexcept {
     for (Track<T>& t : m.tracks) t.touch = t.real ? T(0) : T(0.5) * t.touch, t.fails = 0;
   }
-  /// Along +x, -x, +y, -y, from the second try on.
+  /// Offset of a try [m]: along +x, -x, +y, -y from the second one on.
   [[nodiscard]] Xyz<T> tried(std::uint8_t trial) const noexcept {
     const T a = trial % 2 == 0 ? s_.beside : -s_.beside;
     if (trial < 2 || trial > trials) return {T(0), T(0), T(0)};
