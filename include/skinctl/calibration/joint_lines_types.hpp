@@ -63,8 +63,8 @@ struct CalibratedCell {
 /// A joint's axis at home, in the axes of the base.
 struct CalibratedLine {
   AxisLine line;
-  double direction_deviation = std::numeric_limits<double>::infinity();  ///< of the direction, largest [rad]
-  double position_deviation = std::numeric_limits<double>::infinity();   ///< across the line, largest [m]
+  double direction_deviation = std::numeric_limits<double>::infinity();  ///< largest standard deviation [rad]
+  double position_deviation = std::numeric_limits<double>::infinity();   ///< largest across the line [m]
   bool known = false;
   Estimate compliance;  ///< compliance of the joint [rad/(N m)]; known if torques were recorded
 };

@@ -64,7 +64,7 @@ class MeasuredMotion {
  public:
   /// A time without measurements that is longer than two knots; the motion in it is a guess.
   struct Gap {
-    double from = 0, to = 0;  ///< [s]
+    double from = 0, to = 0;  ///< begin and end [s]
   };
 
   /// Throws `ConfigurationError` for less than 30 positions, stamps that do not increase, numbers that are

@@ -95,7 +95,8 @@ struct Observability {
   Eigen::VectorXd deviation;
 };
 
-/// `H = sum J'J` and `g = sum J'r` as dense matrices: to about a thousand unknowns.
+/// Normal equations with `H = sum J'J` and `g = sum J'r` as dense matrices: for up to about a thousand
+/// unknowns.
 class DenseNormal {
  public:
   static constexpr bool derivatives = true;
@@ -123,7 +124,7 @@ class DenseNormal {
   [[nodiscard]] Eigen::VectorXd diagonal() const { return H_.diagonal(); }
   [[nodiscard]] const Eigen::MatrixXd& information() const noexcept { return H_; }
 
-  /// `step = -(H + diag(damping))^-1 g`; false if that is not positive definite.
+  /// Sets `step = -(H + diag(damping))^-1 g`; false if that matrix is not positive definite.
   [[nodiscard]] bool solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
     Eigen::MatrixXd A = H_;
     A.diagonal() += damping;

@@ -60,12 +60,12 @@ struct FittedPatch {
 
 struct CellFitSettings {
   double bias = 0.040, scale = 0.015;       ///< standard deviations before the data [g], [1]
-  double cross_axis = 0.003;                ///< of one axis by another, before it is made symmetric
+  double cross_axis = 0.003;                ///< deviation of one axis by another, before symmetrisation
   double tie_position = 0.5e-3;             ///< standard deviation of a cell's place in the patch [m]
   double tie_turn = 0.0175;                 ///< standard deviation of a cell's turn in the patch [rad]
-  double weak_position = 1, weak_turn = 1;  ///< about the start: what the data do not show stays [m], [rad]
+  double weak_position = 1, weak_turn = 1;  ///< priors about the start, if the data show nothing [m], [rad]
   int steps = 30;
-  double decrease = 0.1;  ///< smallest decrease of the cost by a step [variances]
+  double decrease = 0.1;  ///< decrease of the cost below which the fit ends [variances]
   double window = 1;      ///< window of the jackknife [s]
 };
 
@@ -110,7 +110,7 @@ inline void tie(const FittedCell& cell, std::size_t c, const FittedPatch& patch,
   }
 }
 
-/// `H x = g` by elimination of the cells; factorised once.
+/// Solves `H x = g` by elimination of the cells; factorised once.
 class CellSolver {
  public:
   bool factorise(const CellEquations& e, double damping) {
@@ -160,8 +160,8 @@ class CellSolver {
   Eigen::Index size_ = 0;
 };
 
-/// What a cell reads along its three axes as weights of a body's first 13 columns, and their derivatives by
-/// the cell.
+/// The weights of a body's first 13 columns in the readings of a cell along its three axes, and their
+/// derivatives by the cell.
 struct CellWeights {
   Eigen::VectorXd c[3];        // 13
   Eigen::MatrixXd by_cell[3];  // 13 x cell_unknowns

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail::fit {
 
 /// @tparam Motion  has `int unknowns()`, `void hold(VectorXd& information, VectorXd& gradient)` for its
-///    priors, `Motion moved(VectorXd)`, `std::vector<BodySignals> signals(const BlockMeans&)`.
+///                 priors, `Motion moved(VectorXd)`, `std::vector<BodySignals> signals(const BlockMeans&)`.
 template <class Motion>
 class CellFit {
  public:

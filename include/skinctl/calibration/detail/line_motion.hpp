@@ -45,7 +45,7 @@ struct LinkState {
     out.point = line.point;
     return out;
   }
-  /// `A` and `S`, row by row, of `A + S p`.
+  /// `A` and `S`, row by row, of the specific force `A + S p` at the point p of the link.
   [[nodiscard]] Eigen::Matrix<double, 12, 1> signal() const noexcept {
     const Eigen::Matrix3d S =
         cross_matrix(alpha) + w * w.transpose() - w.squaredNorm() * Eigen::Matrix3d::Identity();

@@ -102,7 +102,7 @@ struct LineStart {
   std::vector<FittedCell> cells;
   std::vector<std::size_t> used;  ///< number of each of `cells` in the recording
   std::vector<FittedPatch> patches;
-  std::vector<std::string> reason;  ///< by cell of the recording: why it is not used
+  std::vector<std::string> reason;  ///< reason for which a cell of the recording is not used
 };
 
 [[nodiscard]] inline LineStart start_lines(const Activation& activation,
