@@ -69,9 +69,9 @@ class ConstantDamping {
   static constexpr Needs needs = {.mass = true};
 
   /// @param model  the robot; the decays of `S_q = dq - dq_r` [1/s] are eigenvalues of M(q)^-1 K_d over 256
-  ///    poses within +-pi, which the law's constructor checks together with the other gains.
+  ///               poses within +-pi, which the law's constructor checks together with the other gains.
   /// @param K_d    row by row [N m s/rad]. Throws `ConfigurationError` if it is not symmetric (to
-  ///    `tolerance<T>` of its largest element) or not positive definite.
+  ///               `tolerance<T>` of its largest element) or not positive definite.
   template <RobotModel M>
   ConstantDamping(const M& model, const std::array<T, N * N>& K_d) {
     static_assert(M::joints == N, "one row per joint");
@@ -109,7 +109,7 @@ class ConstantDamping {
   /// The slowest decay of S_q [1/s], over 256 poses.
   [[nodiscard]] const T& slowest() const noexcept { return slowest_; }
 
-  /// `K_d S_q` [N m].
+  /// The damping torque `K_d S_q` [N m].
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const JointVelocity<N, T>& S_q) const noexcept {
     JointTorque<N, T> tau;
     for (std::size_t i = 0; i < N; ++i) {
@@ -119,7 +119,7 @@ class ConstantDamping {
     }
     return tau;
   }
-  /// `K_d v` [N m], and the diagonal of K_d; the motors' inertia plays no part.
+  /// The damping torque `K_d v` [N m], and the diagonal of K_d; the motors' inertia plays no part.
   template <class K>
   [[nodiscard]] SKINCTL_NOINLINE DampingTorque<N, T> torque(const K&, const JointTorque<N, T>&,
                                                             const JointVelocity<N, T>& v) const noexcept {

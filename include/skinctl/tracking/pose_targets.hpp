@@ -30,8 +30,8 @@ struct OperationalSettings {
   SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
   T min_damping = T(0.02);  ///< damping at a singularity when the reference is nearly at rest
   /// Next to a singularity a goal that stands still counts as reached within these, and nothing moves.
-  T reached_position = T(2e-4);     ///< distance to the goal [m]
-  T reached_orientation = T(1e-3);  ///< angle to the goal [rad]
+  T reached_position = T(2e-4);     ///< tolerance of the position [m]
+  T reached_orientation = T(1e-3);  ///< tolerance of the orientation [rad]
 };
 
 /// Throws `ConfigurationError` for a speed, acceleration, jerk or tolerance of poses out of its range.

@@ -100,7 +100,7 @@ struct SurfaceErrors {
   T a_d[N];    ///< acceleration of the target
 };
 
-/// `SurfaceErrors` in lanes.
+/// The errors of `SurfaceErrors`, in lanes.
 template <std::size_t N, Real T = double>
 struct SurfaceErrorRows {
   detail::Row<N, T> e, de, slope, v_d, a_d;

@@ -12,7 +12,8 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// `exp(-kappa t)`. For the interval between evaluations, and for its half, it is known beforehand.
+/// The decay `exp(-kappa t)` of a bias. For the interval between evaluations, and its half, it is known
+/// beforehand.
 template <Real T = double>
 class Decay {
  public:
@@ -27,7 +28,7 @@ class Decay {
         rest_of_half_(by_library(half_)) {}
 
   [[nodiscard]] SKINCTL_INLINE const T& kappa() const noexcept { return kappa_; }
-  /// `exp(-kappa t)`, the share of the bias that is left after `t` [s].
+  /// The share `exp(-kappa t)` of the bias that is left after `t` [s].
   [[nodiscard]] SKINCTL_INLINE T after(const T& t) const noexcept {
     if constexpr (std::is_floating_point_v<T>) {
       if (t == half_) return rest_of_half_;

@@ -54,7 +54,8 @@ class TrackingLoop : public Composable {
     static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
     return space_.surface(gains_, inputs(memory, T(0), no_rates, no_rates), space_.site(known), memory.space);
   }
-  /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
+  /// Torque of the law, `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that
+  /// begins now.
   ///
   /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
   /// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
