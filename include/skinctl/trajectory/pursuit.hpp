@@ -38,8 +38,8 @@ struct Pursuit {
     return v * v / l.acceleration + v * l.acceleration / l.jerk;
   }
 
-  /// Moves on by `dt` [s]; `moved` becomes the way covered. Towards a target at the distance `e` that moves
-  /// at `v_t`:
+  /// Moves on by `dt` [s]; `moved` becomes the distance covered. Towards a target at the distance `e` that
+  /// moves at `v_t`:
   ///
   ///     v* = v_t + V(|e|) e/|e|,  V(e) = (b/k) (sqrt(1 + 2 k^2 e / b) - 1)   (brakes at b, slope k at 0)
   ///     a* = dv*/dt + A(|v* - v|) (v* - v)/|v* - v|,  A the same with the jerk,
