@@ -97,7 +97,7 @@ class ForceControl : public Composable {
     check(settings.carried >= T(0) && settings.carried <= T(1), "carried", settings.carried, "0 to 1");
     require(settings.lag > 0ns && settings.lag <= 10s, "lag", milliseconds(settings.lag), "> 0 ms, <= 10 s");
   }
-  /// For a described robot, from which the settings follow.
+  /// A force control for a described robot, from which the settings follow.
   template <DescribedRobot R>
   ForceControl(const R& robot, const Transform<Link<Ix>, P, T>& X_LP)
       : ForceControl(X_LP, force_settings(robot)) {}

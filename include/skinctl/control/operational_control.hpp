@@ -21,7 +21,8 @@ class OperationalControl
   using Tracking<OperationalSpace<N, Ix, P, T, What, Orientation, Null>,
                  TargetPlan<OperationalSpace<N, Ix, P, T, What, Orientation, Null>>, Damping>::Tracking;
 };
-/// `OperationalControl(arm, X_LT)`: of the tool at `X_LT` on its link, for a described robot.
+/// An Operational Control of the tool at `X_LT` on its link, for a described robot:
+/// `OperationalControl(arm, X_LT)`.
 template <DescribedRobot R, std::size_t Ix, Frame P>
 OperationalControl(const R&, const Transform<Link<Ix>, P, typename R::scalar>&)
     -> OperationalControl<R::joints, Ix, P, typename R::scalar>;

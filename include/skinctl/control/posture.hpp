@@ -24,7 +24,7 @@ class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, Ix, P, T, What>
 
   /// @param w      natural frequency of the pull [1/s], > 0; `w dt <= 0.25`.
   /// @param limit  largest pull of a joint [rad/s^2], > 0. Throws `ConfigurationError` for numbers out of
-  ///    range.
+  ///               range.
   NullSpacePosture(const Transform<Link<Ix>, P, T>& X_LP, const JointPosition<N, T>& posture,
                    const T& w = T(3), const T& limit = T(5),
                    const SingularityDamping<T>& singularities = SingularityDamping<T>())

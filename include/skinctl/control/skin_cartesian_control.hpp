@@ -45,7 +45,7 @@ class SkinCartesianControl : public StatelessLaw<SkinCartesianControl<Ix, P, T, 
 
   /// @param X_LP  the tool's frame in its link.
   /// @param rate  decay of the motion in a damped null space [1/s], > 0; `rate dt <= 0.5`. Throws
-  ///    `ConfigurationError` for a rate out of range.
+  ///              `ConfigurationError` for a rate out of range.
   explicit SkinCartesianControl(const Transform<Link<Ix>, P, T>& X_LP, const T& rate = T(10),
                                 const SingularityDamping<T>& singularities = SingularityDamping<T>())
       : X_LP_(X_LP), rate_(rate), singularities_(singularities) {

@@ -20,7 +20,7 @@ class SplineOperational
   using Tracking<OperationalSpace<N, Ix, P, T, What, Orientation, Null>,
                  SplinePlan<OperationalSpace<N, Ix, P, T, What, Orientation, Null>>, Damping>::Tracking;
 };
-/// `SplineOperational(arm, X_LT)`: of the tool at `X_LT` on its link, for a described robot.
+/// A Spline Operational Control of the tool at `X_LT` on its link: `SplineOperational(arm, X_LT)`.
 template <DescribedRobot R, std::size_t Ix, Frame P>
 SplineOperational(const R&, const Transform<Link<Ix>, P, typename R::scalar>&)
     -> SplineOperational<R::joints, Ix, P, typename R::scalar>;

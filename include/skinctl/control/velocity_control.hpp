@@ -41,7 +41,7 @@ class VelocityControl : public Composable {
   };
 
   /// @param rate   one over the time in which velocities are reached [1/s], > 0, at most 0.25 / D: see
-  ///    `check_for`.
+  ///               `check_for`.
   /// @param lasts  time for which a goal holds, > 0. Throws `ConfigurationError` for numbers out of range.
   explicit VelocityControl(const T& rate = T(20), Nanoseconds lasts = 50ms)
       : rate_(rate), lasts_(seconds<T>(lasts)) {
