@@ -66,7 +66,7 @@ class SkillParts {
     SkillReport refused;   ///< report on the last request that was refused
     bool waits = false;    ///< a request waits for the end of a change
     bool goes_on = false;  ///< the waiting request is the next skill of a sequence, or the fallback
-    bool touched = false, was_touched = false;  ///< by the skill's `touch`, now; since it began to run
+    bool touched = false, was_touched = false;  ///< contact as of `touch`: now, since the skill began to run
   };
 
   [[nodiscard]] const Fusion& sum() const noexcept { return blend_.sum(); }
