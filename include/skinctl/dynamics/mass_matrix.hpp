@@ -17,8 +17,8 @@ struct MassMatrix {
   /// Leaves the entries uninitialised, for a matrix that is overwritten completely: GCC would keep the zeros.
   struct Unset {};
   SKINCTL_INLINE constexpr explicit MassMatrix(Unset) noexcept {}
-  /// From an Eigen matrix, N x N of scalar `T`, which is symmetric to within `tolerance<T>` of its largest
-  /// element.
+  /// A mass matrix from an Eigen matrix, N x N of scalar `T`, which is symmetric to within `tolerance<T>` of
+  /// its largest element.
   template <VectorExpression E>
   explicit MassMatrix(const E& values) noexcept : data{} {
     static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: M.cast<T>()");
@@ -34,7 +34,7 @@ struct MassMatrix {
     return data[i * N + j];
   }
 
-  /// `M ddq` [N m].
+  /// The torque `M ddq` [N m].
   SKINCTL_INLINE constexpr JointTorque<N, T> operator*(const JointAcceleration<N, T>& ddq) const noexcept {
     JointTorque<N, T> tau;
     const auto row = [&](std::size_t i) SKINCTL_INLINE_LAMBDA {

@@ -131,7 +131,7 @@ class Regressor {
   [[nodiscard]] SKINCTL_INLINE const T* block(std::size_t joint, std::size_t link) const noexcept {
     return (ancestors<M>(link) >> joint) & 1u ? blocks_[slot(joint, link)] : nullptr;
   }
-  /// `Y Theta` [N m].
+  /// The joint torques `Y Theta` [N m].
   [[nodiscard]] JointTorque<joints, T> operator*(const InertialParameters<joints, T>& theta) const noexcept {
     JointTorque<joints, T> tau;
     for (std::size_t link = 0; link < joints; ++link)
