@@ -63,9 +63,9 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     using std::sqrt;
     return sqrt(w_squared_);
   }
-  /// From 0 (outside the zone: no damping) to 1 (at a singularity).
+  /// Nearness of a singularity, from 0 (outside the zone: no damping) to 1 (at it).
   [[nodiscard]] T nearness() const noexcept { return damping_.nearness(w_squared_); }
-  /// The damping l that is used, in the unit of the Jacobian's elements.
+  /// The damping l that is used at this pose.
   [[nodiscard]] T damping() const noexcept {
     using std::sqrt;
     return sqrt(damping_.squared(w_squared_));
@@ -228,7 +228,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     if (damped_) [[unlikely]]
       damp();
   }
-  /// Next to a singularity: the determinant with pivots, and factors of the damped matrix.
+  /// Next to a singularity: finds the determinant with pivots, and factors the damped matrix.
   SKINCTL_COLD void damp() noexcept {
     Matrix m = normal();
     T a[order][order], still[order][order] = {};
@@ -251,7 +251,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
       }
     return damping_.squared_rate(w_squared_, detail::determinant(a, da).rate);
   }
-  /// `(J J' + l^2)^-1 v`.
+  /// The product `(J J' + l^2)^-1 v`.
   Velocity outer(const Velocity& v) const noexcept {
     T x[6] = {};
     store(v, x);

@@ -75,7 +75,7 @@ class JacobianRate<Jacobian<M, Columns, Body, Body, Base, T>> {
   Of dJ_;
 };
 
-/// `dJ/dt` while the joints move at `dq`.
+/// The time derivative `dJ/dt` of a Jacobian while the joints move at `dq`.
 template <Topology M, LinkMask C, Frame Body, Scalar T>
 [[nodiscard]] SKINCTL_INLINE auto jacobian_rate(const Jacobian<M, C, Body, Body, Base, T>& J,
                                                 const JointVelocity<M::joints, T>& dq) noexcept {

@@ -44,7 +44,7 @@ template <Real T>
   if (angle >= -half_turn && angle <= half_turn) return angle;
   return atan2(T(sin(angle)), T(cos(angle)));
 }
-/// `a - b`, each difference wrapped to the shortest angle.
+/// The difference `a - b`, each angle wrapped to the shortest one.
 template <Real T>
 [[nodiscard]] Zyz<T> difference(const Zyz<T>& a, const Zyz<T>& b) noexcept {
   return {wrapped(T(a.phi - b.phi)), wrapped(T(a.theta - b.theta)), wrapped(T(a.psi - b.psi))};
@@ -153,7 +153,7 @@ class ZyzMap {
     const T dpsi = inverse_ * dx + slope_ * cos_theta_ * rates.theta * x;
     return {domega.z - cos_theta_ * dpsi + sin_theta_ * rates.theta * psi, dy, dpsi};
   }
-  /// `det B = -sin theta`.
+  /// The determinant of B: `det B = -sin theta`.
   [[nodiscard]] SKINCTL_INLINE T determinant() const noexcept { return -sin_theta_; }
 
  private:
