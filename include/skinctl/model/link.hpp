@@ -50,7 +50,7 @@ struct LinkParameters {
   constexpr T& operator[](LinkParameter p) noexcept { return numbers[std::size_t(p)]; }
   constexpr const T& operator[](LinkParameter p) const noexcept { return numbers[std::size_t(p)]; }
 
-  /// The same numbers in another scalar.
+  /// These parameters in another scalar.
   template <Scalar U>
   constexpr LinkParameters<U> cast() const {
     LinkParameters<U> out;
