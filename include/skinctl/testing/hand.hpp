@@ -117,7 +117,7 @@ class Grip {
                Hand(pressing(settings, preload), -x + preload / settings.cover_stiffness)},
         inset_(preload / settings.cover_stiffness) {}
 
-  /// As `Hand::advance`: the force of both on the robot [N].
+  /// Runs both hands for `dt` [s], as `Hand::advance`; returns the force of both on the robot [N].
   double advance(double dt, double goal, double robot) noexcept {
     return hands_[0].advance(dt, goal + inset_, robot) - hands_[1].advance(dt, -goal + inset_, -robot);
   }

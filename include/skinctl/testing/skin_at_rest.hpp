@@ -58,7 +58,7 @@ struct SimulatedAccelerometer {
     for (int i = 0; i < 3; ++i) y(i) = std::round(y(i) / step) * step;
     return y;
   }
-  /// The mean of a hundred samples at rest, with the unit vector `up` in the cell's outer frame [g].
+  /// The mean of a hundred samples at rest [g]; `up`: unit vector upwards in the cell's outer frame.
   [[nodiscard]] Eigen::Vector3d rest(Random& rng, const CellAtRest& cell, const Eigen::Vector3d& up) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int k = 0; k < 100; ++k) sum += sample(rng, cell, up);

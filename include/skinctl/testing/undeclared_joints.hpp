@@ -26,7 +26,7 @@ struct JointTruth {
 
   // The way of a command.
   double delay = 0;             ///< time from sending a command until the robot takes it [s]
-  double delay_jitter = 0;      ///< each command takes up to this much more or less [s]; the order is kept
+  double delay_jitter = 0;      ///< largest deviation of a command's delay, either way [s]; the order is kept
   double lookahead = 0;         ///< time constant of a first lag, as of servoj [s]
   double lag = 0;               ///< time constant of the second lag [s]
   double max_speed = infinite;  ///< largest speed of the reference [rad/s]
@@ -49,7 +49,7 @@ struct JointTruth {
   double resolution = 0;    ///< step of the encoders [rad]
   double noise = 0;         ///< standard deviation of the encoders [rad]
   double skipped = 0;       ///< share of the measurements that do not come: the one before is repeated
-  double stamp_jitter = 0;  ///< a stamp is up to this much off [s]
+  double stamp_jitter = 0;  ///< largest error of a stamp, either way [s]
 };
 
 template <std::size_t N>
