@@ -130,8 +130,8 @@ class ObjectWorld {
     return {};
   }
 
-  /// Reports that the hand at `X_WH` holds the object from now on. An object without a place is put to the
-  /// hand's.
+  /// Reports that the hand at `X_WH` holds the object from now on. An object without a place is placed at
+  /// the hand.
   void grasp(Memory& m, std::uint8_t object, const Transform<W, Tool>& X_WH) const noexcept {
     if (object >= Capacity) return;
     Object<W>& o = m.objects[object];
