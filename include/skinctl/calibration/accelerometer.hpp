@@ -10,7 +10,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// ```
 /// y = (1 + s) o Q' f + b,   Q = R turn(m),   f = (a - gravity) / |gravity|
 /// ```
-/// with `R` the axes of the cell and `f` the specific force at its origin, both in one frame.
+/// with `R` the axes of the cell and `f` the specific force at its origin, both in one frame; `o` multiplies
+/// element by element.
 struct AccelerometerErrors {
   Eigen::Vector3d bias = Eigen::Vector3d::Zero();   ///< b [g]
   Eigen::Vector3d scale = Eigen::Vector3d::Zero();  ///< s [1]
@@ -21,12 +22,12 @@ struct AccelerometerErrors {
 /// Standard deviations of `AccelerometerErrors` by the maker's word, each axis: of a BMA250, soldered by
 /// machine.
 struct AccelerometerPrior {
-  double bias = 0.040;                       ///< [g]
-  double scale = 0.015;                      ///< [1]
-  double misalignment = 0.7 * 0.0174532925;  ///< [rad]; 0.2 deg if trimmed
+  double bias = 0.040;                       ///< deviation of a bias [g]
+  double scale = 0.015;                      ///< deviation of a scale [1]
+  double misalignment = 0.7 * 0.0174532925;  ///< deviation of a misalignment [rad]; 0.2 deg if trimmed
 };
 
-/// The reading, and its derivatives. A turn of the cell is `R turn(d)`.
+/// The reading of an accelerometer, and its derivatives. A turn of the cell is `R turn(d)`.
 struct AccelerometerReading {
   Eigen::Vector3d y;                ///< reading [g]
   Eigen::Matrix3d by_turn;          ///< derivative by a turn of the cell in its axes [g/rad]

@@ -18,7 +18,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// ```
 /// y = (n x r) ddq/|g| - r_perp dq^2/|g| + e_par + b + e_perp cos q - (n x e_perp) sin q
 /// ```
-/// with the joint's axis `n` through a point at `-r`, `e` upwards, and q from home.
+/// with `n` the unit vector of the joint's axis, `r` from a point of the axis to the cell, `e` upwards, `b`
+/// the bias, and q from home.
 struct JointSignature {
   bool measured = false;  ///< the joint moved alone for 1 s or more, and the cell reported
   double F = 0;           ///< explained variance per unexplained one; about 1 for a cell that does not move
@@ -32,11 +33,11 @@ struct JointSignature {
 };
 
 struct ActivationSettings {
-  double F = 8;              ///< variance ratio above which a cell counts as moved
-  double radius = 0.005;     ///< least distance of a moved cell from the axis [m], or ...
-  double turn = 0.005;       ///< ... least turn of gravity in it [g]
-  double still = 0.003;      ///< joints that are nearer to home than that stand still [rad]
-  double gravity = 9.80665;  ///< [m/s^2]
+  double F = 8;              ///< variance ratio that a moved cell exceeds
+  double radius = 0.005;     ///< distance from the axis that a moved cell exceeds [m], or else `turn`
+  double turn = 0.005;       ///< gravity across the axis that a moved cell exceeds [g], or else `radius`
+  double still = 0.003;      ///< largest distance from home of a joint that stands still [rad]
+  double gravity = 9.80665;  ///< gravity [m/s^2]
 };
 
 /// The joints that move each cell.
@@ -45,7 +46,7 @@ struct Activation {
   std::vector<bool> alone;  ///< joints that moved alone, from home, for a second or more
   double lateness = 0;      ///< lateness of the cells' time stamps, to 10 ms [s]
   std::vector<std::vector<JointSignature>> cells;  ///< signatures by cell, then by joint
-  /// The link that carries a cell is that of the last joint that moves it; -1: none does.
+  /// Index of the last joint that moves a cell, whose link carries it; -1: none does.
   [[nodiscard]] int link(std::size_t cell) const noexcept {
     int last = -1;
     for (std::size_t j = 0; j < cells[cell].size(); ++j)
@@ -93,7 +94,8 @@ inline AloneBlocks alone_blocks(const BlockMeans& data, const MeasuredMotion& mo
   return out;
 }
 
-/// The regression of one cell; `used` counts the blocks.
+/// Sets `out` by the regression of one cell in the blocks of one joint. Returns the sum of squared residuals
+/// [g^2]; 0 if there are too few blocks.
 inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen::Index cell,
                         const ActivationSettings& s, JointSignature& out) {
   std::vector<Eigen::Index> rows;
@@ -151,8 +153,8 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
 
 }  // namespace detail::fit
 
-/// Finds which joints move which cells from blocks in which single joints move while the others stand at
-/// home, the positions at the start of the recording.
+/// Finds which joints move which cells, from blocks in which single joints move while the others stand at
+/// home, their positions at the start of the recording.
 [[nodiscard]] inline Activation find_activation(const detail::fit::BlockMeans& data,
                                                 const MeasuredMotion& motion,
                                                 const ActivationSettings& settings = {}) {

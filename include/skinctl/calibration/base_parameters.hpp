@@ -18,12 +18,13 @@ SKINCTL_BEGIN_NAMESPACE
 /// `theta_base = K theta`.
 struct BaseParameters {
   std::vector<int> columns;  ///< indices of independent columns of the regressor
-  Eigen::MatrixXd K;         ///< base parameters of a parameter vector
+  Eigen::MatrixXd K;         ///< map of a parameter vector to its base parameters
 
   [[nodiscard]] int count() const noexcept { return int(columns.size()); }
 };
 
-/// By a pivoted QR of the column-scaled regressor at 200 random states. A UR5 has 36 of 60.
+/// The base parameters of a model, by a pivoted QR of the column-scaled regressor at 200 random states. A UR5
+/// has 36 of 60. `tolerance`: smallest pivot of an independent column, relative to the largest.
 template <RobotModel M>
 [[nodiscard]] BaseParameters base_parameters(const M& model, double tolerance = 1e-7) {
   constexpr std::size_t N = M::joints;

@@ -12,9 +12,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A motion about home for `fit_inertia`: seven sines a joint, sought for the largest `log det` of the
-/// regressor of base parameters, viscous friction and rotors, in torque limits; within the limits of
-/// positions, velocities, accelerations and torques.
+/// A motion about home for `fit_inertia`: seven sines a joint, sought at random for the largest `log det` of
+/// the normal matrix of base parameters, viscous friction and rotors, torques in units of their limits;
+/// within the limits of positions, velocities, accelerations and torques.
 ///
 /// Frequencies are unlike each other: a motion that repeats itself says the same of a gear's ripple in every
 /// period.
@@ -23,9 +23,9 @@ class DynamicsExcitation : public Excitation {
   struct Settings {
     double period = 10;  ///< approximate period of the slowest sine [s], 2 to 60; 20 s move a UR5 too slowly
     int periods = 3;     ///< duration in periods, 1 to 100
-    double range = 1.5;  ///< largest way of a joint from home [rad], 0.05 to 3
+    double range = 1.5;  ///< largest distance of a joint from home [rad], 0.05 to 3
     double share = 0.9;  ///< share of each limit that may be used, 0.1 to 1
-    int tries = 150;     ///< motions that are compared, 1 to 100000
+    int tries = 150;     ///< number of motions that are compared, 1 to 100000
     std::uint64_t seed = 1;
   };
   /// Throws `ConfigurationError` for numbers out of their range, and if no motion keeps the limits of torque.
@@ -70,7 +70,7 @@ class DynamicsExcitation : public Excitation {
   DynamicsExcitation(const M& model, const Eigen::VectorXd& home, const ExcitationLimits& limits)
       : DynamicsExcitation(model, home, limits, Settings{}) {}
 
-  /// `log det` of the regressor, in torque limits.
+  /// `log det` of the normal matrix of the motion, torques in units of their limits.
   [[nodiscard]] double information() const noexcept { return information_; }
 
  private:
@@ -117,7 +117,7 @@ class DynamicsExcitation : public Excitation {
         std::min({room / x, s.share * limits.velocity(j) / v, s.share * limits.acceleration(j) / a});
     for (std::size_t k = 0; k < f.rate.size(); ++k) f.sine[k] *= most, f.cosine[k] *= most;
   }
-  /// -1e300 for a motion beyond the torque limits.
+  /// `log det` of the normal matrix; -1e300 for a motion beyond the torque limits.
   template <RobotModel M>
   [[nodiscard]] double information(const M& model, const ExcitationLimits& limits, const Settings& s,
                                    const BaseParameters& base) const {

@@ -22,7 +22,7 @@ struct Estimate {
 /// Something that the data do not show, or not well enough to be used.
 struct Unobservable {
   std::string name;  ///< name in the words of the domain: "height of the base"
-  double deviation = std::numeric_limits<double>::infinity();  ///< predicted, in `unit`; infinite: not at all
+  double deviation = std::numeric_limits<double>::infinity();  ///< predicted, in `unit`; infinite: not shown
   std::string unit{};                                          ///< "m", "rad"
   std::string remedy{};  ///< remedy in words: "tilt the base"; empty: none that the method knows
 

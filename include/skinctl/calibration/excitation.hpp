@@ -31,10 +31,10 @@ struct Announcement {
 };
 
 namespace detail::fit {
-/// A sum of sines that rises and ends at rest.
+/// A sum of sines that begins and ends at rest.
 struct RisingSines {
   double from = 0, to = 1, rise = 1;
-  std::vector<double> rate, sine, cosine;  ///< [rad/s], [rad], [rad]
+  std::vector<double> rate, sine, cosine;  ///< rates [rad/s] and amplitudes [rad] of the sines
 
   struct Value {
     double x = 0, v = 0, a = 0;
@@ -68,7 +68,8 @@ class Excitation {
   [[nodiscard]] double duration() const noexcept { return duration_; }
   [[nodiscard]] int joints() const noexcept { return int(home_.size()); }
   [[nodiscard]] const Eigen::VectorXd& home() const noexcept { return home_; }
-  /// The position of the joints `t` seconds after the start; at rest at home before it and after the end.
+  /// Positions, velocities and accelerations of the joints `t` seconds after the start; at rest at home
+  /// before it and after the end.
   [[nodiscard]] JointPoint at(double t) const {
     JointPoint p{home_, Eigen::VectorXd::Zero(home_.size()), Eigen::VectorXd::Zero(home_.size())};
     for (Eigen::Index j = 0; j < home_.size(); ++j)
@@ -97,7 +98,7 @@ class Excitation {
     }
     return worst;
   }
-  /// The largest share of the torque limits by a model, friction apart.
+  /// The largest torque of a joint by a model without friction, as a share of its `limit` [N m].
   template <RobotModel M>
   [[nodiscard]] double torque_share(const M& model, const Eigen::VectorXd& limit) const {
     constexpr std::size_t N = M::joints;
@@ -168,8 +169,8 @@ class SkinExcitation : public Excitation {
   }
   SkinExcitation(const Eigen::VectorXd& home, const ExcitationLimits& limits)
       : SkinExcitation(home, limits, Settings{}) {}
-  /// Within the torque limits as well, by a model with masses: wiggles less where they would be exceeded.
-  /// Throws also where that does not suffice.
+  /// A motion within the torque limits as well, by a model with masses: it wiggles less where they would be
+  /// exceeded. Throws `ConfigurationError` also where that does not suffice.
   template <RobotModel M>
   SkinExcitation(const Eigen::VectorXd& home, const ExcitationLimits& limits, Settings s, const M& model) {
     plan(home, limits, s);

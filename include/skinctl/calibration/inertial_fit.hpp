@@ -19,26 +19,27 @@
 SKINCTL_BEGIN_NAMESPACE
 
 struct InertialFitSettings {
-  double prior = 4;     ///< lambda, 0.01 to 1000: the prior's masses are off by 1/sqrt(lambda), relatively
+  double prior = 4;     ///< prior's weight lambda, 0.01 to 1000; relative error of its masses 1/sqrt(lambda)
   double reach = 0.15;  ///< size of a link, for the prior's first and second moments [m]
-  bool rotors = true;   ///< fit I_a, too
-  double latest = 0;    ///< torques come up to so much later than positions, 0 to 0.1 [s]; 0: as early
+  bool rotors = true;   ///< whether rotor inertias I_a are fitted
+  double latest = 0;    ///< largest lateness of the torques behind the positions [s], 0 to 0.1; 0: none
   int steps = 60;
 };
 
-/// The result. `theta` is that of bodies: each has a density. Friction and rotors are not negative.
+/// The result of `fit_inertia`. `theta` is of bodies that have a density; friction and rotors are not
+/// negative.
 template <std::size_t N>
 struct InertialFit {
   InertialParameters<N> theta;
   /// Viscous and Coulomb friction, rotor inertia [N m s/rad], [N m], [kg m^2].
   std::array<double, N> viscous{}, coulomb{}, rotor{};
   double lateness = 0;                 ///< lateness of the torques behind the positions [s]
-  std::array<double, N> presliding{};  ///< way in which friction turns round [rad]
+  std::array<double, N> presliding{};  ///< presliding distance x0 in which friction reverses [rad]
   std::array<double, N> noise{};       ///< standard deviation of a torque from the fit [N m]
   std::array<double, N> explained{};   ///< R^2 of each joint, of torques less their means
   BaseParameters base;
   EstimateOf<Eigen::VectorXd>
-      base_values;                      ///< theta_base and its covariance, of least squares with the prior
+      base_values;                      ///< base parameters of `theta`; covariance of least squares and prior
   InertialParameters<N> least_squares;  ///< result of ordinary least squares; no physical body need have it
   std::array<double, N> ls_viscous{}, ls_coulomb{},
       ls_rotor{};  ///< friction and rotors of ordinary least squares
@@ -46,8 +47,8 @@ struct InertialFit {
   bool converged = false;
 };
 
-/// Bodies of the links for a start without a drawing: cylinders of 2700 kg/m^3 along each link, to the next
-/// joint, half filled.
+/// Inertial parameters of the links for a start without a drawing: cylinders of `radius` [m] and 2700 kg/m^3
+/// along each link, to the next joint, half filled.
 template <RobotModel M>
 [[nodiscard]] InertialParameters<M::joints> cylinder_prior(const M& model, double radius = 0.05) {
   constexpr std::size_t N = M::joints;
@@ -78,8 +79,8 @@ template <RobotModel M>
 }
 
 namespace detail::fit {
-/// How late torques come [s]: where least squares leave the least. Positions are moved, not torques: between
-/// two readings their noise would be less.
+/// Lateness of the torques behind the positions [s], 0 to `latest`: least squares leave the smallest
+/// residuals there. Positions are moved, not torques: between two readings their noise would be less.
 template <RobotModel M>
 [[nodiscard]] double torque_lateness(const M& model, const std::vector<TorqueRecording>& recordings,
                                      const BaseParameters& base, bool rotors, double latest) {
@@ -102,11 +103,12 @@ template <RobotModel M>
 }  // namespace detail::fit
 
 /// Identifies `tau = Y theta + F_v dq + F_c z + I_a ddq + o`, an offset `o` per joint and recording; `z` is
-/// the friction's side with presliding, `z <- s - (s - z) exp(-|step|/x0)`.
+/// the direction of Coulomb friction with presliding, `z <- s - (s - z) exp(-|step|/x0)`, s the sign of the
+/// step.
 ///
 /// Bodies keep a positive pseudo-inertia, friction and rotors stay positive: a convex problem, by Newton's
-/// method from within. The prior is drawn in with `lambda`. Residuals of each joint are weighted by their
-/// variance and count less where they are alike in time.
+/// method from within. The prior has the weight `InertialFitSettings::prior`. Residuals of each joint are
+/// weighted by their variance and count less where they are correlated in time.
 ///
 /// Throws `ConfigurationError` for recordings that are too short or damaged, and if a joint stands still in
 /// all of them: its friction cannot be known.

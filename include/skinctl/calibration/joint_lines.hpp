@@ -11,7 +11,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Fits lines, poses and errors of all cells, and one lateness, to all blocks of a recording, from nothing.
+/// Fits the lines of all joints, the poses and sensor errors of all cells, and one lateness of the cells'
+/// stamps to the block means of a recording; it needs no start.
 ///
 /// The recording has to begin at home, with the motion or before it, and each joint has to move alone from
 /// there for a second or more; then all may move. What cannot be known is named in `unobservable`; a cell

@@ -32,12 +32,12 @@ struct MotionRecording {
 };
 
 struct JointLinesSettings {
-  double block = 0.04;       ///< length of the means that are fitted [s], 0.005 to 0.1
-  double gravity = 9.80665;  ///< [m/s^2]
+  double block = 0.04;       ///< length of the blocks whose means are fitted [s], 0.005 to 0.1
+  double gravity = 9.80665;  ///< gravity [m/s^2]
   double bias = 0.040;       ///< standard deviation of an accelerometer's bias [g]
   double scale = 0.015;      ///< standard deviation of an accelerometer's scale
   double cross_axis =
-      0.003;  ///< of one axis of an accelerometer by another, standard deviation; what is symmetric of it is fitted
+      0.003;  ///< standard deviation of the cross-axis sensitivity, of which the symmetric part is fitted
   double tie_position = 5e-4;     ///< standard deviation of a cell's position in its patch [m]
   double tie_turn = 0.0175;       ///< standard deviation of a cell's turn in its patch, sensor included [rad]
   double known_position = 0.020;  ///< standard deviation above which a position is not observed [m]
@@ -46,12 +46,12 @@ struct JointLinesSettings {
   ActivationSettings activation{};
 };
 
-/// The pose of a cell at home, in the axes of the base.
+/// The calibrated pose of a cell with the joints at home, in the axes of the base.
 struct CalibratedCell {
   int joint = -1;  ///< last joint that moves the cell; -1: none does, and the rest is not known
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< origin of the cell [m]
-  /// Covariance of p [m], then of a turn in the cell's axes [rad].
+  /// Covariance of the errors of p [m], then of the turn in the cell's axes [rad].
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Vector3d bias = Eigen::Vector3d::Zero();  ///< bias of the cell's accelerometer [g]
   Eigen::Vector3d scale = Eigen::Vector3d::Zero();
@@ -63,20 +63,20 @@ struct CalibratedCell {
 /// A joint's axis at home, in the axes of the base.
 struct CalibratedLine {
   AxisLine line;
-  double direction_deviation = std::numeric_limits<double>::infinity();  ///< largest [rad]
-  double position_deviation = std::numeric_limits<double>::infinity();   ///< largest, across the line [m]
+  double direction_deviation = std::numeric_limits<double>::infinity();  ///< largest standard deviation [rad]
+  double position_deviation = std::numeric_limits<double>::infinity();   ///< largest across the line [m]
   bool known = false;
   Estimate compliance;  ///< compliance of the joint [rad/(N m)]; known if torques were recorded
 };
 
-/// The result. The base is upright; where it stands and faces is a choice (gauge), and no covariance speaks
-/// of it: they are those of poses relative to the cells that are known, taken together.
+/// The result of `find_joint_lines`. The base is upright; its position and heading are a choice (gauge) that
+/// no covariance contains: they are those of poses relative to the cells that are known, taken together.
 struct JointLines {
   Eigen::VectorXd home;  ///< joints' positions to which lines and poses belong [rad]
   std::vector<CalibratedLine> lines;
   std::vector<CalibratedCell> cells;
   Estimate lateness;    ///< lateness of the cells' time stamps [s]
-  double residual = 0;  ///< rms of all blocks [g]
+  double residual = 0;  ///< rms residual of all blocks [g]
   int steps = 0;
   bool converged = false;
   std::vector<Unobservable> unobservable;

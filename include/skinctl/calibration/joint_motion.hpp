@@ -64,7 +64,7 @@ class MeasuredMotion {
  public:
   /// A time without measurements that is longer than two knots; the motion in it is a guess.
   struct Gap {
-    double from = 0, to = 0;  ///< [s]
+    double from = 0, to = 0;  ///< begin and end [s]
   };
 
   /// Throws `ConfigurationError` for less than 30 positions, stamps that do not increase, numbers that are
@@ -88,8 +88,9 @@ class MeasuredMotion {
   }
 
   [[nodiscard]] int joints() const noexcept { return int(coefficients_.cols()); }
-  /// The times between which the accelerations are known: three knots within the recording.
+  /// Begin of the time in which accelerations are known [s]: three knots after the first stamp.
   [[nodiscard]] double start() const noexcept { return start_ + 3 * knot_; }
+  /// End of the time in which accelerations are known [s]: three knots before the last stamp.
   [[nodiscard]] double end() const noexcept { return end_ - 3 * knot_; }
   /// The position of the joints at the first stamp; velocities and accelerations are not known there.
   [[nodiscard]] Eigen::VectorXd first() const { return at(start_).q; }
@@ -98,10 +99,10 @@ class MeasuredMotion {
   [[nodiscard]] bool gap_within(double from, double to) const noexcept {
     return std::any_of(gaps_.begin(), gaps_.end(), [&](const Gap& g) { return g.from < to && g.to > from; });
   }
-  /// Standard deviation of a joint's positions from the spline [rad].
+  /// Standard deviation of each joint's positions from the spline [rad].
   [[nodiscard]] const Eigen::VectorXd& noise() const noexcept { return noise_; }
 
-  /// The motion at `t` [s], limited to the recording.
+  /// Positions, velocities and accelerations at `t` [s], which is limited to the recording.
   void at(double t, JointPoint& p) const {
     const auto [first, u] = place(t);
     const detail::fit::QuinticBasis b(u);

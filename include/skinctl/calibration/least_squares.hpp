@@ -14,7 +14,7 @@ struct FitSettings {
   int steps = 50;  ///< largest number of steps, 1 to 10000
   /// Decrease of the cost below which the fit ends, in units of variance: far below what noise does.
   double decrease = 1e-6;
-  double first_damping = 1e-4;  ///< first damping relative to the diagonal of `H`, 1e-12 to 1e6
+  double first_damping = 1e-4;  ///< damping of the first step, relative to the diagonal of `H`, 1e-12 to 1e6
 };
 
 template <class State, class Normal>
@@ -40,9 +40,11 @@ concept LeastSquaresProblem =
       p.terms(x, sum);
     };
 
-/// Minimises `sum rho(|r|^2) / 2` from `start`, by Levenberg-Marquardt with Marquardt's scaling and Nielsen's
-/// damping. A step that does not lower the cost is not taken, so that the result is never worse than the
-/// start. Residuals that are not finite there end it at once.
+/// Minimises `sum rho(|r|^2) / 2`, rho the loss of each term, from `start`, by Levenberg-Marquardt with
+/// Marquardt's scaling and Nielsen's damping. A step that does not lower the cost is not taken, so that the
+/// result is never worse than the start. Residuals that are not finite at the start end the fit at once.
+///
+/// Throws `ConfigurationError` for settings out of range.
 ///
 /// @tparam Normal  `DenseNormal` or `SparseNormal`.
 template <class Normal = DenseNormal, LeastSquaresProblem P>

@@ -19,7 +19,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// One row of the table that is shown: `Rz(q + theta) Tz(d) Tx(a) Rx(alpha)`.
 struct ShownDhRow {
-  double theta = 0, d = 0, a = 0, alpha = 0;  ///< [rad], [m], [m], [rad]
+  double theta = 0, d = 0, a = 0, alpha = 0;  ///< angles [rad] and lengths [m] of the row
   bool parallel = false;  ///< axis parallel to the next one within half a degree: d is then a choice, and 0
 };
 
@@ -84,6 +84,9 @@ inline double angle_about(const Eigen::Vector3d& axis, const Eigen::Vector3d& fr
 }
 }  // namespace detail::fit
 
+/// The model of a chain of revolute joints, from its axes at home. Throws `ConfigurationError` for a
+/// direction that is no unit vector.
+///
 /// @param lines  axes of the joints at home, all in one frame with z up: unit directions, any point of each
 ///               [m].
 /// @param home   positions of the joints there [rad].

@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The link's placement with another inertia: ten numbers as of `inertial_parameters`.
+/// The link with another inertia `theta`, ten numbers as of `inertial_parameters`; its placement stays.
 [[nodiscard]] inline LinkParameters<double> with_inertia(LinkParameters<double> link, const double* theta) {
   using P = LinkParameter;
   const Eigen::Map<const detail::fit::Inertia10> t(theta);

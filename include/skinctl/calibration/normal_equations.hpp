@@ -44,7 +44,7 @@ struct Loss {
   }
 };
 
-/// A residual, or derivatives of it, by columns. It holds no numbers: they live where it was made of them.
+/// A view of a residual, or of its derivatives, by columns. The matrix must outlive it.
 struct Columns {
   const double* data;
   int rows, cols;
@@ -63,8 +63,8 @@ struct Columns {
   }
 };
 
-/// Derivative of a residual by the unknowns from `column` on. `column < 0`: these are held, and it does not
-/// count.
+/// Derivative of a residual by the unknowns from `column` on. `column < 0`: these unknowns are fixed, and it
+/// does not count.
 struct Partial {
   int column;
   Columns matrix;
@@ -72,8 +72,8 @@ struct Partial {
 /// The derivatives of one term by all unknowns on which it depends.
 using Partials = std::initializer_list<Partial>;
 
-/// The cost alone. Like the other two: `start`, then `add` for each term, of residuals in units of their
-/// deviation.
+/// The sum of the cost alone. Like the two below: `start`, then `add` for each term, of residuals in units of
+/// their standard deviation.
 class CostOnly {
  public:
   static constexpr bool derivatives = false;
@@ -95,7 +95,8 @@ struct Observability {
   Eigen::VectorXd deviation;
 };
 
-/// `H = sum J'J` and `g = sum J'r` as dense matrices: to about a thousand unknowns.
+/// Normal equations with `H = sum J'J` and `g = sum J'r` as dense matrices: for up to about a thousand
+/// unknowns.
 class DenseNormal {
  public:
   static constexpr bool derivatives = true;
@@ -123,7 +124,7 @@ class DenseNormal {
   [[nodiscard]] Eigen::VectorXd diagonal() const { return H_.diagonal(); }
   [[nodiscard]] const Eigen::MatrixXd& information() const noexcept { return H_; }
 
-  /// `step = -(H + diag(damping))^-1 g`; false if that is not positive definite.
+  /// Sets `step = -(H + diag(damping))^-1 g`; false if that matrix is not positive definite.
   [[nodiscard]] bool solve(const Eigen::VectorXd& damping, Eigen::VectorXd& step) {
     Eigen::MatrixXd A = H_;
     A.diagonal() += damping;
@@ -133,8 +134,8 @@ class DenseNormal {
     return step.allFinite();
   }
 
-  /// The inverse, apart from directions worse known than `limit` times the unknowns' `scale`. These are left
-  /// out of it: what is a gauge is not known badly, it is a choice.
+  /// The inverse of H as a covariance, without the directions that are known worse than `limit` times the
+  /// unknowns' `scale`. These are returned as `unseen`: a gauge is not known badly, it is a choice.
   [[nodiscard]] Observability observed(const Eigen::VectorXd& scale, double limit) const {
     const Eigen::Index n = H_.rows();
     Eigen::MatrixXd A = H_;

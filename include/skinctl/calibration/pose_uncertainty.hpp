@@ -24,8 +24,8 @@ struct UncertainCell {
   FitPose X_RootCell;
   Matrix6d covariance = Matrix6d::Zero();
 };
-/// A patch on its link; the covariance is of the place of its root in the link's axes, then of its turn in
-/// its own.
+/// A patch on its link; the covariance is of the place of its root in the link's axes [m], then of its turn
+/// in its own [rad].
 struct UncertainPatch {
   FitPose X_LinkRoot;
   Matrix6d covariance = Matrix6d::Zero();
@@ -34,7 +34,7 @@ struct UncertainPatch {
   [[nodiscard]] FitPose X_LinkCell(std::size_t i) const { return X_LinkRoot * cells[i].X_RootCell; }
 };
 
-/// `u = -[z; p x z]`: the wrench on the link, at its origin, of one newton on the cell.
+/// The wrench `u = -[z; p x z]` on the link, at its origin and in its axes, by one newton on the cell.
 [[nodiscard]] inline Vector6d unit_wrench(const FitPose& X_LinkCell) {
   const Eigen::Vector3d z = X_LinkCell.R.col(2);
   Vector6d u;
@@ -42,7 +42,8 @@ struct UncertainPatch {
   return u;
 }
 
-/// `du = B e` of an error `e` of the cell's pose: place in the link's axes, turn in its own.
+/// The derivative `B` of `unit_wrench` by an error `e` of the cell's pose, `du = B e`: place in the link's
+/// axes [m], then turn in the cell's own [rad].
 [[nodiscard]] inline Matrix6d wrench_by_pose(const FitPose& X_LinkCell) {
   const Eigen::Vector3d z = X_LinkCell.R.col(2);
   const Eigen::Matrix3d turned = X_LinkCell.R * cross_matrix(Eigen::Vector3d::UnitZ());
@@ -52,13 +53,13 @@ struct UncertainPatch {
 }
 
 namespace detail {
-/// The same of the cell's own error, its place in the patch's axes.
+/// The derivative of `unit_wrench` by the cell's own error, its place in the patch's axes.
 [[nodiscard]] inline Matrix6d wrench_by_own(const UncertainPatch& patch, std::size_t i) {
   Matrix6d B = wrench_by_pose(patch.X_LinkCell(i));
   B.leftCols<3>() = B.leftCols<3>() * patch.X_LinkRoot.R;
   return B;
 }
-/// Of the patch's error, which moves all of its cells.
+/// The derivative of `unit_wrench` by the patch's error, which moves all of its cells.
 [[nodiscard]] inline Matrix6d wrench_by_patch(const UncertainPatch& patch, std::size_t i) {
   const FitPose X = patch.X_LinkCell(i);
   Matrix6d moved = Matrix6d::Zero();
@@ -69,8 +70,8 @@ namespace detail {
 }
 }  // namespace detail
 
-/// Covariance of a patch's torque `T sum s_i u_i`: its cells' own errors by their squares, the patch's common
-/// one linearly.
+/// Covariance of a patch's joint torque `T sum s_i u_i`: its cells' own errors by their squares, the patch's
+/// common one linearly.
 ///
 /// @param T         transposed Jacobian of the link: torques of a wrench `[f; m]` at its origin, in its axes.
 /// @param readings  s_i, forces on the cells [N].
@@ -96,8 +97,9 @@ namespace detail {
   return out;
 }
 
-/// One standard deviation of a cell's torque relative to the torque, root mean square over configurations;
-/// infinite for a cell that causes none, or of which nothing is known.
+/// Standard deviation of a cell's joint torque relative to the torque itself, root mean square over
+/// configurations (each a `T` of `torque_covariance`); infinite for a cell that causes none, or of which
+/// nothing is known.
 [[nodiscard]] inline double relative_deviation(const std::vector<Eigen::MatrixXd>& configurations,
                                                const UncertainPatch& patch, std::size_t cell) {
   double off = 0, all = 0;

@@ -18,7 +18,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Places of a cell's ports, in its frame [m]; ports 0 to 3.
 using CellPorts = std::array<Eigen::Vector3d, 4>;
-/// Of TUM's cell, times `scale`.
+/// The ports of TUM's cell, with all distances times `scale`.
 [[nodiscard]] inline CellPorts hexagonal_ports(double scale = 1) {
   const double x = 0.012 * scale, y = 0.007 * scale;
   return {Eigen::Vector3d(x, y, 0), Eigen::Vector3d(x, -y, 0), Eigen::Vector3d(-x, y, 0),
@@ -36,8 +36,9 @@ struct ReconstructedCell {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   std::string unknown{};  ///< reason for which the pose is not known; empty: it is
 
-  /// One standard deviation in the worst direction.
+  /// Standard deviation of the position in its worst direction [m].
   [[nodiscard]] double place_deviation() const { return worst(covariance.topLeftCorner<3, 3>()); }
+  /// Standard deviation of the turn about its worst axis [rad].
   [[nodiscard]] double turn_deviation() const { return worst(covariance.bottomRightCorner<3, 3>()); }
 
  private:
@@ -50,17 +51,17 @@ struct ReconstructedCell {
 struct ReconstructionSettings {
   CellPorts ports = hexagonal_ports();
   AccelerometerPrior prior{};
-  double reading = 2.5e-3;  ///< deviation of a mean reading, with what the equation leaves out [g]
+  double reading = 2.5e-3;  ///< standard deviation of a mean reading, with what the equation leaves out [g]
   /// Standard deviation of the gap between two joined ports [m]; 3e-4 for connectors that stretch.
   double gap = 1e-4;
   double turn_limit = 3 * 0.0174532925;  ///< standard deviation above which a cell's turn is reported [rad]
   double place_limit = 3e-3;             ///< standard deviation above which a cell's place is reported [m]
 };
 
-/// A part of a patch that is in one piece by what its cells feel.
+/// The result of `reconstruct`. Of a patch in several pieces, by the readings, the largest is known.
 struct Reconstruction {
   std::vector<ReconstructedCell> cells;    ///< cells in the order of `PatchGraph::ids`
-  std::vector<Eigen::Vector3d> up;         ///< unit, in the patch's frame, of each pose
+  std::vector<Eigen::Vector3d> up;         ///< unit vector upwards in the patch's frame, one per pose
   std::vector<Unobservable> unobservable;  ///< cells whose pose is not known, and why
   FitEnd end = FitEnd::not_finite;
   int steps = 0;

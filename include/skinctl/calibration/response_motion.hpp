@@ -16,9 +16,9 @@ template <std::size_t N>
 class ResponseMotion {
  public:
   struct Settings {
-    double amplitude = 0.15;  ///< largest way of a joint from its start [rad], 0.001 to 1
+    double amplitude = 0.15;  ///< largest distance of a joint from its start [rad], 0.001 to 1
     double speed = 0.4;       ///< largest speed of a joint [rad/s], 0.001 to 10
-    double duration = 15;     ///< [s], 5 to 600
+    double duration = 15;     ///< duration of the motion [s], 5 to 600
   };
   /// Throws `ConfigurationError` for a number out of its range.
   ResponseMotion(const std::array<double, N>& start, const Settings& s) : start_(start), s_(s) {

@@ -19,7 +19,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
 
-/// The position of a robot with `delay` and `lag` at the times of `measured`, and the sign of its motion.
+/// Sets `position` to the positions [rad] of a joint with `delay` and `lag` [s], at the times of `measured`.
 template <std::size_t N>
 void respond(const ResponseLog<N>& log, std::size_t joint, double delay, double lag,
              std::vector<double>& position) {
@@ -73,7 +73,7 @@ void check_log(const ResponseLog<N>& log) {
   check(log.measured, "measurement");
 }
 
-/// Period, jitter and lost measurements.
+/// Sets the period, the jitter and the share of lost measurements.
 template <std::size_t N>
 void find_intervals(const ResponseLog<N>& log, RobotResponse<N>& out) {
   const std::size_t count = log.measured.size();
@@ -92,7 +92,7 @@ void find_intervals(const ResponseLog<N>& log, RobotResponse<N>& out) {
   out.skipped = lost / (double(count) + lost);
 }
 
-/// Largest speed and resolution of joint `i`.
+/// Sets the largest speed and the resolution of joint `i`.
 template <std::size_t N>
 void find_changes(const ResponseLog<N>& log, std::size_t i, typename RobotResponse<N>::Joint& joint) {
   std::vector<double> changes;
@@ -112,7 +112,7 @@ template <RobotModel M>
 class ResponseFit {
  public:
   static constexpr std::size_t N = M::joints;
-  static constexpr int per = 3, unknown = 2 + per * int(N);  ///< numbers of a joint, and of all
+  static constexpr int per = 3, unknown = 2 + per * int(N);  ///< number of unknowns of a joint, and of all
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
 
@@ -160,7 +160,7 @@ class ResponseFit {
   }
 
  private:
-  /// The direction in which each joint moved last.
+  /// Finds the direction in which each joint moved last.
   void find_sides() {
     std::array<double, N> last = log_.measured.front().q, direction{};
     for (std::size_t k = 0; k < log_.measured.size(); ++k) {
@@ -178,7 +178,8 @@ class ResponseFit {
       }
     }
   }
-  /// Gravity's torques. The encoders are off by the gap, the arm is not.
+  /// Sets gravity's torques, at the measured positions less `gap` [rad]: the encoders are off by it, the arm
+  /// is not.
   void weigh(const std::array<double, N>& gap) {
     std::array<double, N> low, high;
     low.fill(1e300), high.fill(-1e300);
@@ -193,7 +194,7 @@ class ResponseFit {
     }
     for (std::size_t i = 0; i < N; ++i) bends_[i] = high[i] - low[i] > 0.05;
   }
-  /// The linear numbers of one joint for a delay and a lag, and the squares that remain.
+  /// The linear unknowns `x` of one joint for a delay and a lag [s]; returns the sum of squared residuals.
   double fit_joint(std::size_t i, double delay, double lag, Eigen::Vector3d& x) {
     respond(log_, i, delay, lag, base_);
     Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
@@ -209,7 +210,7 @@ class ResponseFit {
     x = solve_symmetric(A, b);
     return std::max(0.0, squares - x.dot(b));
   }
-  /// Delay and lag on a grid.
+  /// Finds delay and lag on a grid.
   void search() {
     double best = 1e300;
     for (double d = 0; d <= 0.1001; d += 0.005)
@@ -220,7 +221,7 @@ class ResponseFit {
         if (cost < best) best = cost, delay_ = d, lag_ = l;
       }
   }
-  /// Of Gauss and Newton, on all numbers together.
+  /// One step of Gauss-Newton on all unknowns together.
   void step() {
     normal_.setZero();
     right_.setZero();
@@ -266,7 +267,7 @@ class ResponseFit {
 
   const M& model_;
   const ResponseLog<N>& log_;
-  std::vector<std::array<double, N>> gravity_, side_;  ///< of each measurement
+  std::vector<std::array<double, N>> gravity_, side_;  ///< at each measurement
   std::array<bool, N> bends_{}, plays_{};              ///< whether compliance and hysteresis show
   std::array<double, N> weight_, variance_{}, correlation_{};
   std::size_t settled_ = 0;  ///< the first measurement that counts

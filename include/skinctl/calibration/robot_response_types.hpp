@@ -25,9 +25,9 @@ struct ResponseLog {
 /// hysteresis sign(dq)` H is a pure delay and a lag of first order.
 template <std::size_t N>
 struct RobotResponse {
-  Estimate delay;  ///< [s]
-  Estimate lag;    ///< [s]
-  Estimate both;   ///< delay + lag, which is known better than each [s]
+  Estimate delay;  ///< delay from a command to the begin of the motion [s]
+  Estimate lag;    ///< time constant of the lag [s]
+  Estimate both;   ///< delay plus lag, which is known better than each [s]
   struct Joint {
     /// Measured minus true position [rad], for a joint that goes where it is told but for its load.
     Estimate gap;
@@ -35,12 +35,12 @@ struct RobotResponse {
     Estimate hysteresis;    ///< half of the dead zone of a joint that reverses, by friction or play [rad]
     double noise = 0;       ///< standard deviation of a measurement, after the fit [rad]
     double resolution = 0;  ///< step of the encoder [rad]; 0: not seen
-    double speed = 0;       ///< fastest measured [rad/s]
+    double speed = 0;       ///< largest measured speed [rad/s]
   };
   std::array<Joint, N> joint;
   double period = 0;   ///< median time between two measurements [s]
-  double jitter = 0;   ///< standard deviation of the measurements' intervals, lost ones apart [s]
-  double skipped = 0;  ///< share of the measurements that never came
+  double jitter = 0;   ///< standard deviation of the measurements' intervals, without lost ones [s]
+  double skipped = 0;  ///< share of the measurements that are missing
 };
 
 SKINCTL_END_NAMESPACE

@@ -31,7 +31,7 @@ struct SightingProblem {
     }
     return out;
   }
-  /// A light in the camera's frame.
+  /// Position of the light of a sighting in the camera's frame [m].
   [[nodiscard]] Eigen::Vector3d in_camera(const State& x, const CameraView& v, const Sighting& s) const {
     return x[0].inverse() * (v.X_BaseLink[s.patch] * (x[1 + s.patch] * patches[s.patch][s.cell]));
   }

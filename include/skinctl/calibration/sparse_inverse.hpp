@@ -56,7 +56,7 @@ class SparseInverse {
     }
   }
   [[nodiscard]] bool valid() const noexcept { return valid_; }
-  /// An element; NaN where the factor has none.
+  /// An element of `A^-1`; NaN where the factor has none, infinite if A is not positive definite.
   [[nodiscard]] double operator()(int row, int column) const {
     if (!valid_) return std::numeric_limits<double>::infinity();
     int i = place_(row), j = place_(column);

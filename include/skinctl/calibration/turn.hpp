@@ -8,7 +8,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `[v]`: `[v] w = v x w`.
+/// The matrix `[v]` of a cross product: `[v] w = v x w`.
 [[nodiscard]] inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) noexcept {
   Eigen::Matrix3d M;
   M << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
@@ -25,7 +25,8 @@ SKINCTL_BEGIN_NAMESPACE
   return as_eigen(log_so3(Rotation<double>::from_eigen(R)));
 }
 
-/// `J_r(phi)`: `turn(phi + d) = turn(phi) turn(J_r d)` to first order.
+/// The right Jacobian `J_r(phi)` of a rotation: `turn(phi + d) = turn(phi) turn(J_r d)` to first order in
+/// `d`.
 [[nodiscard]] inline Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& phi) noexcept {
   const Xyz<double> back{-phi.x(), -phi.y(), -phi.z()};
   Eigen::Matrix3d J;

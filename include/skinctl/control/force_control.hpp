@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Direction and magnitude of the force.
+/// Goal of a `ForceControl`: direction and magnitude of the force.
 template <Scalar T = double>
 struct ForceGoal {
   Xyz<T> direction;  ///< direction along the axes of the base, of any length; 0: hold the present pose
@@ -74,9 +74,9 @@ class ForceControl : public Composable {
   struct Memory {
     typename Tracker::Memory tracker;
     ForceGoal<T> goal{{T(0), T(0), T(0)}, T(0)};  ///< goal with a direction of length 1, or 0
-    T v = T(0), a = T(0);  ///< speed of the target along it [m/s], and its derivative [m/s^2]
+    T v = T(0), a = T(0);  ///< speed of the target along the direction [m/s], and its derivative [m/s^2]
     T I1 = T(0), I2 = T(0);
-    T travel = T(0);  ///< way of the target since the goal came [m]
+    T travel = T(0);  ///< distance of the target along the direction since the goal came [m]
   };
 
   /// Throws `ConfigurationError` for settings that cannot work.
@@ -97,7 +97,7 @@ class ForceControl : public Composable {
     check(settings.carried >= T(0) && settings.carried <= T(1), "carried", settings.carried, "0 to 1");
     require(settings.lag > 0ns && settings.lag <= 10s, "lag", milliseconds(settings.lag), "> 0 ms, <= 10 s");
   }
-  /// For a described robot, from which the settings follow.
+  /// A force control for a described robot, from which the settings follow.
   template <DescribedRobot R>
   ForceControl(const R& robot, const Transform<Link<Ix>, P, T>& X_LP)
       : ForceControl(X_LP, force_settings(robot)) {}
@@ -115,7 +115,7 @@ class ForceControl : public Composable {
     memory.tracker = tracker_.start(known);
     return memory;
   }
-  /// The new direction and force; the target moves on from its present place. Refused if not finite or
+  /// Takes a new direction and force; the target moves on from its present place. Refused if not finite or
   /// negative.
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K&, const Goal& goal) const noexcept {

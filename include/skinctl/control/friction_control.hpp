@@ -21,7 +21,7 @@ class FrictionControl : public StatelessLaw<FrictionControl<N, T>> {
   static constexpr const char* name = "friction";
   static constexpr bool compensates_friction = true;
 
-  /// @param share  0 to 1. Throws `ConfigurationError`.
+  /// @param share  share of the friction that is compensated, 0 to 1; else throws `ConfigurationError`.
   explicit FrictionControl(const JointFriction<N, T>& friction, const T& share = T(0.8))
       : friction_(friction), share_(share) {
     require(share >= T(0) && share <= T(1), "share of friction", static_cast<double>(share), "0 to 1");

@@ -108,7 +108,7 @@ class GraspControl : public Composable {
   [[nodiscard]] static Memory start(const K&) noexcept {
     return {};
   }
-  /// Another force; refused if it is not finite, cut off at `max_force`.
+  /// Takes another force; refused if it is not finite, cut off at `max_force`.
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& m, const K&, const Goal& goal) const noexcept {
     if (!(goal.internal - goal.internal == T(0)) || !(goal.hold - goal.hold == T(0)))
@@ -173,7 +173,7 @@ class GraspControl : public Composable {
     const T down = m.hold > T(0) && m.goal >= T(0) ? T(s_.lowering * dt) : step;
     return {off > step ? m.force + step : off < -down ? m.force - down : to, m.goal, m.hold};
   }
-  /// The force is the goal's, and the fingertips have come to rest against each other.
+  /// Whether the force is the goal's, and the fingertips are at rest against each other, to `still` [m/s].
   template <class K>
   [[nodiscard]] bool settled(const Memory& m, const K& known, const T& still) const noexcept {
     const T rate = shape(known).rate;

@@ -17,8 +17,8 @@ template <class Space>
 struct ImpedanceSettings {
   using T = typename Space::scalar;
   typename Space::Settings space = {};  ///< settings of goals and of the tool; their gains are not read
-  std::array<T, Space::coordinates> stiffness = filled(T(100));  ///< >= 0 [N m/rad], [N/m]
-  std::array<T, Space::coordinates> damping = filled(T(20));     ///< >= 0 [N m s/rad], [N s/m]
+  std::array<T, Space::coordinates> stiffness = filled(T(100));  ///< stiffness, >= 0 [N m/rad], [N/m]
+  std::array<T, Space::coordinates> damping = filled(T(20));     ///< damping, >= 0 [N m s/rad], [N s/m]
   JointTorque<Space::joints, T> joint_damping;  ///< joint damping for the null space [N m s/rad]
 
   static constexpr std::array<T, Space::coordinates> filled(const T& value) {
@@ -28,9 +28,10 @@ struct ImpedanceSettings {
   }
 };
 
-/// `tau = -J'(K e + D de)` in the coordinates of `Space` (in joint space J = 1), plus G: at a contact spring
-/// and damper are felt in series with the robot's own inertia. It inverts no Jacobian and has no singularity.
-/// Without an integral, a load leaves an error of load over stiffness.
+/// `tau = -J'(K e + D de)` in the coordinates of `Space` (in joint space J = 1), e the position less the
+/// target's, plus G: at a contact spring and damper are felt in series with the robot's own inertia. It
+/// inverts no Jacobian and has no singularity. Without an integral, a load leaves an error of load over
+/// stiffness.
 ///
 /// A damper whose torque is held turns unstable for `D dt > 2 m`, and a wrist has a very small inertia m.
 /// Therefore the damper acts on the velocity at the end of the interval,
@@ -143,7 +144,8 @@ class Impedance : public Composable {
     Space::follow_branch(next.space, memory.plan.at(T(0), settings_.space), space_.site(known));
     return next;
   }
-  /// The target is at rest, no touch holds the law off (`held`), and no joint is faster than `still` [rad/s].
+  /// Whether the target is at rest, no touch holds the law off (`held`), and no joint is faster than `still`
+  /// [rad/s].
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
     return !memory.held && Space::stands(memory.plan.at(T(0), settings_.space)) &&
@@ -171,10 +173,10 @@ class Impedance : public Composable {
   Settings settings_;
 };
 
-/// Springs at the joints.
+/// Impedance with springs at the joints.
 template <std::size_t N, Real T = double>
 using JointImpedance = Impedance<JointSpace<N, T>>;
-/// Springs at a tool `P` on link `Ix`.
+/// Impedance with springs at a tool `P` on link `Ix`.
 template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose>
 using CartesianImpedance = Impedance<OperationalSpace<N, Ix, P, T, What>>;
 

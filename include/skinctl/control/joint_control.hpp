@@ -7,8 +7,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Eqs. (8)-(14) with a target from outside. A goal is a `JointReference`: `receive` starts the time base for
-/// it, `follow` takes the next sample of a moving target. `JointControl(arm)` for a described robot.
+/// Tracks a target from outside by eqs. (8)-(14). A goal is a `JointReference`: `receive` starts the time
+/// base for it, `follow` takes the next sample of a moving target. `JointControl(arm)` for a described robot.
 template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
 class JointControl : public Tracking<JointSpace<N, T>, TargetPlan<JointSpace<N, T>>, Damping> {
  public:

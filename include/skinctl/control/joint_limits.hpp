@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Real T = double>
 struct JointLimitSettings {
   JointPosition<N, T> lower = JointPosition<N, T>::constant(T(-6.2831853));  ///< lower position limit [rad]
-  JointPosition<N, T> upper = JointPosition<N, T>::constant(T(6.2831853));
+  JointPosition<N, T> upper = JointPosition<N, T>::constant(T(6.2831853));   ///< upper position limit [rad]
   T margin = T(0.2);  ///< width of the zone before a limit in which the law acts [rad]
   JointTorque<N, T> strength = JointTorque<N, T>::constant(T(20));  ///< repelling torque at the limit [N m]
   JointTorque<N, T> damping = JointTorque<N, T>::constant(T(5));    ///< damping at the limit [N m s/rad]

@@ -49,7 +49,7 @@ class OnJoints : public WrappedLaw<OnJoints<Set, L>, L> {
            detail::slower(Driven::of(this->now(memory, known).dq_r), still);
   }
 };
-/// `on_joints<Set>(law)`.
+/// The law on the joints of `Set` only: `on_joints<Set>(law)`.
 template <LinkMask Set, class L>
 [[nodiscard]] OnJoints<Set, L> on_joints(const L& law) {
   return OnJoints<Set, L>(law);

@@ -8,8 +8,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Eqs. (8), (15)-(21) of a tool `P` on link `Ix` of a robot with `N` joints. A goal is a `PoseReference`:
-/// `receive` starts the time base for it, `follow` takes the next sample of a moving target.
+/// Tracks a target from outside with a tool `P` on link `Ix` of a robot with `N` joints, by eqs. (8),
+/// (15)-(21). A goal is a `PoseReference`: `receive` starts the time base for it, `follow` takes the next
+/// sample of a moving target.
 template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>>
@@ -20,11 +21,12 @@ class OperationalControl
   using Tracking<OperationalSpace<N, Ix, P, T, What, Orientation, Null>,
                  TargetPlan<OperationalSpace<N, Ix, P, T, What, Orientation, Null>>, Damping>::Tracking;
 };
-/// `OperationalControl(arm, X_LT)`: of the tool at `X_LT` on its link, for a described robot.
+/// An Operational Control of the tool at `X_LT` on its link, for a described robot:
+/// `OperationalControl(arm, X_LT)`.
 template <DescribedRobot R, std::size_t Ix, Frame P>
 OperationalControl(const R&, const Transform<Link<Ix>, P, typename R::scalar>&)
     -> OperationalControl<R::joints, Ix, P, typename R::scalar>;
-/// With settings of one's own: `auto s = operational_settings(arm)`, then the changes.
+/// An Operational Control with settings of one's own: `auto s = operational_settings(arm)`, then the changes.
 template <std::size_t Ix, Frame P, std::size_t N, Real T>
 OperationalControl(const Transform<Link<Ix>, P, T>&, const OperationalSettings<N, T>&)
     -> OperationalControl<N, Ix, P, T>;

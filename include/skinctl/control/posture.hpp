@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// `tau = M (1 - J^+ J) (-w^2 (q - q_p) - 2 w dq)`: a critically damped pull to the posture `q_p` in the null
 /// space of the tool: it accelerates the tool nowhere (`J M^-1 tau = 0` where J^+ is not damped). For robots
 /// with more joints than the tool's task has coordinates, in a sum with laws that leave the null space free.
-/// Each joint's pull `w^2 (q - q_p)` is cut off at `limit`.
+/// Each joint's pull `w^2 (q - q_p)` saturates smoothly at `limit`.
 template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double,
           TaskSpace What = TaskSpace::position>
 class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, Ix, P, T, What>> {
@@ -22,8 +22,9 @@ class NullSpacePosture : public StatelessLaw<NullSpacePosture<N, Ix, P, T, What>
   static constexpr Needs needs = {.jacobians = link_bit<Ix>, .mass = true};
   static constexpr const char* name = "posture";
 
-  /// @param w      [1/s], > 0; `w dt <= 0.25`.
-  /// @param limit  [rad/s^2], > 0. Throws `ConfigurationError`.
+  /// @param w      natural frequency of the pull [1/s], > 0; `w dt <= 0.25`.
+  /// @param limit  largest pull of a joint [rad/s^2], > 0. Throws `ConfigurationError` for numbers out of
+  ///               range.
   NullSpacePosture(const Transform<Link<Ix>, P, T>& X_LP, const JointPosition<N, T>& posture,
                    const T& w = T(3), const T& limit = T(5),
                    const SingularityDamping<T>& singularities = SingularityDamping<T>())

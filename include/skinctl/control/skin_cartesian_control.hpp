@@ -27,11 +27,11 @@ template <class Inverse, class K>
   return inverse.solve_transposed(SkinJointControl{}.torque(known));
 }
 
-/// `tau = J'S J^+' tau_skin - rate M (1 - J^+ S J) dq`: the skin's load on the frame `P` of link `Ix`, S of
-/// its six components, as joint torques. All other motion of the joints, that of the tool in other directions
-/// included, is free, or with `DampedNullSpace` comes to rest at `rate`. Without skin only that damping
-/// remains. On a robot of six joints with both translation and rotation it is `SkinJointControl`, away from
-/// singularities; next to them motion that the tool cannot make is left out.
+/// `tau = J'S J^+' tau_skin - rate M (1 - J^+ S J) dq`: the skin's load on the frame `P` of link `Ix`, of
+/// which S selects components, as joint torques. All other motion of the joints, that of the tool in other
+/// directions included, is free, or with `DampedNullSpace` comes to rest at `rate`. Without skin only that
+/// damping remains. On a robot of six joints with both translation and rotation it is `SkinJointControl`,
+/// away from singularities; next to them motion that the tool cannot make is left out.
 template <std::size_t Ix, Frame P = Tool, Real T = double, Yields What = Yields::both,
           class Null = FreeNullSpace>
 class SkinCartesianControl : public StatelessLaw<SkinCartesianControl<Ix, P, T, What, Null>> {
@@ -44,7 +44,8 @@ class SkinCartesianControl : public StatelessLaw<SkinCartesianControl<Ix, P, T, 
   static constexpr const char* name = "skin_cartesian";
 
   /// @param X_LP  the tool's frame in its link.
-  /// @param rate  of a damped null space [1/s], > 0; `rate dt <= 0.5`. Throws `ConfigurationError`.
+  /// @param rate  decay of the motion in a damped null space [1/s], > 0; `rate dt <= 0.5`. Throws
+  ///              `ConfigurationError` for a rate out of range.
   explicit SkinCartesianControl(const Transform<Link<Ix>, P, T>& X_LP, const T& rate = T(10),
                                 const SingularityDamping<T>& singularities = SingularityDamping<T>())
       : X_LP_(X_LP), rate_(rate), singularities_(singularities) {

@@ -8,8 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Eqs. (8), (15)-(21) along the spline (22), in a straight line and by the shortest turn. A goal is a
-/// `PoseGoal`: a pose of the tool `P` on link `Ix`, with or without a duration.
+/// Tracks the spline (22) to a static goal by eqs. (8), (15)-(21), in a straight line and by the shortest
+/// turn. A goal is a `PoseGoal`: a pose of the tool `P` on link `Ix`, with or without a duration.
 template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>>
@@ -20,11 +20,12 @@ class SplineOperational
   using Tracking<OperationalSpace<N, Ix, P, T, What, Orientation, Null>,
                  SplinePlan<OperationalSpace<N, Ix, P, T, What, Orientation, Null>>, Damping>::Tracking;
 };
-/// `SplineOperational(arm, X_LT)`: of the tool at `X_LT` on its link, for a described robot.
+/// A Spline Operational Control of the tool at `X_LT` on its link: `SplineOperational(arm, X_LT)`.
 template <DescribedRobot R, std::size_t Ix, Frame P>
 SplineOperational(const R&, const Transform<Link<Ix>, P, typename R::scalar>&)
     -> SplineOperational<R::joints, Ix, P, typename R::scalar>;
-/// With settings of one's own: `auto s = operational_settings(arm)`, then the changes.
+/// A Spline Operational Control with settings of one's own: `auto s = operational_settings(arm)`, then the
+/// changes.
 template <std::size_t Ix, Frame P, std::size_t N, Real T>
 SplineOperational(const Transform<Link<Ix>, P, T>&, const OperationalSettings<N, T>&)
     -> SplineOperational<N, Ix, P, T>;

@@ -8,7 +8,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Velocities of the joints, wanted from now on.
+/// A goal of `VelocityControl`: velocities of the joints from now on.
 template <std::size_t N, Real T = double>
 struct VelocityGoal {
   JointVelocity<N, T> velocity;
@@ -23,8 +23,9 @@ struct VelocityGoal {
 /// same time 1/rate however heavy the links are. It holds neither gravity nor a position: what moves the
 /// robot else, moves it.
 ///
-/// Without a goal for `lasts` it wants the joints to stand, so who plans must go on to do so. Behind a
-/// virtual robot with the damping c the joints come to `rate / (rate + c)` of what is wanted.
+/// Without a new goal for `lasts` it brings the joints to rest, so a planner has to go on sending goals.
+/// Behind a virtual robot with the damping c [1/s] the joints come to `rate / (rate + c)` of the velocities
+/// wanted.
 template <std::size_t N, Real T = double>
 class VelocityControl : public Composable {
  public:
@@ -39,8 +40,9 @@ class VelocityControl : public Composable {
     T left = T(0);  ///< remaining time for which the goal holds [s]
   };
 
-  /// @param rate   [1/s], > 0, at most 0.25 / D: see `check_for`.
-  /// @param lasts  > 0. Throws `ConfigurationError`.
+  /// @param rate   one over the time in which velocities are reached [1/s], > 0, at most 0.25 / D: see
+  ///               `check_for`.
+  /// @param lasts  time for which a goal holds, > 0. Throws `ConfigurationError` for numbers out of range.
   explicit VelocityControl(const T& rate = T(20), Nanoseconds lasts = 50ms)
       : rate_(rate), lasts_(seconds<T>(lasts)) {
     require(rate > T(0) && rate <= T(1e3), "rate of a velocity control", static_cast<double>(rate),
@@ -60,7 +62,7 @@ class VelocityControl : public Composable {
   [[nodiscard]] Memory start(const K&) const noexcept {
     return {};
   }
-  /// Refused if it is not finite.
+  /// Takes a goal; refused if it is not finite.
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K&, const Goal& goal) const noexcept {
     T sum(0);

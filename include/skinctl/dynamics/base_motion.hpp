@@ -16,7 +16,7 @@ struct BaseMotion {
   friend bool operator==(const BaseMotion&, const BaseMotion&) noexcept = default;
 };
 
-/// A model with the motion of its base in this cycle: what a scene tells its touch.
+/// A model with the motion of its base in this cycle: a scene passes it to its touch.
 template <RobotModel M, Scalar T>
 struct ModelOnBase : M {
   BaseMotion<T> base_motion;
@@ -39,8 +39,8 @@ template <Scalar T>
   return base.linear + cross(base.turning, p) + cross(base.angular, cross(base.angular, p));
 }
 
-/// `M ddq + C dq + G` [N m] of a robot on a base that moves so: by the recursion that begins with `base`; the
-/// gravity of `model` is not read. NaN in gives NaN.
+/// Joint torques `M ddq + C dq + G` [N m] of a robot whose base moves as `base` says: by the recursion that
+/// begins with it; the gravity of `model` is not read. NaN in gives NaN.
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> inverse_dynamics_on(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq,
@@ -53,8 +53,8 @@ template <RobotModel M, Scalar T, LinkMask Mask>
   return tau;
 }
 
-/// What the motion `base` of its base adds to the torque that a robot needs [N m]: gravity along another
-/// direction, the base's acceleration, centrifugal and Coriolis forces of its turning.
+/// The torque that the motion `base` of its base adds to that which a robot needs [N m]: gravity along
+/// another direction, the base's acceleration, centrifugal and Coriolis forces of its turning.
 /// @param at_rest  the model with the gravity of a base that stands, which laws compensate.
 template <RobotModel M, Scalar T>
 [[nodiscard]] JointTorque<M::joints, T> base_torque(const M& at_rest, const JointPosition<M::joints, T>& q,

@@ -13,7 +13,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// Result of `forward_dynamics`: the joints' acceleration, and whether the mass matrix was positive definite.
 template <std::size_t N, Scalar T = double>
 struct ForwardDynamics {
-  JointAcceleration<N, T> acceleration;  ///< [rad/s^2]
+  JointAcceleration<N, T> acceleration;  ///< acceleration of each joint [rad/s^2]
   bool positive_definite = true;         ///< false: see `MassFactors`
 };
 
@@ -25,8 +25,8 @@ class MassFactors {
  public:
   static constexpr std::size_t joints = M::joints;
 
-  /// A pivot that is not positive (no mass there, or NaN) is removed: that joint does not accelerate, and
-  /// `positive_definite()` is false.
+  /// Factorises a mass matrix. A pivot that is not positive (no mass there, or NaN) is removed: that joint
+  /// does not accelerate, and `positive_definite()` is false.
   SKINCTL_INLINE explicit MassFactors(const MassMatrix<joints, T>& mass) noexcept {
     factorise<false>(mass);
     if (!positive_definite_) [[unlikely]] {

@@ -23,14 +23,14 @@ template <std::size_t N, Scalar T = double>
 class JointFriction {
  public:
   struct Settings {
-    JointTorque<N, T> viscous;                  ///< b [N m s/rad], >= 0
-    JointTorque<N, T> coulomb;                  ///< tau_c [N m], >= 0
-    JointTorque<N, T> stiction;                 ///< tau_s [N m], >= 0: breakaway torque minus tau_c
-    T stribeck_velocity = static_cast<T>(0.1);  ///< v_s [rad/s], > 0: speed at which tau_s is halved
-    T sign_velocity = static_cast<T>(0.01);     ///< v_0 [rad/s], > 0
+    JointTorque<N, T> viscous;                  ///< coefficient b of viscous friction [N m s/rad], >= 0
+    JointTorque<N, T> coulomb;                  ///< Coulomb friction tau_c [N m], >= 0
+    JointTorque<N, T> stiction;                 ///< tau_s, breakaway torque minus tau_c [N m], >= 0
+    T stribeck_velocity = static_cast<T>(0.1);  ///< speed v_s at which tau_s is halved [rad/s], > 0
+    T sign_velocity = static_cast<T>(0.01);     ///< speed v_0 that smooths the sign [rad/s], > 0
   };
 
-  /// Throws `ConfigurationError`.
+  /// Throws `ConfigurationError` for a number out of its range.
   explicit JointFriction(const Settings& settings) : s_(settings) {
     if constexpr (Real<T>) {
       for (std::size_t i = 0; i < N; ++i) {
@@ -55,7 +55,8 @@ class JointFriction {
       return T(s_.viscous[i] * dq[i] + (s_.coulomb[i] + s_.stiction[i] / (T(1) + r * r)) * sign[i]);
     });
   }
-  /// Its slope `d tau / d dq` [N m s/rad] for implicit integrators; negative on the falling side of the hump.
+  /// The slope of the friction torque, `d tau / d dq` [N m s/rad], for implicit integrators; negative on the
+  /// falling side of the hump.
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> slope(const JointVelocity<N, T>& dq) const noexcept {
     T x[N], sign[N];
     for (std::size_t i = 0; i < N; ++i) x[i] = dq[i] * per_sign_;

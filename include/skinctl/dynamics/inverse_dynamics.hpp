@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `M(q) ddq + C(q, dq) dq + G(q)` [N m], by one recursion from the base to the tips and back.
+/// Joint torques `M(q) ddq + C(q, dq) dq + G(q)` [N m], by one recursion from the base to the tips and back.
 ///
 /// For any tree. Relative to the largest torque that occurs, the error is a few units in the last place times
 /// the number of joints; no branch, so the cost does not depend on the state. A NaN in any input gives NaN
@@ -36,7 +36,7 @@ template <RobotModel M, class... Q, std::enable_if_t<any_eigen<Q...>, int> = 0>
 void inverse_dynamics(const M&, const Q&...) = delete;  // an Eigen vector has no kind: name it, JointPosition<N>(v)
 // clang-format on
 
-/// `C(q, dq) dq + G(q)` [N m]: inverse dynamics at zero acceleration.
+/// The bias `C(q, dq) dq + G(q)` [N m]: inverse dynamics at zero acceleration.
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> bias_torque(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq) noexcept {
@@ -46,7 +46,7 @@ template <RobotModel M, Scalar T, LinkMask Mask>
   return tau;
 }
 
-/// `C(q, dq) dq` [N m] without gravity.
+/// Coriolis and centrifugal torques `C(q, dq) dq` [N m], without gravity.
 template <RobotModel M, Scalar T, LinkMask Mask>
 [[nodiscard]] SKINCTL_INLINE JointTorque<M::joints, T> coriolis_torque(
     const M& model, const JointAngles<M, T, Mask>& angles, const JointVelocity<M::joints, T>& dq) noexcept {

@@ -17,8 +17,8 @@ struct MassMatrix {
   /// Leaves the entries uninitialised, for a matrix that is overwritten completely: GCC would keep the zeros.
   struct Unset {};
   SKINCTL_INLINE constexpr explicit MassMatrix(Unset) noexcept {}
-  /// From an Eigen matrix, N x N of scalar `T`, which is symmetric to within `tolerance<T>` of its largest
-  /// element.
+  /// A mass matrix from an Eigen matrix, N x N of scalar `T`, which is symmetric to within `tolerance<T>` of
+  /// its largest element.
   template <VectorExpression E>
   explicit MassMatrix(const E& values) noexcept : data{} {
     static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: M.cast<T>()");
@@ -34,7 +34,7 @@ struct MassMatrix {
     return data[i * N + j];
   }
 
-  /// `M ddq` [N m].
+  /// The torque `M ddq` [N m].
   SKINCTL_INLINE constexpr JointTorque<N, T> operator*(const JointAcceleration<N, T>& ddq) const noexcept {
     JointTorque<N, T> tau;
     const auto row = [&](std::size_t i) SKINCTL_INLINE_LAMBDA {
@@ -54,7 +54,7 @@ struct MassMatrix {
     }
     return tau;
   }
-  /// As an Eigen matrix, without a copy; read-only, because both triangles are stored.
+  /// The mass matrix as an Eigen matrix, without a copy; read-only, because both triangles are stored.
   [[nodiscard]] friend SKINCTL_INLINE EigenMap<const EigenMatrix<T, int(N), int(N)>> as_eigen(
       const MassMatrix& M) noexcept {
     return EigenMap<const EigenMatrix<T, int(N), int(N)>>(M.data);
@@ -133,7 +133,7 @@ SKINCTL_INLINE constexpr auto subtree_mass(const M& model, const Angles& angles,
   }
 }
 
-/// In a chain all joints are coupled and every entry is written; other trees have zeros.
+/// A matrix to write to: uninitialised for a chain, whose entries are all written; zeros for other trees.
 template <Scalar T, RobotModel M>
 SKINCTL_INLINE MassMatrix<M::joints, T> empty_mass() noexcept {
   using Matrix = MassMatrix<M::joints, T>;

@@ -53,7 +53,7 @@ template <std::size_t N, Real T, class F>
 }
 }  // namespace detail
 
-/// The least and the largest inertia of each joint over some poses [kg m^2].
+/// The least and the largest inertia of each joint over 64 poses [kg m^2].
 template <std::size_t N, Real T>
 struct InertiaRange {
   JointTorque<N, T> least, most;

@@ -40,7 +40,7 @@ class OperationalMobility<Jacobian<M, Columns, Body, Body, Base, T>> {
     }
   }
 
-  /// `A(r, s)`, linear rows first [1/kg, 1/(kg m), 1/(kg m^2)].
+  /// Element `A(r, s)` of the mobility, linear rows first [1/kg, 1/(kg m), 1/(kg m^2)].
   [[nodiscard]] const T& operator()(std::size_t r, std::size_t s) const noexcept { return a_[r * 6 + s]; }
 
   /// `n' A n` [1/kg]: acceleration along the unit vector `n` (axes of the base) per force along it; >= 0.

@@ -12,7 +12,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// No skin in this scene.
+/// The touch of a scene without skin.
 struct NoTouch {};
 
 /// `needs` with its dependencies: a Jacobian needs the poses of the links on the path, everything the angles.
@@ -44,7 +44,7 @@ struct Computed<false, V> {
   template <class F>
   SKINCTL_INLINE explicit Computed(F&&) noexcept {}
 };
-/// Nothing is known of the robot but its model.
+/// Adds nothing to the model of the robot.
 struct NothingAdded {
   using Limits = void;
   static constexpr bool is_virtual = false;
@@ -149,12 +149,12 @@ class Quantities {
       return middle_.value;
     }
   }
-  /// `X_BaseLink` of the links in `needs.poses`.
+  /// Poses `X_BaseLink` of the links in `needs.poses`.
   [[nodiscard]] SKINCTL_INLINE const Poses<M, needs.poses, T>& poses() const noexcept {
     static_assert(needs.poses != 0, "not asked for: set needs.poses");
     return poses_.value;
   }
-  /// `X_BaseLink` of link `Ix`.
+  /// Pose `X_BaseLink` of link `Ix`.
   template <std::size_t Ix>
   [[nodiscard]] SKINCTL_INLINE Transform<Base, Link<Ix>, T> pose() const noexcept {
     return poses().template get<Ix>();
@@ -165,12 +165,12 @@ class Quantities {
     static_assert((needs.jacobians >> Ix) & 1u, "not asked for: set the link's bit in needs.jacobians");
     return skinctl::jacobian<Ix>(poses_.value, X_LP...);
   }
-  /// G(q) [N m].
+  /// Gravity torques G(q) [N m].
   [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& gravity() const noexcept {
     static_assert(needs.gravity, "not asked for: set needs.gravity");
     return gravity_.value;
   }
-  /// M(q), or that of the virtual robot.
+  /// Mass matrix M(q), or that of the virtual robot [kg m^2].
   [[nodiscard]] SKINCTL_INLINE const MassMatrix<joints, T>& mass() const noexcept {
     static_assert(needs.mass, "not asked for: set needs.mass");
     return mass_.value;
@@ -180,7 +180,7 @@ class Quantities {
     static_assert(needs.mass_factors, "not asked for: set needs.mass_factors");
     return factors_.value;
   }
-  /// C(q, dq) dq [N m].
+  /// Coriolis and centrifugal torques C(q, dq) dq [N m].
   [[nodiscard]] SKINCTL_INLINE const JointTorque<joints, T>& coriolis() const noexcept {
     static_assert(needs.coriolis, "not asked for: set needs.coriolis");
     return coriolis_.value;

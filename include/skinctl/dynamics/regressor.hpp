@@ -107,9 +107,9 @@ SKINCTL_INLINE void transposed_product(const Input& in, const LinkMotion<T>& par
 
 }  // namespace detail
 
-/// `Y(q, dq, dq_r, ddq_r)`, N x 10 N, with `Y Theta = M ddq_r + C(q, dq) dq_r + G` for every parameter vector
-/// (section 3.5; C is Christoffel's). A link's parameters have no effect on joints that do not carry it:
-/// those blocks of ten are zero by topology, and neither stored nor multiplied.
+/// The regressor `Y(q, dq, dq_r, ddq_r)`, N x 10 N, with `Y Theta = M ddq_r + C(q, dq) dq_r + G` for every
+/// parameter vector Theta (section 3.5; C is Christoffel's). A link's parameters have no effect on joints
+/// that do not carry it: those blocks of ten are zero by topology, and neither stored nor multiplied.
 template <Topology M, Scalar T = double>
 class Regressor {
  public:
@@ -131,7 +131,7 @@ class Regressor {
   [[nodiscard]] SKINCTL_INLINE const T* block(std::size_t joint, std::size_t link) const noexcept {
     return (ancestors<M>(link) >> joint) & 1u ? blocks_[slot(joint, link)] : nullptr;
   }
-  /// `Y Theta` [N m].
+  /// The joint torques `Y Theta` [N m].
   [[nodiscard]] JointTorque<joints, T> operator*(const InertialParameters<joints, T>& theta) const noexcept {
     JointTorque<joints, T> tau;
     for (std::size_t link = 0; link < joints; ++link)

@@ -30,7 +30,7 @@ class RotorInertia {
   /// Reflected inertia at joint `i` [kg m^2].
   [[nodiscard]] SKINCTL_INLINE const T& operator[](std::size_t i) const noexcept { return at_joint_[i]; }
 
-  /// M including the rotors.
+  /// The mass matrix with the rotors added [kg m^2].
   [[nodiscard]] friend SKINCTL_INLINE MassMatrix<N, T> operator+(MassMatrix<N, T> M,
                                                                  const RotorInertia& rotors) noexcept {
     for (std::size_t i = 0; i < N; ++i) M(i, i) = M(i, i) + rotors[i];

@@ -63,15 +63,15 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     using std::sqrt;
     return sqrt(w_squared_);
   }
-  /// From 0 (outside the zone: no damping) to 1 (at a singularity).
+  /// Nearness of a singularity, from 0 (outside the zone: no damping) to 1 (at it).
   [[nodiscard]] T nearness() const noexcept { return damping_.nearness(w_squared_); }
-  /// l.
+  /// The damping l that is used at this pose.
   [[nodiscard]] T damping() const noexcept {
     using std::sqrt;
     return sqrt(damping_.squared(w_squared_));
   }
 
-  /// `dq_r = J^+ dx_r`. Joints that do not move the body stay at 0.
+  /// Joint velocities `dq_r = J^+ dx_r`. Joints that do not move the body stay at 0.
   [[nodiscard]] JointVelocity<joints, T> solve(const Velocity& dx_r) const noexcept {
     JointVelocity<joints, T> dq;
     apply(dx_r, dq.data);
@@ -228,7 +228,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     if (damped_) [[unlikely]]
       damp();
   }
-  /// Next to a singularity: the determinant with pivots, and factors of the damped matrix.
+  /// Next to a singularity: finds the determinant with pivots, and factors the damped matrix.
   SKINCTL_COLD void damp() noexcept {
     Matrix m = normal();
     T a[order][order], still[order][order] = {};
@@ -251,7 +251,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
       }
     return damping_.squared_rate(w_squared_, detail::determinant(a, da).rate);
   }
-  /// `(J J' + l^2)^-1 v`.
+  /// The product `(J J' + l^2)^-1 v`.
   Velocity outer(const Velocity& v) const noexcept {
     T x[6] = {};
     store(v, x);
@@ -288,7 +288,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   T w_squared_;
   bool damped_;
   [[no_unique_address]] Blocks blocks_;
-  std::optional<math::Ldlt<order, T>> factors_;  ///< of the smaller product, where the blocks do not serve
+  std::optional<math::Ldlt<order, T>> factors_;  ///< factors of the smaller product, unless the blocks serve
 };
 
 /// The damped inverse of a Jacobian.

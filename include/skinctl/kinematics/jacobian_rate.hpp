@@ -25,7 +25,7 @@ template <Topology M, LinkMask Columns, Frame Body, Scalar T>
 class JacobianRate<Jacobian<M, Columns, Body, Body, Base, T>> {
  public:
   using Of = Jacobian<M, Columns, Body, Body, Base, T>;
-  using Column = typename Of::Column;  ///< [m/s^2], [rad/s^2] per joint unit per second
+  using Column = typename Of::Column;  ///< column of dJ/dt [m/s^2], [rad/s^2] per joint unit per second
   using scalar = T;
   static constexpr std::size_t joints = M::joints;
   static constexpr LinkMask columns = Columns;
@@ -75,7 +75,7 @@ class JacobianRate<Jacobian<M, Columns, Body, Body, Base, T>> {
   Of dJ_;
 };
 
-/// `dJ/dt` while the joints move at `dq`.
+/// The time derivative `dJ/dt` of a Jacobian while the joints move at `dq`.
 template <Topology M, LinkMask C, Frame Body, Scalar T>
 [[nodiscard]] SKINCTL_INLINE auto jacobian_rate(const Jacobian<M, C, Body, Body, Base, T>& J,
                                                 const JointVelocity<M::joints, T>& dq) noexcept {
@@ -84,7 +84,7 @@ template <Topology M, LinkMask C, Frame Body, Scalar T>
 
 /// `dJ v` of joints that move at `dq`, without forming dJ: `sum of w_i x v_i linear_i + v_i angular_i x
 /// outside_i` and of `w_p x v_i angular_i`, where p is the joint before i.
-/// @param V  `J dq`.
+/// @param V  velocity of the body, `J dq`.
 template <Topology M, LinkMask C, Frame Body, Scalar T>
 [[nodiscard]] SKINCTL_INLINE Acceleration<Body, Base, Body, Base, T> jacobian_rate_times(
     const Jacobian<M, C, Body, Body, Base, T>& J, const JointVelocity<M::joints, T>& dq,

@@ -62,14 +62,14 @@ struct JointAngles {
   T shift[detail::any_of_kind<M, links>(JointKind::prismatic) ? storage
                                                               : 1];  ///< displacements of prismatic joints
 
-  /// Of angles in registers.
+  /// Sines and cosines of joint positions that are in registers.
   template <Real U>
     requires std::same_as<U, T>
   SKINCTL_INLINE JointAngles(const M& model, const detail::Row<M::joints, U>& q) noexcept
       : JointAngles(model, JointPosition<M::joints, T>(q), q) {}
   SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q) noexcept
       : JointAngles(model, q, nullptr) {}
-  /// Number by number `both(a, b)` of the angles of two positions: in lanes.
+  /// Sines and cosines of two positions in lanes: number by number `both(a, b)`.
   template <class Angles, class F>
   SKINCTL_INLINE JointAngles(const Angles& a, const Angles& b, F&& both) noexcept {
     detail::unrolled<count>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
@@ -115,8 +115,8 @@ struct JointAngles {
 };
 
 namespace detail {
-/// The angles of two positions at once: six joints fill one and a half of a processor's registers, twelve
-/// three.
+/// Sines and cosines of two positions at once: six joints fill one and a half of a processor's registers,
+/// twelve three.
 template <RobotModel M, Scalar T>
 struct TwoJointAngles {
   JointAngles<M, T> first, second;
@@ -143,7 +143,7 @@ template <class Gamma, class Alpha, class Theta, class P>
 struct JointFrame {
   Gamma gamma;  ///< first turn, about the parent's z
   Alpha alpha;  ///< second turn, about x
-  Theta theta;  ///< that of the joint, about z
+  Theta theta;  ///< turn of the joint, about z
   P p;          ///< origin of the link's frame in the parent's frame
 
   /// Coordinates in the link's axes to coordinates in the parent's axes.

@@ -66,8 +66,8 @@ SKINCTL_INLINE constexpr auto known_or(const Xyz<T>& v, std::type_identity<Tripl
 
 }  // namespace detail
 
-/// `X_BaseLink` of the links in `Mask`, eq. (2), computed at construction; nothing else is stored, and joints
-/// that carry none of these links are not read. Trivially copyable.
+/// Poses `X_BaseLink` of the links in `Mask`, eq. (2), computed at construction; nothing else is stored, and
+/// joints that carry none of these links are not read. Trivially copyable.
 ///
 /// Of a UR5 every number of the tool's pose is within 2.8e-15 (float: 1.5e-6) of the exact one at every state
 /// (1, m; proven, `bench/studies/bounds`).

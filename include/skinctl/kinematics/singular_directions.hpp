@@ -13,8 +13,8 @@ template <class J, TaskSpace What = TaskSpace::pose>
 struct SingularDirection;
 template <Topology M, LinkMask Columns, Frame Body, Scalar T, TaskSpace What>
 struct SingularDirection<Jacobian<M, Columns, Body, Body, Base, T>, What> {
-  Twist<Body, Base, Body, Base, T> u{};  ///< metres and radians alike; its angular part is 0 for a position
-  JointVelocity<M::joints, T> v{};       ///< if sigma is 0, its sign is arbitrary
+  Twist<Body, Base, Body, Base, T> u{};  ///< frame's motion, metres like radians; for a position angular 0
+  JointVelocity<M::joints, T> v{};       ///< singular joint motion; if sigma is 0, its sign is arbitrary
   T sigma = T(0);
 };
 

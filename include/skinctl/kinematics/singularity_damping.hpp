@@ -24,7 +24,8 @@ class SingularityDamping {
     require(allowed(zone), "SingularityDamping: zone", static_cast<double>(zone), "> 0");
     require(allowed(most), "SingularityDamping: most", static_cast<double>(most), "> 0");
   }
-  /// From 0 (outside the zone) to 1 (at a singularity), from the square of the manipulability.
+  /// Nearness of a singularity, from 0 (outside the zone) to 1 (at it), from the square of the
+  /// manipulability.
   [[nodiscard]] T nearness(const T& w_squared) const noexcept {
     const T r = T(1) - w_squared / (zone_ * zone_);
     return r > T(0) ? T(r * r) : T(r == r ? T(0) : r);
@@ -45,9 +46,10 @@ class SingularityDamping {
     next.max_squared_rate_ = factor * rate * less * less;
     return next;
   }
-  /// l^2.
+  /// The square of the damping, l^2, from the square of the manipulability.
   [[nodiscard]] T squared(const T& w_squared) const noexcept { return max_squared_ * nearness(w_squared); }
-  /// `d(l^2)/dt = 2 l dl`, from the rate of the square of the manipulability.
+  /// The rate of the square of the damping, `d(l^2)/dt = 2 l dl`, from the rate of the square of the
+  /// manipulability.
   [[nodiscard]] T squared_rate(const T& w_squared, const T& w_squared_rate) const noexcept {
     const T r = T(1) - w_squared / (zone_ * zone_);
     return r > T(0) ? T(r * (r * max_squared_rate_ - T(2) * max_squared_ * w_squared_rate / (zone_ * zone_)))

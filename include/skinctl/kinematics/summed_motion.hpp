@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Magnitudes of ways, or of speeds, of a robot's joints, added up; metres and radians apart.
+/// Sums of the magnitudes of displacements, or speeds, of a robot's joints: radians and metres separately.
 ///
 /// Of a point within `reach` [m] of every axis that turns it, joint i has a column J_i of at most `reach`, or
 /// 1 if it slides. Joint j changes that column by at most `reach` if both turn, by 1 if one of them slides,
@@ -15,7 +15,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <Topology M, Real T>
 class SummedMotion {
  public:
-  /// Adds `x` of joint `i` [rad], [m], [rad/s], [m/s].
+  /// Adds the magnitude of the displacement or speed `x` of joint `i` [rad], [m], [rad/s], [m/s].
   SKINCTL_INLINE void add(std::size_t i, const T& x) noexcept {
     const T size = x < T(0) ? T(-x) : x;
     if constexpr (any_slides)
@@ -31,17 +31,18 @@ class SummedMotion {
     if constexpr (any_slides) out.slid_ = slid_ + other.slid_;
     return out;
   }
-  /// The way of the point is no longer: `sum |x_i| max |J_i|` [m].
+  /// Upper bound of the point's displacement or speed: `sum |x_i| max |J_i|` [m], [m/s].
   [[nodiscard]] SKINCTL_INLINE T way(const T& reach) const noexcept {
     if constexpr (any_slides) return reach * turned_ + slid_;
     return reach * turned_;
   }
-  /// Over the motion `over`, `J x` changes by no more: `sum |x_i| |y_j| max |dJ_i/dq_j|` [m].
+  /// Upper bound of the change of `J x` over the motion `over`: `sum |x_i| |y_j| max |dJ_i/dq_j|` [m], [m/s].
   [[nodiscard]] SKINCTL_INLINE T bend(const T& reach, const SummedMotion& over) const noexcept {
     if constexpr (any_slides)
       return reach * turned_ * over.turned_ + turned_ * over.slid_ + slid_ * over.turned_;
     return reach * turned_ * over.turned_;
   }
+  /// Upper bound of the change of `J x` over this motion itself.
   [[nodiscard]] SKINCTL_INLINE T bend(const T& reach) const noexcept { return bend(reach, *this); }
 
  private:

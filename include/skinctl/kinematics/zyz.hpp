@@ -24,7 +24,7 @@ struct Zyz {
   }
 };
 
-/// `Rz(phi) Ry(theta) Rz(psi)`.
+/// The rotation `Rz(phi) Ry(theta) Rz(psi)`.
 template <Scalar T>
 [[nodiscard]] Rotation<T> rotation_zyz(const Zyz<T>& angles) noexcept {
   const auto [sf, cf] = math::sincos(angles.phi);
@@ -44,7 +44,7 @@ template <Real T>
   if (angle >= -half_turn && angle <= half_turn) return angle;
   return atan2(T(sin(angle)), T(cos(angle)));
 }
-/// `a - b`, each difference wrapped to the shortest angle.
+/// The difference `a - b`, each angle wrapped to the shortest one.
 template <Real T>
 [[nodiscard]] Zyz<T> difference(const Zyz<T>& a, const Zyz<T>& b) noexcept {
   return {wrapped(T(a.phi - b.phi)), wrapped(T(a.theta - b.theta)), wrapped(T(a.psi - b.psi))};
@@ -116,7 +116,7 @@ class ZyzMap {
     slope_ = (d - st * (T(2) * st + dl2)) / (d * d);
   }
 
-  /// `B rates` [rad/s].
+  /// The angular velocity `B rates`, along the axes of the outer frame [rad/s].
   [[nodiscard]] SKINCTL_INLINE Xyz<T> operator*(const Zyz<T>& rates) const noexcept {
     const T across = sin_theta_ * rates.psi;
     return {cos_phi_ * across - sin_phi_ * rates.theta, sin_phi_ * across + cos_phi_ * rates.theta,
@@ -136,7 +136,7 @@ class ZyzMap {
     return {cos_phi_ * along - sin_phi_ * across, sin_phi_ * along + cos_phi_ * across,
             -(c.psi * rates.theta * sin_theta_)};
   }
-  /// `B^-1 omega`, damped near the singularity.
+  /// The rates of the angles `B^-1 omega`, damped near the singularity [rad/s].
   [[nodiscard]] SKINCTL_INLINE Zyz<T> solve(const Xyz<T>& omega) const noexcept {
     const T psi = inverse_ * (cos_phi_ * omega.x + sin_phi_ * omega.y);
     return {omega.z - cos_theta_ * psi, cos_phi_ * omega.y - sin_phi_ * omega.x, psi};
@@ -153,7 +153,7 @@ class ZyzMap {
     const T dpsi = inverse_ * dx + slope_ * cos_theta_ * rates.theta * x;
     return {domega.z - cos_theta_ * dpsi + sin_theta_ * rates.theta * psi, dy, dpsi};
   }
-  /// `det B = -sin theta`.
+  /// The determinant of B: `det B = -sin theta`.
   [[nodiscard]] SKINCTL_INLINE T determinant() const noexcept { return -sin_theta_; }
 
  private:

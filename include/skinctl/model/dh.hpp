@@ -13,7 +13,7 @@ struct DhRow {
   double theta = 0;  ///< angle about the joint's axis [rad]
   double d = 0;      ///< offset along the joint's axis [m]
   double a = 0;      ///< length of the common normal [m]
-  Angle alpha{};     ///< `Angle::quarter(k)` keeps right angles exact, and a static model folds them
+  Angle alpha{};     ///< angle from this joint's axis to the next; `Angle::quarter(k)` keeps it exact
 };
 
 /// The end of a standard row in the link's frame of the model: the next joint, or after the last row the

@@ -50,7 +50,7 @@ struct LinkParameters {
   constexpr T& operator[](LinkParameter p) noexcept { return numbers[std::size_t(p)]; }
   constexpr const T& operator[](LinkParameter p) const noexcept { return numbers[std::size_t(p)]; }
 
-  /// The same numbers in another scalar.
+  /// These parameters in another scalar.
   template <Scalar U>
   constexpr LinkParameters<U> cast() const {
     LinkParameters<U> out;
@@ -73,23 +73,23 @@ struct Angle {
 
 /// The placement of a joint in its parent link. See `LinkParameter`.
 struct JointPlacement {
-  double p[3] = {0, 0, 0};
+  double p[3] = {0, 0, 0};  ///< origin of the joint in the parent's frame [m]
   Angle alpha{};
   Angle gamma{};
-  double offset = 0;
-  Angle beta{};  ///< prismatic joints only
+  double offset = 0;  ///< offset of the joint, added to q [rad] or [m]
+  Angle beta{};       ///< constant turn of the link about z; prismatic joints only
 };
 
-/// Mass, centre of mass (link's frame) and inertia about the centre of mass (link's axes), as makers publish
-/// them.
+/// Mass [kg], centre of mass (link's frame) [m] and inertia about the centre of mass (link's axes) [kg m^2],
+/// as makers publish them.
 struct LinkInertia {
   double mass = 0;
   double c[3] = {0, 0, 0};
   double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 };
 
-/// Two bodies fixed to each other, both given in the same frame: a link and its tip, a flange and its
-/// payload.
+/// The inertia of two bodies fixed to each other, both given in the same frame: a link and its tip, a flange
+/// and its payload.
 constexpr LinkInertia combined(const LinkInertia& a, const LinkInertia& b) noexcept {
   LinkInertia sum;
   sum.mass = a.mass + b.mass;

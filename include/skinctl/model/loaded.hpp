@@ -18,7 +18,7 @@ class Loaded : public M {
   /// Carries `load` (in the frame of link L; see `seen_from`), nothing by default.
   explicit Loaded(const M& model, const LinkInertia& load = {}) : M(model) { carry(load); }
 
-  /// From now on link L carries `load` and nothing else: `{}` is no load. For use between cycles; no
+  /// Fixes `load` and nothing else to link L from now on: `{}` is no load. For use between cycles; no
   /// allocation. Throws `ConfigurationError` for a physically impossible load, and then changes nothing.
   void carry(const LinkInertia& load) {
     check_link(make_link({}, load));

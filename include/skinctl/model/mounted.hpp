@@ -25,7 +25,7 @@ class Mounted : public M {
   explicit Mounted(const M& model, const Rotation<double>& R_WB, double g = 9.81) : M(model) {
     mount(R_WB, g);
   }
-  /// The orientation of the base is `R_WB` from now on. Throws as the constructor does, and then changes
+  /// Sets the orientation of the base to `R_WB` from now on. Throws as the constructor does, and then changes
   /// nothing.
   void mount(const Rotation<double>& R_WB, double g = 9.81) {
     require(rotation_error(R_WB) <= 1e-6, "|R'R - 1| of a base's mounting", rotation_error(R_WB), "<= 1e-6");

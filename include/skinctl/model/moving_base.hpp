@@ -27,12 +27,12 @@ struct BaseState {
   T sigma_turn = T(0);  ///< standard deviation of the orientation, about each axis [rad]
 };
 
-/// What a robot on a moving base adds to the input of a cycle.
+/// The addition of a robot on a moving base to the input of a cycle.
 template <Real T = double>
 struct BaseInput {
   BaseState<T> base;  ///< the newest state of the base, with its own stamp
 };
-/// Its plain numbers, for recordings.
+/// Calls `f` with the plain numbers of a base's state, for recordings.
 template <Real T, class F>
 void each_number(BaseInput<T>& input, F&& f) {
   BaseState<T>& b = input.base;
@@ -48,14 +48,14 @@ void each_number(BaseInput<T>& input, F&& f) {
   f(b.sigma), f(b.sigma_turn);
 }
 
-/// What counts as a state of a base, and for how long.
+/// The ranges in which a state of a base counts, and for how long.
 struct MovingBaseSettings {
   double max_rate = 5;           ///< largest angular velocity of a base [rad/s], > 0, <= 100
   double max_acceleration = 30;  ///< largest acceleration of its origin [m/s^2], > 0, <= 1000
   double max_turning = 100;      ///< largest angular acceleration of a base [rad/s^2], > 0, <= 1e4
   Nanoseconds max_age = 100ms;   ///< age from which the motion of the base does not count any more, <= 10 s
-  Nanoseconds fade = 50ms;       ///< in the last part of `max_age` it fades to zero, > 0, <= max_age
-  Nanoseconds max_ahead = 50ms;  ///< by which a stamp may be later than the cycle, 0 to 1 s
+  Nanoseconds fade = 50ms;       ///< last part of `max_age`, in which the motion fades, > 0, <= max_age
+  Nanoseconds max_ahead = 50ms;  ///< largest time by which a stamp may be later than the cycle, 0 to 1 s
 };
 
 /// `M` on a base that is moved by others: `by_torque(OnMovingBase(model), ...)`. The input of its scene has
@@ -67,7 +67,7 @@ struct MovingBaseSettings {
 /// weighs on the slope, and stays behind neither in a curve nor when the base starts. Joints by position and
 /// velocity hold it by themselves.
 ///
-/// **Touch.** `WristSensor` and `MotorTouch` take it off, if made with this model.
+/// **Touch.** `WristSensor` and `MotorTouch` take the base's motion off, if made with this model.
 ///
 /// **Limits** are the robot's in its base: `MaxToolSpeed` is a speed in Base, to which that of the base is
 /// added; what is around is given in Base. (For a base that gives way put its joints before the arm's:
@@ -98,7 +98,7 @@ class OnMovingBase : public M {
             "0 to 1000 ms");
   }
   [[nodiscard]] const MovingBaseSettings& base_settings() const noexcept { return s_; }
-  /// The same robot on a base that stands.
+  /// The model of the same robot on a base that stands.
   [[nodiscard]] const M& at_rest() const noexcept { return *this; }
 
  private:

@@ -13,7 +13,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// The kind of a joint: its link moves about or along the z axis of the link's frame.
 enum class JointKind : unsigned char { revolute, prismatic };
 
-/// All links of a model of `n` joints.
+/// Mask of all links of a model of `n` joints.
 constexpr LinkMask all_links(std::size_t n) noexcept {
   return n >= 64 ? ~LinkMask(0) : (LinkMask(1) << n) - 1;
 }
@@ -27,7 +27,7 @@ concept Topology = requires {
   M::kinds[0];
 };
 
-/// Links on the path from the base to link `i`, itself included: the joints that move it.
+/// Mask of the links on the path from the base to link `i`, itself included: the joints that move it.
 template <Topology M>
 constexpr LinkMask ancestors(std::size_t i) noexcept {
   LinkMask mask = 0;
@@ -36,7 +36,7 @@ constexpr LinkMask ancestors(std::size_t i) noexcept {
   return mask;
 }
 
-/// All links on the paths from the base to the links of `mask`.
+/// Mask of all links on the paths from the base to the links of `mask`.
 template <Topology M>
 constexpr LinkMask closure(LinkMask mask) noexcept {
   LinkMask all = 0;
@@ -45,7 +45,7 @@ constexpr LinkMask closure(LinkMask mask) noexcept {
   return all;
 }
 
-/// Links carried by link `i`, itself included.
+/// Mask of the links that link `i` carries, itself included.
 template <Topology M>
 constexpr LinkMask subtree(std::size_t i) noexcept {
   LinkMask mask = 0;
@@ -54,7 +54,7 @@ constexpr LinkMask subtree(std::size_t i) noexcept {
   return mask;
 }
 
-/// True if the parents come before their children and there is no loop.
+/// Whether the parents come before their children, for 1 to 64 joints.
 template <Topology M>
 constexpr bool is_tree() noexcept {
   for (std::size_t i = 0; i < M::joints; ++i)
@@ -84,14 +84,14 @@ constexpr auto make_children() noexcept {
 template <Topology M, int P>
 inline constexpr auto children = detail::make_children<M, P>();
 
-/// The parents shared by every serial chain of `N` joints.
+/// The parent indices of every serial chain of `N` joints.
 template <std::size_t N>
 constexpr std::array<int, N> chain_parents() noexcept {
   std::array<int, N> p{};
   for (std::size_t i = 0; i < N; ++i) p[i] = static_cast<int>(i) - 1;
   return p;
 }
-/// `N` joints of one kind.
+/// The kinds of `N` joints that are all of one kind.
 template <std::size_t N>
 constexpr std::array<JointKind, N> all_of_kind(JointKind kind) noexcept {
   std::array<JointKind, N> k{};

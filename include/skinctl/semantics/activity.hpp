@@ -14,12 +14,12 @@ SKINCTL_BEGIN_NAMESPACE
 struct Facts {
   std::uint32_t bits = 0;
 
-  /// Whether all of `others` are among these.
+  /// Whether all of `others` are among these facts.
   [[nodiscard]] constexpr bool has(Facts others) const noexcept { return (others.bits & ~bits) == 0; }
   [[nodiscard]] constexpr bool any() const noexcept { return bits != 0; }
   friend constexpr Facts operator|(Facts a, Facts b) noexcept { return {a.bits | b.bits}; }
   friend constexpr Facts operator&(Facts a, Facts b) noexcept { return {a.bits & b.bits}; }
-  /// Those of `a` that are not in `b`.
+  /// The facts of `a` that are not in `b`.
   friend constexpr Facts operator-(Facts a, Facts b) noexcept { return {a.bits & ~b.bits}; }
   friend constexpr bool operator==(Facts, Facts) noexcept = default;
 };
@@ -32,11 +32,11 @@ inline constexpr Facts above{1u << 1};    ///< the hand stands above the object
 inline constexpr Facts around{1u << 2};   ///< the open hand is around the object
 inline constexpr Facts in_hand{1u << 3};  ///< the object is between the fingers
 inline constexpr Facts carried{1u << 4};  ///< the object in hand has been moved
-inline constexpr Facts good{1u << 5};     ///< judged
-inline constexpr Facts bad{1u << 6};
-inline constexpr Facts there{1u << 7};   ///< the hand is where the object shall be put
-inline constexpr Facts placed{1u << 8};  ///< the object has been put down
-inline constexpr Facts marked{1u << 9};  ///< the place of the landmark is known
+inline constexpr Facts good{1u << 5};     ///< the object in hand is judged good
+inline constexpr Facts bad{1u << 6};      ///< the object in hand is judged bad
+inline constexpr Facts there{1u << 7};    ///< the hand is where the object shall be put
+inline constexpr Facts placed{1u << 8};   ///< the object has been put down
+inline constexpr Facts marked{1u << 9};   ///< the place of the landmark is known
 template <unsigned K>
   requires(K < 16)
 inline constexpr Facts own{1u << (16 + K)};
@@ -53,7 +53,7 @@ struct Observed {
   const Facts held = f.in_hand ? fact::in_hand : fact::none, carried = f.carried ? fact::carried : fact::none;
   return {fact::in_hand | fact::carried, held | carried};
 }
-/// With what another sensor tells, a detector for one.
+/// `seen` with the facts `fact` of another sensor, for instance a detector: they are told, and hold or not.
 [[nodiscard]] constexpr Observed also(const Observed& seen, Facts fact, bool holds) noexcept {
   return {seen.told | fact, holds ? seen.hold | fact : seen.hold - fact};
 }
@@ -65,10 +65,10 @@ struct ActivityRule {
   Facts needs{};              ///< facts that hold when it begins, and until it ends, unless it removes them
   Facts forbids{};            ///< facts that do not hold when it begins
   Facts adds{};               ///< facts that hold when it is done
-  Facts removes{};            ///< facts that do not hold any more, done or not
+  Facts removes{};            ///< facts that do not hold any more when it is done, with either answer
   Facts adds_if_no{};         ///< facts that hold instead of `adds` when it ends with the answer no
   Nanoseconds timeout = 20s;  ///< time after which the activity has failed
-  std::uint8_t retries = 1;   ///< times that it begins anew before the plan goes back
+  std::uint8_t retries = 1;   ///< times that it begins anew after a failure, before the plan goes back
 };
 
 /// The type of an activity: `struct Turn { static constexpr ActivityRule rule{...}; };`. It is a key of a
@@ -78,9 +78,9 @@ concept PlannedActivity = requires {
   { A::rule } -> std::same_as<const ActivityRule&>;
 };
 
-/// The activities of section 6.
+/// The activities of the library; section 6 of the paper.
 namespace activity {
-struct Look {  ///< looks for an object of this role; no: there is none
+struct Look {  ///< looks for an object of this role; answer no: there is none
   static constexpr ActivityRule rule{.name = "look", .adds = fact::seen, .timeout = 2s, .retries = 2};
 };
 struct ReachAbove {
@@ -109,7 +109,7 @@ struct Take {
                                      .removes = fact::seen | fact::around,
                                      .timeout = 4s};
 };
-struct Squeeze {  ///< squeezes the object to judge it; no: it is bad
+struct Squeeze {  ///< squeezes the object to judge it; answer no: it is bad
   static constexpr ActivityRule rule{.name = "squeeze",
                                      .word = Activity::squeeze,
                                      .needs = fact::in_hand,

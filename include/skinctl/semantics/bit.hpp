@@ -21,7 +21,7 @@ template <Real T = double>
 class Bit {
  public:
   struct Settings {
-    T on{}, off{};  ///< thresholds, `off <= on`, in the signal's unit
+    T on{}, off{};  ///< thresholds of the rise and of the fall, `off <= on`, in the signal's unit
     Nanoseconds on_after{}, off_after{};
   };
   /// Trivially copyable; `Memory{}` is down and has seen no sample.
@@ -78,7 +78,7 @@ class Bit {
     m.value = x;
     return {};
   }
-  /// Down, or up, from `time` on, whatever the signal was.
+  /// Sets the bit to `on` from `time` on, and forgets the samples before.
   static void set(Memory& m, bool on, Nanoseconds time) noexcept {
     m = Memory{};
     m.on = on;
@@ -86,7 +86,7 @@ class Bit {
   }
 
  private:
-  /// Whether `x` is on the other side of the threshold that ends the present value.
+  /// Whether `x` is on the other side of the threshold that ends the present value `on`.
   [[nodiscard]] bool away(bool on, const T& x) const noexcept { return on ? x < s_.off : x >= s_.on; }
   [[nodiscard]] Nanoseconds crossing(const Memory& m, Nanoseconds time, const T& x) const noexcept {
     const T rise = x - m.value, share = rise == T(0) ? T(0) : T(((m.on ? s_.off : s_.on) - m.value) / rise);

@@ -14,7 +14,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `A` numbers, and the label of their class.
+/// An example to learn from: `A` numbers, and the label of their class.
 template <std::size_t A>
 struct Example {
   std::array<double, A> x{};
@@ -25,16 +25,17 @@ struct Example {
 struct TreeSettings {
   double confidence = 0.25;  ///< confidence of the pessimistic pruning; smaller: prunes more
   std::size_t min_leaf = 0;  ///< examples on each side of a split; 0: max(5, n / 400)
-  std::size_t deepest = 24;  ///< levels; `classify` visits no more
+  std::size_t deepest = 24;  ///< largest number of levels; `classify` visits no more nodes
 };
 
-/// C4.5 (Quinlan 1993) for numbers: a node splits at the threshold with the largest ratio of gain to split
-/// information among those whose gain reaches the mean; the gain of a threshold pays `log2(distinct) / n` for
-/// its choice. A subtree whose pessimistic error (upper limit at `confidence`) is not below that of a leaf
-/// becomes one.
+/// A decision tree over numbers, learnt by C4.5 (Quinlan 1993): a node splits at the threshold with the
+/// largest ratio of gain to split information among those whose gain reaches the mean; the gain of a
+/// threshold pays `log2(distinct) / n` for its choice. A subtree whose pessimistic error (upper limit at
+/// `confidence`) is not below that of a leaf becomes one.
 ///
-/// Learning allocates, and throws `ConfigurationError` for examples that are none. Classifying does neither,
-/// and visits at most `deepest` nodes; a NaN goes where small numbers go.
+/// Learning allocates, and throws `ConfigurationError` for settings out of range, no examples, a label that
+/// is no class or a number that is not finite. Classifying does neither, and visits at most `deepest` nodes;
+/// a NaN goes where small numbers go.
 ///
 /// @tparam A  how many numbers an example has. @tparam Classes how many labels there are, 0 to `Classes - 1`.
 template <std::size_t A, std::size_t Classes>
@@ -43,7 +44,7 @@ class DecisionTree {
   using Counts = std::array<double, Classes>;
 
  public:
-  /// A leaf has no children: `above` is 0.
+  /// A node of the tree. A leaf has no children: its `above` is 0.
   struct Node {
     double threshold = 0;
     std::uint32_t above = 0;  ///< node where the number exceeds the threshold; the other one is the next node
@@ -109,7 +110,8 @@ class DecisionTree {
         if (c > 0) bits -= c / n * std::log2(c / n);
       return bits;
     }
-    /// The deviations above the mean beyond which a share `confidence` of a normal distribution lies.
+    /// The deviations from the mean beyond which a share `confidence` of a normal distribution lies, above
+    /// it.
     [[nodiscard]] double quantile() const {
       double low = 0, high = 10;
       for (int i = 0; i < 60; ++i) {

@@ -28,11 +28,11 @@ template <Frame W = World>
 struct Deed {
   Verb verb = Verb::take;
   ObjectClass role = 0;             ///< class of the object in hand
-  ObjectClass mark = 0;             ///< class of the landmark that it is done at; 0: the world
-  Nanoseconds time{};               ///< begin
+  ObjectClass mark = 0;             ///< class of the landmark at which it is done; 0: the world
+  Nanoseconds time{};               ///< begin of the deed
   double sigma = 0;                 ///< standard deviation of the hand's position while it stood [m]
   double felt = 0;                  ///< stiffness that a squeeze felt [N/m]; NaN: not known
-  std::vector<TaughtPlace> places;  ///< the hand in the world, then in each landmark's frame, nearest first
+  std::vector<TaughtPlace> places;  ///< hand in the world, then in each landmark's frame, nearest first
   [[nodiscard]] TaughtPlace at(ObjectClass wanted) const noexcept {
     for (const auto& p : places)
       if (p.mark == wanted) return p;
@@ -85,12 +85,12 @@ enum class Refusal : std::uint8_t {
 
 /// Numbers of the deeds.
 struct DeedSettings {
-  std::uint64_t containers = ~std::uint64_t(0);  ///< bit k: things of class k < 64 are landmarks to put to
+  std::uint64_t containers = ~std::uint64_t(0);  ///< bit k: class k < 64 is a landmark of releases
   double reach = 0.15;           ///< greatest distance from the hand of a thing that is taken [m]
   double near_container = 0.15;  ///< a release is relative to a container nearer to the hand than this [m]
   double near_used = 0.25;       ///< a tool is used on a thing nearer than this [m]
-  double ball = 0.25;            ///< radius of the ball of a use, as a share of how far it was carried
-  double used = 3.5;             ///< way inside that ball, in its radii; passing through: 2
+  double ball = 0.25;            ///< radius of the ball of a use, as a share of how far the tool was carried
+  double used = 3.5;             ///< shortest path of a use inside that ball, in radii; straight through: 2
 };
 
 /// Throws `ConfigurationError` for a number out of its range.
@@ -136,12 +136,12 @@ class DeedReader {
 
  private:
   static constexpr std::size_t looks = 30;  ///< newest detections of a thing, of which the middle counts
-  static constexpr Nanoseconds longest_stand = 500ms;  ///< to each side of a deed
+  static constexpr Nanoseconds longest_stand = 500ms;  ///< longest stand that counts, to each side of a deed
   static constexpr Nanoseconds let_go = 100ms;         ///< time after which a thing lies where it was put
 
   struct Known {
     ObjectPose<W> X_WO{};
-    Nanoseconds free{};  ///< since when it lies where it is
+    Nanoseconds free{};  ///< time since which it lies there
     bool placed = false;
   };
   [[nodiscard]] Nanoseconds time(std::size_t i) const {
@@ -149,7 +149,7 @@ class DeedReader {
   }
   [[nodiscard]] Xyz<double> hand(std::size_t i) const { return d_.hand[i].X_WH.origin(); }
 
-  /// Where a thing lies at an instant: the middle of its last detections since it was put there.
+  /// Whether a thing has a place at `at`; `X_WO`: middle of its last detections since it was put there.
   [[nodiscard]] bool find(std::size_t thing, Nanoseconds at, ObjectPose<W>& X_WO) const {
     std::vector<ObjectPose<W>> seen;
     for (auto d = std::upper_bound(d_.seen.begin(), d_.seen.end(), at,
@@ -165,7 +165,7 @@ class DeedReader {
       X_WO = known_[thing].X_WO;
     return !seen.empty() || known_[thing].placed;
   }
-  /// The thing nearest to the hand; the number of things if there is none.
+  /// The thing nearest to the hand at sample `i`; the number of things if there is none within `reach`.
   [[nodiscard]] std::size_t taken(std::size_t i) const {
     std::size_t best = d_.kinds.size();
     double nearest = s_.reach;
@@ -186,7 +186,7 @@ class DeedReader {
       ++s.end;
     return s;
   }
-  /// A deed at the middle of these poses.
+  /// A deed whose place is the middle of the given poses.
   [[nodiscard]] Deed<W> deed(Verb verb, std::size_t thing, Nanoseconds at,
                              const std::vector<Transform<W, Tool>>& poses) const {
     Deed<W> out;
@@ -236,7 +236,7 @@ class DeedReader {
     known_[thing] = {middle(poses(end)) * X_OH.inverse(), time(c.span.end) + let_go, true};
     return out;
   }
-  /// A tool is used where its way stays in a ball for longer than one that passes through.
+  /// Adds the use of a tool: its path in some ball is longer than that of one that passes through.
   void use(Episode<W>& out, Span in, std::size_t thing) const {
     const auto& p = segments_.p;
     double carried = 0;
@@ -264,9 +264,9 @@ class DeedReader {
   Segments segments_;
   std::vector<Known> known_;
 };
-inline constexpr Nanoseconds shortest_sample = 100us;  ///< more samples than that make no better recording
+inline constexpr Nanoseconds shortest_sample = 100us;  ///< shortest time between two samples
 
-/// Whether all numbers are finite, times rise, by 0.1 ms or more, and objects exist.
+/// Whether `d` has 10 samples, finite, at times that rise by 0.1 ms or more, and only objects that exist.
 template <Frame W>
 [[nodiscard]] bool is_recording(const Demonstration<W>& d) {
   const auto pose = [](const auto& X) {
@@ -287,10 +287,10 @@ template <Frame W>
 /// The deeds of a demonstration. Throws `ConfigurationError` for settings out of range.
 ///
 /// - Each contact is an episode: take, squeezes and a use in the order of time, release.
-/// - The pose of a deed is the middle of the stand in which it was done, in the world and in the frame of every thing
-///   that was seen. Its landmark is the nearest container within `near_container`, of a use any thing within
-///   `near_used`; else the world. Things that are carried lie where they were put until they are seen again.
-/// - A tool is used where its way inside a ball of `ball` times how far it was carried is longer than `used` radii.
+/// - The pose of a deed is the middle of its stand, in the world and in the frame of every thing seen. Its
+///   landmark is the nearest container within `near_container`, of a use any thing within `near_used`, else
+///   the world. Things that are carried lie where they were put until they are seen again.
+/// - A tool is used where its path in a ball, of `ball` times how far it was carried, exceeds `used` radii.
 template <Frame W = World>
 [[nodiscard]] Deeds<W> deeds_of(const Demonstration<W>& shown, const DeedSettings& settings = {}) {
   check(settings);

@@ -16,7 +16,7 @@ struct TaskWords {
 };
 
 namespace detail {
-/// In the quotes of DOT.
+/// The text as a string of DOT, in quotes and escaped.
 [[nodiscard]] inline std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -28,7 +28,7 @@ namespace detail {
 [[nodiscard]] inline std::string word(std::span<const char* const> words, std::size_t i) {
   return i < words.size() ? words[i] : std::to_string(i);
 }
-/// "put orange, box".
+/// The label of a step, for instance "put orange, box".
 [[nodiscard]] inline std::string says(const Step& s, const TaskWords& words) {
   std::string text = s.does->name;
   text += ' ' + word(words.roles, s.role);
@@ -40,7 +40,7 @@ namespace detail {
 }
 }  // namespace detail
 
-/// The graph in the language of Graphviz: done solid, no dashed, failed dotted.
+/// A task's graph in the language of Graphviz: edges `done` are solid, `no` dashed, `failed` dotted.
 template <std::size_t N>
 [[nodiscard]] std::string to_dot(const TaughtTask<N>& task, const TaskWords& words = {}) {
   std::string out = "digraph " + detail::quoted(task.name) + " {\n  node [shape=box];\n";

@@ -15,7 +15,7 @@ enum class StepFailure : std::uint8_t {
   fact_lost,     ///< a fact that the step needs was seen to hold no more
   fact_missing,  ///< a needed fact was not seen at the begin, or an added one at the end
   fact_present,  ///< a forbidden fact was seen at the begin
-  no_answer,     ///< the answer was no, and the task has no way on from there
+  no_answer,     ///< the answer was no, and the task has no edge for it
   place          ///< the place was not granted in time
 };
 [[nodiscard]] constexpr const char* describe(StepFailure failure) noexcept {
@@ -41,7 +41,7 @@ struct StepRequest {
     finished  ///< the task is done; the robot holds
   };
   Kind kind = Kind::wait;
-  StepFailure why = StepFailure::none;  ///< the last failure
+  StepFailure why = StepFailure::none;  ///< reason of the last failure
   std::uint8_t step = 0;
   std::uint8_t role = 0;
   std::uint8_t place = no_place;
@@ -65,7 +65,7 @@ struct ExecutorSettings {
   Nanoseconds confirm =
       300ms;  ///< longest time after the end of a skill until its added and removed facts are seen
   Nanoseconds max_place_wait = 30s;  ///< longest wait for a place
-  std::uint8_t reverses = 3;         ///< a task goes back this often; then it asks
+  std::uint8_t reverses = 3;         ///< number of times that a task goes back before it asks a person
 };
 
 /// Executes a task. Immutable; `step` is a pure function from a memory of 24 bytes to a request and the next
@@ -77,7 +77,7 @@ struct ExecutorSettings {
 ///
 /// A step that fails begins anew `retries` times if its needs are still seen; then the robot goes back (the
 /// activity `Reverse`), and the task goes on with the step's `failed`. A task that has gone back `reverses`
-/// times, or that fails to go back, asks, and so does one whose `failed` says so.
+/// times, or that fails to go back, asks a person, and so does one whose `failed` is `ask_person`.
 template <std::size_t N>
 class Executor {
  public:
@@ -85,7 +85,7 @@ class Executor {
   struct Memory {
     Nanoseconds since{};       ///< start of the phase
     Facts facts{};             ///< facts that hold by what has been done
-    std::uint32_t unseen = 0;  ///< time for which a needed fact has not been seen [us]
+    std::uint32_t unseen = 0;  ///< time at which the needed facts were seen last, from `since` on [us]
     std::uint16_t ticket = 0;  ///< number of the last request
     std::uint8_t step = 0;
     Phase phase : 4 = Phase::begin;
@@ -111,7 +111,7 @@ class Executor {
             milliseconds(s.max_place_wait), "0 to 1e6 ms");
   }
   [[nodiscard]] const TaughtTask<N>& task() const noexcept { return task_; }
-  /// The memory with which it begins, at the instant `now`. Tickets count on from `ticket`.
+  /// The memory with which the task begins, at the instant `now`. Tickets count on from `ticket`.
   [[nodiscard]] Memory start(Nanoseconds now, std::uint16_t ticket = 0) const noexcept {
     Memory m;
     m.since = now;
@@ -120,12 +120,12 @@ class Executor {
     return m;
   }
 
-  /// `m` with no ways back counted: for a failure that the world has explained.
+  /// `m` with its count of ways back at 0: for a failure that the world has explained.
   [[nodiscard]] static Memory forgiven(Memory m) noexcept {
     m.reverses = 0;
     return m;
   }
-  /// `m` calling a person from `now` on; the answer leads on as from a failure of its step.
+  /// `m` that calls a person from `now` on; with `resume` it goes on as after a failure of its step.
   [[nodiscard]] static Memory asking(Memory m, Nanoseconds now) noexcept {
     to(m, now, Phase::ask);
     return m;
@@ -172,7 +172,7 @@ class Executor {
     m.since = now;
     m.unseen = 0;
   }
-  /// The next number of a request; 0 is none.
+  /// Counts up the ticket; 0 is none.
   static void number(Memory& m) noexcept {
     m.ticket = m.ticket == 0xffff ? std::uint16_t(1) : std::uint16_t(m.ticket + 1);
   }
@@ -191,7 +191,7 @@ class Executor {
   [[nodiscard]] Facts needs(const Memory& m) const noexcept {
     return task_.steps[m.step].does->needs | task_.steps[m.step].needs;
   }
-  /// Counts how long something has not been seen, in a phase that began at `since`.
+  /// Whether something has not been seen for `limit` or longer; the phase began at `m.since`.
   static bool unseen_for(Memory& m, const StepInput& in, bool seen, Nanoseconds limit) noexcept {
     // The instant when it was last seen, relative to the start of the phase: 32 bits of microseconds last an
     // hour.
@@ -241,7 +241,7 @@ class Executor {
     }
     if (in.now - m.since >= rule.timeout) fail(m, in, StepFailure::timeout, true);
   }
-  /// The answer is the one that the report brought with it: it is read in the cycles of this phase as well.
+  /// Waits until the effects of the step are seen. The answer of the report is read in this phase as well.
   void confirm(Memory& m, const StepInput& in, const ActivityRule& rule) const noexcept {
     const bool no = !in.answer && task_.steps[m.step].no != nowhere;
     const Facts now = detail::after(rule, m.facts, no);

@@ -29,16 +29,16 @@ struct Features {
   bool squeezed = false;          ///< the carried object is pressed harder than it was held
   bool carried = false;           ///< the object has been moved since contact
   bool tool = false;              ///< the object is a tool, and another object is near
-  bool left = true;               ///< the hand has gone away from what it released last
+  bool left = true;               ///< the hand has gone away from the object that it released last
   std::uint8_t held = no_object;  ///< the object in hand, or the last one that was
   std::uint8_t near = no_object;  ///< the other object nearest to the hand
   ObjectClass held_kind = 0, near_kind = 0;
 
   // The numbers behind the bits.
   double speed = 0;          ///< speed of the hand [m/s]
-  double force = 0;          ///< filtered [N]
-  double ratio = 0;          ///< force over holding force, while something is in hand
-  double moved = 0;          ///< distance from where contact began, or ended [m]
+  double force = 0;          ///< filtered force of the fingers [N]
+  double ratio = 0;          ///< force over holding force while something is in hand; else 0
+  double moved = 0;          ///< distance of the hand from where contact began, or ended [m]
   double near_distance = 0;  ///< distance of the hand from `near` [m]; 10 where there is none
   double elapsed = 0;        ///< time since contact began, or ended [s]; at most 10
 };
@@ -50,10 +50,10 @@ struct FeatureSettings {
   Nanoseconds force_filter = 4ms;                    ///< time constant of the force's low pass
   Bit<>::Settings in_hand{0.5, 0.25, 8ms, 8ms};      ///< thresholds of the filtered force [N]
   Bit<>::Settings squeezed{1.45, 1.33, 8ms, 8ms};    ///< thresholds of force over holding force
-  double carried = 0.015;                            ///< moved further than this since contact [m]
-  double grasp_reach = 0.15;                         ///< an object in hand was at most this far from it [m]
+  double carried = 0.015;                            ///< distance since contact, of a carried object [m]
+  double grasp_reach = 0.15;                         ///< largest distance of an object that it takes [m]
   std::uint64_t tools = 0;                           ///< bit k: objects of class k < 64 are tools
-  double tool_near = 0.15, tool_far = 0.16;          ///< another object is near a tool; is no longer [m]
+  double tool_near = 0.15, tool_far = 0.16;          ///< nearness to a tool: begin and end distance [m]
   double left_stopped = 0.02;  ///< a hand that stopped this far from what it released has left it [m]
   double left_heading = 0.06;  ///< a hand this far away, heading for another object, has left it [m]
   double heading = 0.95;  ///< cosine between velocity and direction from which a hand heads for an object
@@ -68,13 +68,14 @@ struct FeatureSettings {
 /// | moving | the hand is faster than 0.035 m/s for 10 ms, until slower than 0.025 for 20 ms |
 /// | in_hand | the fingers press with 0.5 N for 8 ms, until with less than 0.25 N for 8 ms |
 /// | carried | the hand has moved by 15 mm since contact; until release |
-/// | squeezed | if carried: 1.45 times the holding force (its maximum until carried), until below 1.33 times |
+/// | squeezed | if carried: 1.45 times the holding force (its maximum until carried), until below 1.33 |
 /// | tool | what is held is a tool, and another object is nearer than 0.15 m |
-/// | left | after a release: stopped after 20 mm; or 60 mm away and heading for another object; or after 1.5 s |
+/// | left | after a release: stopped after 20 mm; or 60 mm off, heading for another object; or after 1.5 s |
 ///
-/// The object in hand is the nearest one when contact began. Whether the signals suffice: three deviations of
-/// the speed, as follow from those of the positions and their rate, are below the threshold at which a hand
-/// stands. A hand that only a camera sees is unknown, and so is one whose fingers do not feel.
+/// The object in hand is the nearest one when contact began. A sample is `known` if the signals suffice:
+/// three deviations of the speed, as follow from those of the positions and their rate, are below the
+/// threshold at which a hand stands. A hand that only a camera sees is unknown, and so is one whose fingers
+/// do not feel.
 template <Frame W = World>
 class FeatureExtractor {
  public:
@@ -83,13 +84,13 @@ class FeatureExtractor {
     LowPass<double>::Memory force{};
     Bit<>::Memory moving{}, in_hand{}, squeezed{}, tool{};
     Features last{};
-    Xyz<double> begun{0, 0, 0};        ///< place of the hand where contact began or ended [m]
-    Xyz<double> p{0, 0, 0};            ///< place of the hand [m]
-    Xyz<double> touched{0, 0, 0};      ///< place of the hand when the fingers began to press [m]
+    Xyz<double> begun{0, 0, 0};        ///< position of the hand where contact began or ended [m]
+    Xyz<double> p{0, 0, 0};            ///< position of the hand [m]
+    Xyz<double> touched{0, 0, 0};      ///< position of the hand when the fingers began to press [m]
     Nanoseconds changed{};             ///< time at which contact began or ended
     double period = 0;                 ///< filtered period of the samples [s]
     double holding = 0;                ///< largest force until the object was carried [N]
-    std::uint8_t nearest = no_object;  ///< object when the fingers began to press
+    std::uint8_t nearest = no_object;  ///< object nearest to the hand when the fingers began to press
     std::uint8_t released = no_object;
     bool started = false;
   };
@@ -128,8 +129,8 @@ class FeatureExtractor {
     return 3 * speed_.noise(sigma, period) <= s_.moving.off;
   }
 
-  /// Takes a sample of the hand; the world's held object follows it. A sample that is not finite or older
-  /// than the last one changes nothing but `known`, which is false then.
+  /// Takes a sample of the hand and returns the features; the world's held object follows the hand. A sample
+  /// that is not finite or older than the last one changes nothing but `known`, which is false then.
   template <std::size_t Capacity>
   Features step(Memory& m, const ObjectWorld<Capacity, W>& world,
                 typename ObjectWorld<Capacity, W>::Memory& objects,
@@ -170,7 +171,7 @@ class FeatureExtractor {
   }
   static void changed(Features& f, Nanoseconds at) noexcept { f.event = at > f.event ? at : f.event; }
 
-  /// Contact begins or ends.
+  /// Updates the contact, where it begins or ends.
   template <class Objects, class Known>
   void contact(Memory& m, const Objects& world, Known& objects, const HandSample<W>& hand) const noexcept {
     Features& f = m.last;
@@ -199,7 +200,7 @@ class FeatureExtractor {
     }
   }
 
-  /// What follows from where the hand is.
+  /// Updates the features that follow from the place of the hand.
   template <class Objects, class Known>
   void follow(Memory& m, const Objects& world, Known& objects, const HandSample<W>& hand) const noexcept {
     Features& f = m.last;
@@ -230,7 +231,7 @@ class FeatureExtractor {
     f.tool = m.tool.on;
   }
 
-  /// Whether the hand goes away from what it released.
+  /// Updates `left`: whether the hand goes away from the object that it released.
   template <class Objects, class Known>
   void leave(Memory& m, const Objects&, const Known& objects) const noexcept {
     Features& f = m.last;

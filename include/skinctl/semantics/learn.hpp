@@ -13,8 +13,8 @@ struct LearnSettings {
   DeedSettings deeds{};
   double min_gap = 1.25;     ///< smallest ratio of the stiffnesses that were felt on both sides of a border
   double same_place = 0.15;  ///< places in the world that are nearer than this are one [m]
-  double closer = 3;         ///< another frame is taken if places lie closer in it by this factor, ...
-  double unclear = 1.5;      ///< ... and the person is asked if by this one
+  double closer = 3;         ///< factor by which places lie closer in another frame that is taken
+  double unclear = 1.5;      ///< smaller factor from which on the person is asked for the frame
   double exact = 0.005;      ///< spread of places below which frames do not differ [m]
 };
 
@@ -171,7 +171,7 @@ class Learner {
     if (loops) out_.task.steps[look].no = next;
   }
 
-  /// The steps of these deeds, with the activities that add what they need.
+  /// Adds the steps of deeds `from` to `to - 1`, with the activities that add the facts that they need.
   void deeds(const Way<W>& way, std::size_t from, std::size_t to, std::uint8_t look, Facts judged) {
     for (std::size_t k = from; k < to; ++k) {
       const Verb verb = way.front()[k].verb;
@@ -213,8 +213,8 @@ class Learner {
     t.places[t.place_count] = at;
     return t.place_count++;
   }
-  /// The middle of where these were done. In the frame of the first one's landmark; from several
-  /// demonstrations in the one in which the places lie much closer.
+  /// The mean place of deed `k`: in the frame of the landmark of the first episode's deed; of a release in
+  /// several demonstrations, in the frame in which the places lie much closer.
   [[nodiscard]] TaughtPlace frame(const Way<W>& way, std::size_t k) {
     const Deed<W>& first = way.front()[k];
     const auto all = [&](ObjectClass mark) {
@@ -259,9 +259,10 @@ class Learner {
 ///
 /// - Episodes of one kind of thing are one loop, "until none is left", if there are more of them than
 ///   demonstrations. Kinds follow each other as they were shown.
-/// - Where episodes of a kind part, the last squeeze that separates them is the branch: its border is the
-///   geometric middle between the softest of one way and the hardest of the other.
-/// - With more than two demonstrations a sequence that occurs once is a slip.
+/// - Where episodes of a kind differ from some deed on, the last squeeze before it that separates them is the
+///   branch: its border is the geometric mean of the softest of the harder things and the hardest of the
+///   others.
+/// - With more than two demonstrations a sequence that occurs once is a slip, and does not count.
 /// - Motions are not taught: a deed needs that something is seen, the hand above it, around it, the landmark
 ///   found.
 template <std::size_t C = 32, Frame W = World>

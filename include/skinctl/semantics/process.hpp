@@ -7,7 +7,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// No constant expression: the compiler stops, and prints the line with the error.
+/// Is no constant expression: the compiler stops, and prints the line with the error.
 inline void wrong(TaskError) noexcept {}
 
 template <std::size_t C>
@@ -48,7 +48,7 @@ template <std::size_t C>
 }
 }  // namespace detail
 
-/// A task of these steps, if `check` finds nothing; a wrong one does not compile, and the error says why.
+/// A task of the given steps. One in which `check` finds a fault does not compile, and the error says why.
 template <std::same_as<Step>... S>
   requires(sizeof...(S) > 0 && sizeof...(S) < nowhere)
 [[nodiscard]] consteval TaughtTask<sizeof...(S)> task(const char* name, Facts begins, const S&... steps) {
@@ -60,7 +60,7 @@ template <std::same_as<Step>... S>
   return detail::proved(t);
 }
 
-/// A process: tasks one after the other. It is a task again, and proved as one.
+/// A process: tasks one after the other, as one task, which is proved as a whole.
 template <std::size_t... N>
   requires(sizeof...(N) > 1 && (N + ...) < nowhere)
 [[nodiscard]] consteval TaughtTask<(N + ...)> process(const char* name, const TaughtTask<N>&... tasks) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The activity of a hand by a learnt tree, since when, and whether it has stood long enough to be relied upon.
+// The activity of a hand by a learnt tree, its beginning, and whether it has stood long enough to rely on.
 #pragma once
 
 #include "skinctl/semantics/decision_tree.hpp"
@@ -7,15 +7,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The features as numbers: the six bits, and what is behind them.
+/// How many numbers features have: six bits, and six quantities behind them.
 inline constexpr std::size_t feature_numbers = 12;
 [[nodiscard]] inline std::array<double, feature_numbers> numbers(const Features& f) noexcept {
   const auto bit = [](bool b) { return b ? 1.0 : 0.0; };
   return {bit(f.moving), bit(f.in_hand), bit(f.squeezed), bit(f.carried), bit(f.tool), bit(f.left),
           f.speed,       f.force,        f.ratio,         f.moved,        f.elapsed,   f.near_distance};
 }
-/// A tree that tells activities, and an example to learn it from.
+/// A tree that tells activities from the numbers of features.
 using ActivityTree = DecisionTree<feature_numbers, activities>;
+/// An example to learn the tree from: features, and the activity that they show.
 [[nodiscard]] inline Example<feature_numbers> example(const Features& f, Activity a) noexcept {
   return {numbers(f), static_cast<std::uint8_t>(a)};
 }

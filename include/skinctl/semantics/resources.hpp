@@ -15,9 +15,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// A robot's request for shared places in a cycle.
 struct PlaceRequest {
   std::uint8_t wants = 255;  ///< place that the robot needs next; 255: none
-  std::uint32_t leaves = 0;  ///< bit k: the robot does not need place k any more, and is away from it
+  std::uint32_t leaves = 0;  ///< bit k: the robot does not need place k any more; it leaves once it is away
   bool failed = false;  ///< the step failed, or asks: the robot leaves all that it is away from, see `away`
-  std::uint32_t away = ~std::uint32_t(0);  ///< bit k: it is further than `Resources::clear` from place k
+  std::uint32_t away = ~std::uint32_t(0);  ///< bit k: the robot is away from place k
 };
 
 /// Shared places: `Places` of them, for `Robots` robots.
@@ -43,10 +43,10 @@ class Resources {
     std::array<Nanoseconds, Robots> waits_since{};
   };
   struct Grant {
-    bool granted = false;     ///< the robot holds the places that it wants
+    bool granted = false;     ///< the robot holds the place that it wants, or wants none
     bool refused = false;     ///< the request is against the order, or there is no such place
     bool overdue = false;     ///< the robot holds a place for too long
-    std::uint32_t holds = 0;  ///< bit k: it holds place k
+    std::uint32_t holds = 0;  ///< bit k: the robot holds place k
   };
   struct Result {
     std::array<Grant, Robots> grants;  ///< answers to the robots' requests

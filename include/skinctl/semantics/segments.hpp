@@ -25,9 +25,9 @@ struct ShownSample {
 struct ShownSqueeze {
   Span span{};
   double felt =
-      std::numeric_limits<double>::quiet_NaN();  ///< stiffness [N/m]; NaN: the fingers' way is not known
+      std::numeric_limits<double>::quiet_NaN();  ///< stiffness of the object [N/m]; NaN: not measured
 };
-/// Something is between the fingers.
+/// A contact: the span in which something is between the fingers, and the squeezes in it.
 struct ShownContact {
   Span span{};
   std::vector<ShownSqueeze> squeezes;
@@ -37,12 +37,12 @@ struct Segments {
   std::vector<ShownContact> contacts;
   std::vector<char> moving;    ///< 1: the hand moves; one per sample
   std::vector<Xyz<double>> p;  ///< smoothed positions of the hand [m]; one per sample
-  double smoothing = 0;        ///< deviation of the Gaussian [s]
+  double smoothing = 0;        ///< deviation of the Gaussian that smooths the positions [s]
   double fast = 0;             ///< 90 % quantile of the speed [m/s]
-  double noise = 0;            ///< standard deviation of the speed [m/s]
+  double noise = 0;            ///< root mean square of the noise of the velocity [m/s]
   double grip = 0;             ///< typical force while something is in hand [N]
   double force_noise = 0;      ///< deviation of the force from sample to sample [N]
-  double stands = 0;           ///< largest speed where fingers close or open, median [m/s]
+  double stands = 0;           ///< largest speed about a change of contact, median of all [m/s]
   double moves_on = 0;         ///< a hand faster than this moves [m/s]
 };
 
@@ -100,7 +100,7 @@ class Cutter {
              [&](std::size_t i) { return quick[i] < off; }))
       out_.contacts.push_back({s, {}});
   }
-  /// Where fingers close or open the hand stands.
+  /// Finds where the hand moves. At a change of contact it stands: its speed there is that of a hand at rest.
   void motion() {
     std::vector<double> largest;
     const auto change = [&](std::size_t i) {
@@ -125,7 +125,7 @@ class Cutter {
       std::fill(out_.moving.begin() + static_cast<std::ptrdiff_t>(s.begin),
                 out_.moving.begin() + static_cast<std::ptrdiff_t>(s.end), char(1));
   }
-  /// Two levels of force, further apart than the force wanders on the way.
+  /// Finds squeezes: two levels of force, further apart than the force wanders on the way.
   void squeezes(ShownContact& c) {
     Span in = c.span;
     while (in.begin < in.end && at_[in.begin] - at_[c.span.begin] < edge) ++in.begin;
@@ -156,7 +156,8 @@ class Cutter {
       if (2 * static_cast<std::size_t>(slow) > s.end - s.begin) c.squeezes.push_back({s, felt(in, s)});
     }
   }
-  /// Force over the way of the fingers, between holding and squeezing.
+  /// Stiffness [N/m] of the object: change of the force over the closing of the fingers, from holding to
+  /// squeezing; NaN: not known.
   [[nodiscard]] double felt(Span contact, Span s) const {
     std::vector<double> f[2], x[2];
     for (std::size_t i = contact.begin; i < contact.end; ++i) {
@@ -173,38 +174,39 @@ class Cutter {
   }
 
   static constexpr double sigmas[] = {0.01,  0.016, 0.025, 0.04,
-                                      0.063, 0.1,   0.16,  0.25};  ///< of Gaussians [s]
-  static constexpr double clean = 0.02;  ///< noise over fast motions that needs no longer Gaussian
-  static constexpr double worth = 0.6;   ///< share of the noise that a longer Gaussian must come below
+                                      0.063, 0.1,   0.16,  0.25};  ///< deviations of the Gaussians [s]
+  static constexpr double clean = 0.02;  ///< noise, as a share of `fast`, that needs no longer Gaussian
+  static constexpr double worth = 0.6;   ///< share of the noise below which a longer Gaussian must bring it
   static constexpr double surely = 5;    ///< deviations that noise does not reach
   static constexpr double likely = 3;    ///< deviations that noise reaches once in hundreds of samples
   static constexpr double pressed_from =
-      0.3;                                  ///< share of the 95 % quantile from which on something is in hand
+      0.3;                                  ///< share of the force's 95 % quantile that tells a thing in hand
   static constexpr double held_from = 0.2;  ///< share of the typical grip at which a contact begins
-  static constexpr double held_to = 0.1;    ///< share at which it has ended
-  static constexpr double shortest = 0.06;  ///< contact, squeeze or gap, beyond what bounces [s]
+  static constexpr double held_to = 0.1;    ///< share of the typical grip below which it has ended
+  static constexpr double shortest = 0.06;  ///< shortest contact, squeeze or gap; shorter ones bounce [s]
   static constexpr double about = 0.05;     ///< time about a change of contact in which the hand stands [s]
-  static constexpr double moves_from = 0.06;   ///< share of fast motions at which a hand moves
+  static constexpr double moves_from = 0.06;   ///< share of the speed `fast` above which a hand moves
   static constexpr double moves_to = 0.67;     ///< share of that speed at which it has come to rest
   static constexpr double beyond = 1.3;        ///< margin over what was seen where nothing was meant
-  static constexpr double just_beyond = 1.1;   ///< margin over the same, of a hand that comes to rest
-  static constexpr double on_way = 0.25;       ///< share of fast motions at which nobody squeezes
+  static constexpr double just_beyond = 1.1;   ///< margin over the speed `stands`, to come to rest
+  static constexpr double on_way = 0.25;       ///< share of the speed `fast` above which nobody squeezes
   static constexpr double level_sigma = 0.03;  ///< deviation of the Gaussian over a grip [s]
-  static constexpr double harder = 0.12;       ///< least share by which a squeeze is harder than a grip
+  static constexpr double harder = 0.12;       ///< smallest share by which a squeeze is harder than a grip
   static constexpr double edge = 0.1;          ///< time in which fingers press or let go [s]
   std::vector<double> at_, force_, opening_, v_;
   Segments out_;
 };
 }  // namespace detail
 
-/// Cuts a recording, in the order of its times, with finite numbers. An empty one has no segments.
+/// The segments of a recording, whose times rise and whose numbers are finite; an empty one has none.
 ///
 /// - Positions are smoothed by a Gaussian without delay, of 10 to 250 ms: the shortest at which the noise of
 ///   the velocity is a fiftieth of the 90 % quantile of the speed; a longer one only if it cuts the noise to
 ///   60 %.
-/// - In hand: from 0.2 of the typical grip until below 0.1, at least 5 and 3 deviations of the force.
+/// - In hand: from 0.2 of the typical grip and 5 deviations of the force until below 0.1 or 3 deviations.
 /// - Moving: faster than 0.06 of the 90 % quantile, than 3 times the noise, and than 1.3 times the largest
-///   speed while fingers close or open, where the hand stands; until 0.67 of that, or 1.1 times the latter.
+///   speed while fingers close or open, where the hand stands, or than a quarter of the quantile; until 0.67
+///   of that, or 1.1 times the speed of the standing hand.
 /// - Squeezed: two levels of force in a contact, apart by more than 12 %, 5 deviations, and 1.3 times the
 ///   range in which the force wanders while the hand is on its way (faster than a quarter of the quantile),
 ///   where nobody squeezes; the hand stands for most of it.

@@ -30,7 +30,7 @@ struct SkillMap {
   std::array<Row, N> rows{};
 
   static constexpr std::uint8_t none = 255;
-  /// The skill of an activity, or `none`.
+  /// Index of the skill of an activity in the set, or `none`.
   [[nodiscard]] constexpr std::uint8_t operator()(const ActivityRule* does) const noexcept {
     for (const Row& r : rows)
       if (r.does == does) return r.skill;

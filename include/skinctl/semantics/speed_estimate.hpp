@@ -22,7 +22,7 @@ template <Real T = double>
 class SpeedEstimate {
  public:
   struct Settings {
-    Nanoseconds time_constant = 20ms;  ///< T_v
+    Nanoseconds time_constant = 20ms;  ///< T_v, time constant of the fading memory
     /// Longest gap between samples; after a longer one the velocity begins anew at 0.
     Nanoseconds longest = 200ms;
   };
@@ -74,7 +74,7 @@ class SpeedEstimate {
     const T h = seconds<T>(dt), gone = -expm1(-h * per_), alpha = gone * (T(2) - gone), beta = gone * gone;
     return sigma / h * beta * sqrt(T(2) / (alpha * (T(4) - T(2) * alpha - beta)));
   }
-  /// Delay of the velocity of a slow motion.
+  /// Delay of the estimated velocity behind a slow motion: 2 T_v.
   [[nodiscard]] Nanoseconds lag() const noexcept { return 2 * s_.time_constant; }
 
  private:

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Targets of a step besides another step.
 inline constexpr std::uint8_t finish = 254;      ///< the task is done
-inline constexpr std::uint8_t ask_person = 253;  ///< somebody has to look
+inline constexpr std::uint8_t ask_person = 253;  ///< a person is asked to look
 inline constexpr std::uint8_t nowhere = 252;     ///< an answer no of this step is a failure
 
 /// No place: the step acts where the hand or the object is.
@@ -28,7 +28,7 @@ struct Step {
   std::uint8_t done = finish;     ///< next step
   std::uint8_t failed = 0;        ///< next step when it has failed, after going back: one that needs nothing
   std::uint8_t no = nowhere;      ///< next step when the answer is no
-  std::uint8_t border = no_border;  ///< index of a border: the answer is yes if the stiffness felt is no less
+  std::uint8_t border = no_border;  ///< index of a border; answer yes: the felt stiffness is not below it
   Facts needs{};                    ///< facts that the step needs besides those of the activity
 };
 template <PlannedActivity A>
@@ -54,8 +54,8 @@ struct TaughtTask {
   std::uint8_t place_count = 0;                  ///< number of taught places; 0: places are the application's
   std::uint8_t border_count = 0;                 ///< number of borders
   Facts begins{};                                ///< facts that hold when the task begins
-  Facts ends{};                                  ///< facts that hold whenever it is finished; by `check`
-  std::array<Step, C> steps{};                   ///< the task begins with the first
+  Facts ends{};                                  ///< facts that hold when the task has ended; set by `check`
+  std::array<Step, C> steps{};                   ///< the steps; the task begins with the first
   std::array<TaughtPlace, max_places> places{};  ///< places where hands take, put and use
   std::array<double, max_borders> borders{};     ///< borders of the stiffness that a squeeze feels [N/m]
 };
@@ -104,12 +104,12 @@ struct StepFacts {
 };
 
 namespace detail {
-/// The facts behind a step's edges, of a set that holds before it.
+/// The facts after a step, from the facts `before` it; `no`: its answer is no.
 [[nodiscard]] constexpr Facts after(const ActivityRule& a, Facts before, bool no) noexcept {
   return (before - a.removes) | (no ? a.adds_if_no : a.adds);
 }
 
-/// Steps, edges and numbers that exist.
+/// The first fault of a task's parts: a step, an edge or a number that does not exist, or is out of range.
 template <std::size_t C>
 [[nodiscard]] constexpr TaskFault check_parts(const TaughtTask<C>& t) noexcept {
   if (t.size == 0 || t.size > C) return {TaskError::a_task_has_no_step_or_too_many, t.size, {}};
@@ -136,7 +136,7 @@ template <std::size_t C>
       return {TaskError::a_place_or_border_is_not_finite, i, {}};
   return {};
 }
-/// The first step without a way to the end, over done and no; `size`: none.
+/// The first step from which no edge done or no leads to the end; `size`: none.
 template <std::size_t C>
 [[nodiscard]] constexpr std::uint8_t without_end(const TaughtTask<C>& t) noexcept {
   std::array<bool, C> ends{};
@@ -154,9 +154,8 @@ template <std::size_t C>
 }  // namespace detail
 
 /// The facts that hold, and that may hold, before each step of a task whose edges exist: the fixed point over
-/// all edges, which is reached after at most 64 rounds per step. What is left of facts after a failure is
-/// unknown: none is proved, so the step that follows needs none; what may hold then is for the sensors to
-/// tell.
+/// all edges, which is reached after at most 64 rounds per step. After a failure the facts are unknown: none
+/// is proved, so the step that follows needs none; the sensors tell which of them hold.
 template <std::size_t C>
 [[nodiscard]] constexpr StepFacts<C> facts_of(const TaughtTask<C>& t) noexcept {
   StepFacts<C> out{};
@@ -188,7 +187,7 @@ template <std::size_t C>
   return out;
 }
 
-/// The proof of a task, when it is compiled and at run time; sets `ends`.
+/// Proves a task, when it is compiled or at run time: sets `ends`, and returns the first fault or none.
 ///
 /// Proved for every way through the graph, over the edges done, no and failed: each step can be reached, has
 /// a way to the end, and begins with the facts that it needs. After a failure nothing is taken for granted:
@@ -212,8 +211,8 @@ template <std::size_t C>
   return {};
 }
 
-/// The steps of `next` behind those of `t`, which then goes on where it finished; false if they have no room.
-/// To be checked again.
+/// Appends the steps of `next` to those of `t`, which goes on there instead of finishing. Returns false, and
+/// changes nothing, if they do not fit. The result has to be checked again.
 template <std::size_t C, std::size_t M>
 [[nodiscard]] constexpr bool append(TaughtTask<C>& t, TaughtTask<M> next) noexcept {
   const std::size_t by = t.size, places = t.place_count, borders = t.border_count;

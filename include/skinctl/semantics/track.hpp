@@ -10,7 +10,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <Real T = double>
 struct ClassDetection {
   Xyz<T> p_W{T(0), T(0), T(0)};  ///< place of the thing in the world [m]
-  T sigma = T(0.005);            ///< deviation of the place along each axis [m], 1e-6 to 100
+  T sigma = T(0.005);            ///< standard deviation of the place along each axis [m], 1e-6 to 100
   ObjectClass kind = 0;          ///< class of the thing; 0: none
 };
 
@@ -18,31 +18,31 @@ struct ClassDetection {
 template <Real T = double>
 struct Track {
   Xyz<T> p{T(0), T(0), T(0)};        ///< place in the world [m]
-  Xyz<T> touched{T(0), T(0), T(0)};  ///< position of the track when a hand found nothing there [m]
-  T sigma = T(0);                    ///< deviation of `p` along each axis [m]
-  T sight = T(0);                    ///< log odds by pictures
-  T touch = T(0);                    ///< log odds by failed takes, <= 0
-  Nanoseconds seen{};                ///< picture that showed it last
+  Xyz<T> touched{T(0), T(0), T(0)};  ///< value of `p` when the newest take here failed [m]
+  T sigma = T(0);                    ///< standard deviation of `p` along each axis [m]
+  T sight = T(0);                    ///< log odds that the thing is there, by pictures
+  T touch = T(0);                    ///< change of these log odds by failed takes, <= 0
+  Nanoseconds seen{};                ///< time of the newest picture that showed the thing
   ObjectClass kind = 0;              ///< class by majority; 0: the place in the memory is free
-  std::uint8_t votes = 0;            ///< pictures of this class, less those of others
-  std::uint8_t fails = 0;            ///< takes that failed here
-  bool real = false;                 ///< a take that failed touched or moved it
+  std::uint8_t votes = 0;            ///< pictures of this class less pictures of others
+  std::uint8_t fails = 0;            ///< number of takes that failed here
+  bool real = false;                 ///< a failed take touched or moved the thing: it is no ghost
 };
 
 /// Numbers of tracks. What they hold for a certain detector and gripper is measured there.
 template <Real T = double>
 struct TrackSettings {
-  T wander = T(0.002);        ///< deviation of what things move on their own [m/sqrt(s)]; as ObjectWorld's
-  T max_deviations = T(4);    ///< radius of the association; 1 detection in 900 is further off in three axes
+  T wander = T(0.002);        ///< random walk of things that nobody moves [m/sqrt(s)]; as ObjectWorld's
+  T max_deviations = T(4);    ///< radius of the association, in deviations; 1 detection in 900 is further off
   T seen_if_there = T(0.95);  ///< share of the pictures in which a thing that is there is detected
-  T seen_if_not = T(0.2);     ///< chance to see what is not there: far above flashes, as a ghost stays
-  T things = T(0.05);  ///< share of things among unseen places, of nothing among those always seen: a guess
-  Nanoseconds doubted = 2s;  ///< a place where takes failed is kept this long without being seen: 60 pictures
-  T taken = T(9), failed = T(1);  ///< prior of takes, Beta(9, 1): 9 of 10 takes of real things succeed
-  T moved = T(0.02);        ///< a thing that moved by more than this is no ghost [m]: 4 sigma of a detection
+  T seen_if_not = T(0.2);     ///< share of the pictures in which a ghost is detected; large, as a ghost stays
+  T things = T(0.05);  ///< prior chance of a thing at an unseen place, of none at one always seen: a guess
+  Nanoseconds doubted = 2s;       ///< time for which a track with failed takes is kept unseen: 60 pictures
+  T taken = T(9), failed = T(1);  ///< prior counts of takes of real things, Beta(9, 1): 9 of 10 takes succeed
+  T moved = T(0.02);              ///< smallest motion of a thing that is no ghost [m]: 4 sigma of a detection
   T beside = T(0.018);      ///< step of the search for the bias [m]: fingers open 17 mm wider on each side
-  std::uint8_t places = 2;  ///< places where a real thing is missed, before ...
-  std::uint8_t takes = 3;   ///< ... takes that succeed, are a fault of camera or hand, not of the places
+  std::uint8_t places = 2;  ///< number of places with missed real things from which camera or hand errs
+  std::uint8_t takes = 3;   ///< number of successes in a row after which the count of these places restarts
 };
 
 SKINCTL_END_NAMESPACE

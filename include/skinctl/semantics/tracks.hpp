@@ -23,10 +23,10 @@ SKINCTL_BEGIN_NAMESPACE
 ///     P(fail | real) = (failed + f) / (taken + failed + f + s), at least that of no take
 ///     c = log((1 - things) / things) = 2.94
 ///
-/// with `s` takes that succeeded and `f` that failed, each weighted by the belief that was left. A new track
-/// starts with -c + log(d / n) = -1.39: a single flash is not believed. The cap `c` keeps any number of
-/// pictures below two failed takes: no ghost is voted up. `touch` is undone when the track moves, as only
-/// real things do.
+/// with `s` takes that succeeded and `f` that failed, each of these weighted by the belief that was left. A
+/// new track starts with -c + log(d / n) = -1.39: a single flash is not believed. The cap `c` keeps any
+/// number of pictures below two failed takes: no ghost is voted up. `touch` is undone when the track moves,
+/// as only real things do.
 ///
 /// A take of a ghost fails without contact, and its detections stay in place: two such takes end the belief.
 /// A take that misses a real thing touches it, or moves it. Where that happens at `places` places, with fewer
@@ -45,16 +45,16 @@ class Tracks {
   static constexpr std::uint8_t no_trial = 0, trials = 5;
   struct Memory {
     std::array<Track<T>, Capacity> tracks{};
-    Xyz<T> bias{T(0), T(0), T(0)};    ///< offset from where things are seen to where they are [m]
-    Xyz<T> failed{T(0), T(0), T(0)};  ///< place at which a real thing was missed last [m]
-    T successes = T(0);               ///< s
-    T failures = T(0);                ///< f
+    Xyz<T> bias{T(0), T(0), T(0)};    ///< offset from where things are seen to where hands find them [m]
+    Xyz<T> failed{T(0), T(0), T(0)};  ///< place at which a take missed a real thing last [m]
+    T successes = T(0);               ///< number of takes that succeeded
+    T failures = T(0);                ///< number of takes that failed, weighted by the belief that was left
     Nanoseconds time{};               ///< time of the newest picture
     std::uint8_t trial = no_trial;    ///< number of the try of the search for the bias; 0: it does not search
-    std::uint8_t places = 0;  ///< places where a real thing was missed, fewer than `takes` successes apart
-    std::uint8_t since = 0;   ///< takes that succeeded since such a place failed
+    std::uint8_t places = 0;  ///< places where a take missed a real thing, fewer than `takes` successes apart
+    std::uint8_t since = 0;   ///< takes that succeeded since a take missed a real thing
     std::uint8_t takes = 0;  ///< takes that succeeded since the bias changed, at most `takes` of the settings
-    std::uint8_t searches = 0;           ///< rounds of tries beside
+    std::uint8_t searches = 0;           ///< rounds of the search for the bias
     bool asks = false, started = false;  ///< a person shall look at camera and hand; a picture was seen
   };
 
@@ -81,9 +81,10 @@ class Tracks {
     miss_ = log((T(1) - s.seen_if_there) / (T(1) - s.seen_if_not));
   }
 
-  /// Takes a picture of the instant `time`. `shows(p_W)`: whether it would show a thing there; what is hidden
-  /// or out of it says nothing. One not later than the last (`time_backwards`) changes nothing; detections
-  /// that are no numbers (`sample_not_finite`), or beyond `Capacity` (`sample_out_of_range`), are left out.
+  /// Takes a picture of the instant `time`. `shows(p_W)`: whether the picture would show a thing at `p_W`,
+  /// neither hidden nor outside. A picture not later than the last (`time_backwards`) changes nothing;
+  /// detections that are no numbers (`sample_not_finite`), or beyond `Capacity` (`sample_out_of_range`), are
+  /// left out.
   template <class Shows>
   Status see(Memory& m, Nanoseconds time, std::span<const ClassDetection<T>> seen,
              const Shows& shows) const noexcept {
@@ -108,8 +109,9 @@ class Tracks {
       if (!done.detections[i]) begin(m, seen[i], time);
     return out;
   }
-  /// Of the tracks that `fits(track)` and that are believed (above 0) the most believed one, of these that at
-  /// which fewest takes failed, of these that of the least `cost(track)`; `no_object`: there is none.
+  /// Index of the most believed track (above 0) with `fits(track)`; among equals that with fewest failed
+  /// takes, then that of the least `cost(track)`. `no_object`: there is none. In a search for the bias only
+  /// the sign of the belief counts.
   template <class Fits, class Cost>
   [[nodiscard]] std::uint8_t choose(const Memory& m, const Fits& fits, const Cost& cost) const noexcept {
     std::uint8_t best = no_object;
@@ -126,19 +128,19 @@ class Tracks {
     }
     return best;
   }
-  /// Log odds that a thing is there.
+  /// Log odds that a thing is at the place of the track.
   [[nodiscard]] static T belief(const Memory& m, const Track<T>& t) noexcept {
     return m.trial != no_trial && t.real ? t.sight : t.sight + t.touch;
   }
-  /// Whether something is seen there that hands have not found.
+  /// Whether pictures show a thing at the place of the track that hands have not found.
   [[nodiscard]] static bool is_doubted(const Memory& m, const Track<T>& t) noexcept {
     return t.kind != 0 && t.sight > T(0) && !(belief(m, t) > T(0));
   }
-  /// The place to which a hand goes for a thing seen at `p`: by the bias, and the try that is due.
+  /// The place [m] to which a hand goes for a thing seen at `p_W`: by the bias, and the try that is due.
   [[nodiscard]] Xyz<T> aim(const Memory& m, const Xyz<T>& p_W) const noexcept {
     return p_W + m.bias + tried(m.trial);
   }
-  /// The take of a track succeeded: what was there is in the hand.
+  /// Reports that the take of a track succeeded: the thing that was there is in the hand.
   void took(Memory& m, std::uint8_t track) const noexcept {
     if (track >= Capacity || m.tracks[track].kind == 0) return;
     m.tracks[track] = {};
@@ -150,9 +152,9 @@ class Tracks {
     if (m.trial > 1) m.takes = 1, give_back(m);
     m.trial = no_trial, m.places = m.since = 0;
   }
-  /// The take of a track failed: a hand there has nothing. `felt`: the fingers touched something on their way
-  /// or while they closed, other than each other; true for a hand that cannot tell. `fits(track)`: this hand
-  /// could take that one.
+  /// Reports that the take of a track failed: a hand there has nothing. `felt`: the fingers touched something
+  /// on their way or while they closed, other than each other; true for a hand that cannot tell.
+  /// `fits(track)`: this hand could take that one.
   template <class Fits>
   void failed(Memory& m, std::uint8_t track, bool felt, const Fits& fits) const noexcept {
     if (track >= Capacity || m.tracks[track].kind == 0) return;
@@ -172,12 +174,12 @@ class Tracks {
       fresh = fresh || (other.kind != 0 && other.fails == 0 && other.sight > T(0) && fits(other));
     if (t.real) missed(m, t.p, fresh);
   }
-  /// A person has looked: it does not ask that again.
+  /// Reports that a person has looked: `asks` is cleared, and not set again.
   void answered(Memory& m) const noexcept { m.asks = false, m.searches = max_searches; }
 
  private:
-  static constexpr std::uint8_t max_searches = 2;  ///< a right try fails by chance, or at a ghost
-  static constexpr std::uint8_t max_votes = 20;    ///< no class is wrong in 20 detections in a row
+  static constexpr std::uint8_t max_searches = 2;  ///< rounds: a right try fails by chance, or at a ghost
+  static constexpr std::uint8_t max_votes = 20;    ///< cap of votes: no class is wrong 20 times in a row
   struct Pair {
     std::size_t track = Capacity, detection = 0;
   };
@@ -187,7 +189,7 @@ class Tracks {
   [[nodiscard]] bool is_at(const Track<T>& t, const Xyz<T>& p) const noexcept {
     return dot(t.p - p, t.p - p) <= s_.moved * s_.moved;
   }
-  /// A take missed a real thing at `p`.
+  /// Counts that a take missed a real thing at `p`, and begins the search for the bias if it is due.
   void missed(Memory& m, const Xyz<T>& p, bool fresh) const noexcept {
     const bool elsewhere = m.places == 0 || dot(p - m.failed, p - m.failed) > s_.moved * s_.moved;
     m.failed = p;
@@ -196,7 +198,7 @@ class Tracks {
     if (m.places < 255) ++m.places;
     if (m.places >= s_.places && (fresh || m.takes < s_.takes)) m.trial = 1;
   }
-  /// All tries failed: once more, without the first; then it asks.
+  /// Goes on to the next try. After the last one all are made once more, without the first; then it asks.
   static void try_next(Memory& m) noexcept {
     if (++m.trial == 2) ++m.searches;
     if (m.trial <= trials) return;
@@ -204,11 +206,11 @@ class Tracks {
     m.trial = m.asks ? no_trial : std::uint8_t(2), m.searches = max_searches;
     if (m.asks) m.places = m.since = 0, give_back(m);
   }
-  /// The hand went beside: real things are believed again, half of `touch` of the others is one more take.
+  /// Undoes failures, as the hand went beside: real things are believed again, `touch` of others is halved.
   static void give_back(Memory& m) noexcept {
     for (Track<T>& t : m.tracks) t.touch = t.real ? T(0) : T(0.5) * t.touch, t.fails = 0;
   }
-  /// Along +x, -x, +y, -y, from the second try on.
+  /// Offset of a try [m]: along +x, -x, +y, -y from the second one on.
   [[nodiscard]] Xyz<T> tried(std::uint8_t trial) const noexcept {
     const T a = trial % 2 == 0 ? s_.beside : -s_.beside;
     if (trial < 2 || trial > trials) return {T(0), T(0), T(0)};

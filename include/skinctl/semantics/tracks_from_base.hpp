@@ -7,16 +7,16 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a detector on a base that drives saw: see `ClassDetection`.
+/// A thing as a detector on a base that drives saw it, with its place in the base: see `ClassDetection`.
 template <Real T = double>
 struct DetectionFromBase {
-  Xyz<T> p_B{T(0), T(0), T(0)};  ///< along the axes of Base, from its origin [m]
-  T sigma = T(0.005);            ///< deviation of the place in the base, along each axis [m], 1e-6 to 100
+  Xyz<T> p_B{T(0), T(0), T(0)};  ///< position of the thing in Base [m]
+  T sigma = T(0.005);            ///< deviation of the place in Base, along each axis [m], 1e-6 to 100
   ObjectClass kind = 0;          ///< class of the thing; 0: none
 };
 
-/// The same in the world, as the base's odometry has it at the time of the picture. The deviation stays that
-/// of the detector: what the base has driven wrong moves all things alike, see `TracksFromBase::drove`.
+/// A detection from the base in the world, by the base's odometry at the time of the picture. The deviation
+/// stays that of the detector: drift of the odometry moves all things alike, see `TracksFromBase::drove`.
 template <Real T>
 [[nodiscard]] ClassDetection<T> in_world(const BaseState<T>& base,
                                          const DetectionFromBase<T>& seen) noexcept {
@@ -25,12 +25,12 @@ template <Real T>
 
 /// `Tracks` in the world of a base's odometry.
 ///
-/// What the base drives wrong without noticing moves all things in that world. So with each change of the
-/// base's deviations the tracks become as much less sure,
+/// Drift of the odometry moves all things in that world. So with each change of the base's deviations the
+/// tracks' deviations grow,
 ///
 ///     sigma^2 <- sigma^2 + |change of base.sigma^2| + |change of base.sigma_turn^2| r^2,
 ///
-/// r the distance from the base: also where a map makes the base surer, which leaps then. A track whose
+/// r the distance from the base [m]: also where a map makes the base surer, which leaps then. A track whose
 /// `sigma` is too large for a hand has to be looked at again; the picture finds it within the wider radius,
 /// and is believed.
 template <std::size_t Capacity, Real T = double>
@@ -41,12 +41,13 @@ class TracksFromBase : public Tracks<Capacity, T> {
   using Still::aim;
   using Still::Still;
   struct Memory : Still::Memory {
-    T base_sigma = T(0), base_turn = T(0);  ///< deviations of the base that the tracks include [m], [rad]
+    T base_sigma = T(0), base_turn = T(0);  ///< base's deviations in the tracks [m], [rad]
   };
 
-  /// The base is where `base` says. Called before each picture that is taken from there, and before a track
-  /// is chosen. A base that is no number, or whose deviations are negative or beyond 100 m or 10 rad, changes
-  /// nothing (`sample_not_finite`, `sample_out_of_range`).
+  /// Takes the state of the base, and widens the tracks by the change of its deviations. Called before each
+  /// picture that is taken from there, and before a track is chosen. A base that is no number, or whose
+  /// deviations are negative or beyond 100 m or 10 rad, changes nothing (`sample_not_finite`,
+  /// `sample_out_of_range`).
   Status drove(Memory& m, const BaseState<T>& base) const noexcept {
     const Xyz<T> o = base.X_WB.origin();
     const T sum = dot(o, o) + base.sigma + base.sigma_turn;
@@ -64,8 +65,8 @@ class TracksFromBase : public Tracks<Capacity, T> {
     m.base_sigma = base.sigma, m.base_turn = base.sigma_turn;
     return {};
   }
-  /// Where a hand on the base goes for what is seen at `p_W`: the bias between its camera and its hand turns
-  /// with it.
+  /// The place in the world [m] to which a hand on the base goes for a thing seen at `p_W`: the bias between
+  /// camera and hand turns with the base.
   [[nodiscard]] Xyz<T> aim(const Memory& m, const Xyz<T>& p_W, const BaseState<T>& base) const noexcept {
     return p_W + base.X_WB.axes() * Still::aim(m, Xyz<T>{T(0), T(0), T(0)});
   }

@@ -21,7 +21,8 @@ struct ToolUse {
   ObjectClass tool = 0, object = 0;
   const char* name = "";
 };
-/// The name of what a tool does, or "use a tool". `uses`: a range of `ToolUse`.
+/// The name that `uses`, a range of `ToolUse`, gives to the tool in hand and the object near it; else "use a
+/// tool".
 template <class Uses>
 [[nodiscard]] constexpr const char* describe_use(const Features& f, const Uses& uses) noexcept {
   for (const ToolUse& u : uses)

@@ -31,7 +31,7 @@ template <Frame W = World>
 struct Detection {
   std::uint8_t object = no_object;  ///< number of the object in the world
   ObjectPose<W> X_WO{};
-  double sigma = 0.005;  ///< deviation of the position along each axis [m], > 0
+  double sigma = 0.005;  ///< standard deviation of the position along each axis [m], > 0
   Nanoseconds time{};
 };
 
@@ -39,7 +39,7 @@ struct Detection {
 template <Frame W = World>
 struct Object {
   ObjectPose<W> X_WO{};
-  double sigma = 0;    ///< deviation of the position along each axis [m]
+  double sigma = 0;    ///< standard deviation of the position along each axis [m]
   Nanoseconds time{};  ///< time of the newest detection
   ObjectClass kind = 0;
   std::uint8_t misses = 0;  ///< detections in a row that were far from where it was thought to be
@@ -48,18 +48,18 @@ struct Object {
 
 /// Numbers of a world of objects.
 struct ObjectWorldSettings {
-  double wander = 0.002;  ///< objects that nobody holds move by this in a second, as a deviation [m/sqrt(s)]
+  double wander = 0.002;      ///< random walk of objects that nobody holds [m/sqrt(s)]
   double max_deviations = 4;  ///< a detection further off than this many deviations along any axis is a miss
-  std::uint8_t believed = 3;  ///< misses in a row after which the object is where they say
-  double lost = 0.10;  ///< a held object that is seen further than this from the hand is missed there [m]
+  std::uint8_t believed = 3;  ///< misses in a row after which the object's place is that of the newest one
+  double lost = 0.10;  ///< distance from where the hand carries it, beyond which a held object is missed [m]
 };
 
 /// Objects of the world `W`, at most `Capacity` of them, numbered from 0.
 ///
-/// Each has the weighted mean of its detections (a Kalman filter of a place that wanders slowly). One that is
-/// moved is found at its new place after `believed` detections. An object that is not seen keeps its place.
-/// One that is held moves with the hand; the camera, late and half blind then, only decides whether it is
-/// still there.
+/// Each has the weighted mean of its detections (a Kalman filter of a place that wanders slowly). An object
+/// that is moved is found at its new place after `believed` detections. An object that is not seen keeps its
+/// place. One that is held moves with the hand; the camera, late and half blind then, only decides whether it
+/// is still there.
 ///
 /// Immutable; what changes is a `Memory`, trivially copyable.
 template <std::size_t Capacity, Frame W = World>
@@ -70,7 +70,7 @@ class ObjectWorld {
   static constexpr std::size_t capacity = Capacity;
   struct Memory {
     std::array<Object<W>, Capacity> objects{};
-    Transform<Tool, ObjectFrame> X_HO{};  ///< the held object in the hand
+    Transform<Tool, ObjectFrame> X_HO{};  ///< pose of the held object in the hand
     std::uint8_t held = no_object;
     std::uint8_t slipped = no_object;  ///< the last object that was found elsewhere while it was held
   };
@@ -130,7 +130,8 @@ class ObjectWorld {
     return {};
   }
 
-  /// The hand at `X_WH` holds the object from now on. An object that has no place is taken to be in the hand.
+  /// Reports that the hand at `X_WH` holds the object from now on. An object without a place is placed at
+  /// the hand.
   void grasp(Memory& m, std::uint8_t object, const Transform<W, Tool>& X_WH) const noexcept {
     if (object >= Capacity) return;
     Object<W>& o = m.objects[object];
@@ -141,12 +142,12 @@ class ObjectWorld {
     m.slipped = no_object;
     m.X_HO = X_WH.inverse() * o.X_WO;
   }
-  /// The hand has moved to `X_WH`, and the held object with it.
+  /// Reports that the hand has moved to `X_WH`, and the held object with it.
   void carry(Memory& m, const Transform<W, Tool>& X_WH) const noexcept {
     if (m.held < Capacity) m.objects[m.held].X_WO = (X_WH * m.X_HO).normalised();
   }
-  /// The hand lets go at `time`: the object stays where it is until a later picture shows it. `sigma` [m]:
-  /// how well that place is known.
+  /// Reports that the hand lets go at `time`: the object stays where it is until a later picture shows it.
+  /// `sigma` [m]: standard deviation of that place.
   void release(Memory& m, Nanoseconds time, double sigma = 0.01) const noexcept {
     if (m.held >= Capacity) return;
     Object<W>& o = m.objects[m.held];
@@ -156,12 +157,13 @@ class ObjectWorld {
     m.held = no_object;
   }
 
-  /// The known object nearest to the point `p_W` other than `except`; `no_object` if there is none within
-  /// `reach` [m].
+  /// An object near a point; `no_object` if there is none.
   struct Near {
     std::uint8_t object = no_object;
     double distance = 1e9;  ///< distance of the object's origin from the point [m]
   };
+  /// The known object nearest to the point `p_W` other than `except`; `no_object` if there is none within
+  /// `reach` [m].
   [[nodiscard]] Near nearest(const Memory& m, const Xyz<double>& p_W, double reach = 1e9,
                              std::uint8_t except = no_object) const noexcept {
     Near best{no_object, reach};

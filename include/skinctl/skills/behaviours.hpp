@@ -82,7 +82,8 @@ struct SkillRecipe {
   [[nodiscard]] constexpr SkillRecipe switching(const SkillSwitches& s) const noexcept {
     return {weights, s, conditions, grips, grip};
   }
-  /// The gripper of the set gets this goal when the skill starts, unless the request brings one.
+  /// The recipe that gives the gripper of the set this goal when the skill starts, unless the request brings
+  /// one.
   [[nodiscard]] constexpr SkillRecipe gripping(const GripperGoal& goal) const noexcept {
     return {weights, switches, conditions, true, goal};
   }
@@ -107,8 +108,9 @@ namespace detail {
 inline constexpr SkillConditions until_settled{.finish = SkillFinish::settled, .timeout = 60s};
 }
 
-/// Fig. 7. The paper lists controllers in the order in which they load, those that hold the robot last; here
-/// they come first, so that nothing acts before gravity is compensated and the skin gives way.
+/// The behaviours of Fig. 7. The paper lists controllers in the order in which they load, those that hold the
+/// robot last; here they come first, so that nothing acts before gravity is compensated and the skin gives
+/// way.
 inline constexpr auto figure_7 = boost::hana::make_map(
     skill<behaviour::KinestheticJoint>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>())),
     skill<behaviour::KinestheticCartesian>(
@@ -125,9 +127,9 @@ inline constexpr auto figure_7 = boost::hana::make_map(
                                                 load<controller::SplineOperational>())
                                              .when(detail::until_settled)));
 
-/// Section 6: `Reaching` and `Putting` = ReachCartGoal [SplineOpCtrl, SkinJointCtrl, GCtrl], `Squeezing` =
-/// Close => ForceCart [CloseCtrl(D)] => [force control, SkinJointCtrl]. Gravity is held throughout. Gripper 0
-/// opens before `Reaching` and closes to squeeze.
+/// The activities of section 6: `Reaching` and `Putting` = ReachCartGoal [SplineOpCtrl, SkinJointCtrl,
+/// GCtrl], `Squeezing` = Close => ForceCart [CloseCtrl(D)] => [force control, SkinJointCtrl]. Gravity is
+/// compensated throughout. Gripper 0 opens before `Reaching` and closes to squeeze.
 inline constexpr auto section_6 = boost::hana::make_map(
     skill<behaviour::Reaching>(recipe(load<controller::Gravity>(), load<controller::SkinJoint>(),
                                       load<controller::SplineOperational>())

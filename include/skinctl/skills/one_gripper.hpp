@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The additions of skills with a gripper to the input of a scene, and to its output.
+/// The addition of skills with a gripper to the input of a scene.
 struct GripperInput {
   GripperState gripper{};  ///< last report of the gripper
 
@@ -16,11 +16,12 @@ struct GripperInput {
     each_number(input.gripper, f);
   }
 };
+/// The addition of skills with a gripper to the output of a scene.
 struct GripperOutput {
   GripperCommand gripper{};  ///< request to the gripper
 };
 
-/// A gripper with this range. Goals are brought into the range before they are given on.
+/// The gripper of a set of skills. Goals are limited to its range before they are passed on.
 class OneGripper {
  public:
   struct Memory {
@@ -31,7 +32,7 @@ class OneGripper {
     bool dated = false;       ///< `goal_time` is known
   };
 
-  /// Throws `ConfigurationError` for a range that is none.
+  /// Throws `ConfigurationError` for a range that no gripper can have.
   SKINCTL_COLD explicit OneGripper(const GripperRange& range) : range_(range) {
     require(range.opening > 0 && range.opening <= 10, "OneGripper: opening", range.opening, "> 0, <= 10 m");
     require(range.min_force >= 0 && range.min_force <= range.max_force && range.max_force <= 1e5,
@@ -41,14 +42,14 @@ class OneGripper {
   }
   [[nodiscard]] const GripperRange& range() const noexcept { return range_; }
 
-  /// A goal; one that is not finite is none, and the last one stays.
+  /// Takes a goal, limited to the range; one that is not finite is ignored, and the last one stays.
   void ask(Memory& m, const GripperGoal& goal) const noexcept {
     if (!finite(goal)) return;
     m.command.goal = limited(goal, range_);
     ++m.command.count;
     m.answered = m.dated = false;
   }
-  /// The state at `now`. One that was heard before the goal was there says nothing about it.
+  /// Takes the state heard at `now`. One from before the goal says nothing about it.
   static void hear(Memory& m, const GripperState& state, Nanoseconds now) noexcept {
     if (!m.dated) {
       m.goal_time = now;

@@ -16,7 +16,7 @@ struct SkillSwitches {
   std::uint32_t which = 0;
   std::uint32_t on = 0;
 
-  /// These, overwritten by `next` in the bits that it selects.
+  /// These switches, overwritten by `next` in the bits that it selects.
   [[nodiscard]] constexpr SkillSwitches then(const SkillSwitches& next) const noexcept {
     return {which | next.which, (on & ~next.which) | (next.on & next.which)};
   }
@@ -26,25 +26,25 @@ struct SkillSwitches {
   }
   friend constexpr bool operator==(const SkillSwitches&, const SkillSwitches&) noexcept = default;
 };
-/// Gripper `i` closes.
+/// The switch that closes gripper `i`.
 [[nodiscard]] constexpr SkillSwitches closed(unsigned i = 0) noexcept {
   return {1u << (i % 32), 1u << (i % 32)};
 }
-/// Gripper `i` opens.
+/// The switch that opens gripper `i`.
 [[nodiscard]] constexpr SkillSwitches opened(unsigned i = 0) noexcept {
   return {1u << (i % 32), 0};
 }
 
 /// The condition under which a skill is finished.
 enum class SkillFinish : unsigned char {
-  never,  ///< the skill goes on until another one is requested
-  settled,  ///< the targets of its tracking laws are at rest, and so is the robot; with a tolerance: the robot is
-            ///< within it of the goals of its request, at rest or not
+  never,     ///< the skill goes on until another one is requested
+  settled,   ///< the targets of its tracking laws are at rest, and so is the robot; with a tolerance: the
+             ///< robot is within it of the goals of its request, at rest or not
   gripped,   ///< the gripper has stopped at an object; fails if it stops without one
   opened,    ///< the gripper has stopped at its goal, or at an object
   switched,  ///< the switches are reported in their new positions; without reports after `hold`
-  touched,   ///< a contact as `touch` says presses
-  released,  ///< one has pressed since the skill began to run, and none does any more
+  touched,   ///< a contact that meets `touch` presses
+  released,  ///< such a contact has pressed since the skill began to run, and none does any more
   elapsed    ///< `hold` has passed
 };
 
@@ -66,7 +66,7 @@ struct TouchCondition {
   }
 };
 
-/// The largest distances from its goals at which a skill is finished; 0: not asked. See
+/// The largest distances from its goals at which a skill is finished; 0: not checked. See
 /// `SkillFinish::settled`.
 struct GoalTolerance {
   double position = 0;     ///< largest position error of a pose [m]
@@ -85,7 +85,7 @@ struct SkillConditions {
   bool untouched = false;  ///< starts only while nothing touches the robot
   SkillSwitches needs{};   ///< starts only with these values, as reported or else as last commanded
   SkillFinish finish = SkillFinish::never;
-  Nanoseconds hold = 100ms;   ///< the time for which the finish condition must hold
+  Nanoseconds hold = 100ms;   ///< time for which the finish condition must hold
   TouchCondition touch{};     ///< contact that `touched` and `released` wait for
   double still = 0.01;        ///< settled: largest speed of any joint and of its reference [rad/s]
   Nanoseconds timeout{};      ///< fails if it is not finished after this; 0: never
@@ -97,14 +97,14 @@ struct SkillConditions {
 template <std::size_t Terms>
 struct Skill {
   const char* name = "";
-  std::array<double, Terms> weights{};      ///< 0: not loaded
+  std::array<double, Terms> weights{};      ///< weights in the sum; 0: not loaded
   std::array<std::uint8_t, Terms> order{};  ///< indices of its controllers, in the order in which they load
   std::uint8_t controllers = 0;             ///< number of controllers
   std::uint8_t next = 0;     ///< index of the next skill when this one is finished; its own: none
   SkillSwitches switches{};  ///< switches that are set when the skill starts
   SkillConditions conditions{};
-  bool grips = false;  ///< the gripper gets a goal when it starts ...
-  GripperGoal grip{};  ///< ... this one, unless a request has its own
+  bool grips = false;  ///< the gripper gets a goal when the skill starts
+  GripperGoal grip{};  ///< this goal of the gripper, unless a request has its own
 };
 
 /// The effect of a change of skill on the controllers, in this order: new ones load as the new recipe lists
@@ -132,7 +132,7 @@ template <std::size_t Terms>
 
 /// The phase of a skill.
 enum class SkillPhase : unsigned char {
-  loading,   ///< the torque changes over to it
+  loading,   ///< the torque changes over to the skill
   running,   ///< the skill works
   finished,  ///< the skill has finished and holds
   failed     ///< a failure condition has been met: the fallback skill follows
@@ -175,7 +175,7 @@ enum class SkillFailure : unsigned char {
 struct SkillReport {
   std::uint16_t ticket = 0;  ///< number of the request that the report is about; 0: none
   SkillPhase phase = SkillPhase::loading;
-  SkillFailure failure = SkillFailure::none;  ///< if it has failed
+  SkillFailure failure = SkillFailure::none;  ///< reason, if the request has failed
   friend constexpr bool operator==(const SkillReport&, const SkillReport&) noexcept = default;
 };
 

@@ -66,7 +66,7 @@ struct SkillRequest {
   std::uint8_t skill = 0;
   std::uint16_t ticket = 0;  ///< a number by which `SkillSet::report_of` tells what becomes of the request
   SkillSwitches reported;
-  GoalTolerance tolerance;  ///< 0: the skill's own
+  GoalTolerance tolerance;  ///< tolerance of the goals; 0: the skill's own
   detail::Goals<G...> goals;
 
   /// The request under a number of its sender's choice; 0 is no number.
@@ -94,7 +94,7 @@ struct SkillRequest {
   }
 };
 
-/// The goal of a gripper as a part of a request.
+/// Calls `f` with the numbers of a gripper's goal, as a part of a request.
 template <class F>
 void each_number(GripperGoal& g, F&& f) {
   f(g.opening), f(g.force), f(g.speed);

@@ -31,7 +31,7 @@ class SkillSet;
 template <class... Behaviour>
 struct Behaviours {
   static constexpr std::size_t count = sizeof...(Behaviour);
-  /// `count` if it is none of them.
+  /// Index of the behaviour `B`; `count` if it is none of them.
   template <class B>
   static constexpr std::size_t index = [] {
     constexpr bool found[] = {std::is_same_v<B, Behaviour>...};
@@ -126,7 +126,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
   }
 
   // Requests, for `Input::goal` or `receive`.
-  /// The skill of a behaviour, with or without goals for its controllers.
+  /// A request to start the skill of a behaviour, with or without goals for its controllers.
   template <class B, class... G>
   [[nodiscard]] static Goal start_skill(const G&... goals) noexcept {
     return start_skill(index<B>(), goals...);
@@ -138,14 +138,14 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
     out.skill = skill;
     return out;
   }
-  /// Other goals for the controllers of the active skill.
+  /// A request with other goals for the controllers of the active skill.
   template <class... G>
   [[nodiscard]] static Goal goal(const G&... goals) noexcept {
     Goal out;
     ((out.goals.template of<G>().has = true, out.goals.template of<G>().goal = goals), ...);
     return out;
   }
-  /// A report of the switches.
+  /// A request that reports the switches.
   [[nodiscard]] static Goal report(const SkillSwitches& reported) noexcept {
     Goal out;
     out.kind = static_cast<unsigned char>(Goal::Kind::report);
@@ -153,7 +153,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
     return out;
   }
 
-  /// The first skill, at the known state.
+  /// The memory in which the first skill begins, at the known state.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
     Memory m{};
@@ -164,7 +164,7 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
     return m;
   }
 
-  /// A request, as `SkillRequest` says.
+  /// Takes a request: see `SkillRequest`.
   using Loop::receive;
 
   template <class K>

@@ -54,7 +54,7 @@ struct AlongLine {
 /// By the midpoint rule, which neither makes nor loses energy: steps of a tenth of a millisecond are fine.
 class Hand {
  public:
-  /// @param x  where it begins, at rest; the robot's surface is at `robot.x`.
+  /// @param x  place at which the hand begins, at rest [m]; it presses where this exceeds the robot's place.
   explicit Hand(const HandSettings& settings, double x = 0) noexcept : s_(settings), x_(x) {}
 
   /// Runs for `dt` [s], during which robot and goal move to these places, at constant speeds. Returns the
@@ -117,7 +117,7 @@ class Grip {
                Hand(pressing(settings, preload), -x + preload / settings.cover_stiffness)},
         inset_(preload / settings.cover_stiffness) {}
 
-  /// As `Hand::advance`: the force of both on the robot [N].
+  /// Runs both hands for `dt` [s], as `Hand::advance`; returns the force of both on the robot [N].
   double advance(double dt, double goal, double robot) noexcept {
     return hands_[0].advance(dt, goal + inset_, robot) - hands_[1].advance(dt, -goal + inset_, -robot);
   }

@@ -17,12 +17,12 @@ namespace skinctl::testing {
 
 /// Index, middle and thumb of an Allegro hand around a cup that hangs across their plane and does not tilt.
 ///
-/// A contact is a spring along its normal, and bristles across as those of `RubbedBlock`. A controller of
-/// the hand's own bears hand and cup: gravity compensation, weak springs of the joints, and at each
-/// fingertip a stiff spring along the weight; it leaves the grip to whom the torque comes from.
+/// A contact is a spring along its normal, and bristles across as those of `RubbedBlock`. A controller of the
+/// hand's own bears hand and cup: gravity compensation, weak springs of the joints, and at each fingertip a
+/// stiff spring along the weight; it leaves the grip to the torque of `advance`.
 class HeldCup {
  public:
-  static constexpr std::size_t fingers = 3, cells = 4;  ///< cells: of each fingertip
+  static constexpr std::size_t fingers = 3, cells = 4;  ///< number of fingertips, and of cells of each
   using Hand = std::remove_cvref_t<decltype(allegro::right_hand())>;
   using Known =
       Quantities<Hand, Needs{.jacobians = link_bit<3> | link_bit<7> | link_bit<15>, .gravity = true}>;
@@ -32,11 +32,11 @@ class HeldCup {
   struct Touch {
     Xyz<double> place, normal;   ///< point on the cup [m], unit normal into the cup
     Xyz<double> bend{0, 0, 0};   ///< deflection of the bristles [m]
-    Xyz<double> slid{0, 0, 0};   ///< way of the fingertip on the cup [m]
+    Xyz<double> slid{0, 0, 0};   ///< path of the fingertip on the cup [m]
     Xyz<double> force{0, 0, 0};  ///< force on the fingertip [N]
   };
 
-  /// @param friction  of the cup at rest; a slide has 0.8 of it.
+  /// @param friction  coefficient of friction of the cup at rest; a slide has 0.8 of it.
   explicit HeldCup(double friction) : mu_(friction), hand_(allegro::right_hand()) {
     x_.q = {0.0, 0.6, 0.6, 0.4, 0.0, 0.6, 0.6, 0.4, 0.0, 0.2, 0.2, 0.2, 1.2, 0.4, 0.3, 0.4};
     first_ = x_;
@@ -73,9 +73,9 @@ class HeldCup {
     return {dot(F, R.x), dot(F, R.y), -dot(F, R.z)};
   }
 
-  /// `dt` [s] under the torque of a grip.
+  /// Runs for `dt` [s] under the joint torques of a grip [N m].
   /// @param borne  share of the weight of the cup's `mass` [kg] that the hand bears.
-  /// @param pull   on the cup, downwards [N].
+  /// @param pull   force on the cup, downwards [N].
   void advance(double dt, const JointTorque<16>& grip, double mass, double borne, double pull) {
     const Known known(hand_, x_, dt, NoTouch{});
     const auto index = tip<3>(0);  // the Jacobians refer to them
@@ -119,13 +119,13 @@ class HeldCup {
   [[nodiscard]] const State<16>& state() const noexcept { return x_; }
   [[nodiscard]] const Touch& touch(std::size_t f) const noexcept { return touch_[f]; }
   [[nodiscard]] const Xyz<double>& down() const noexcept { return down_; }
-  /// Way of the cup from where it was taken [m].
+  /// Displacement of the cup since the start [m].
   [[nodiscard]] const Xyz<double>& moved() const noexcept { return p_; }
-  /// Farthest that a fingertip has slid [m].
+  /// Largest path that a fingertip has slid on the cup [m].
   [[nodiscard]] double slid() const {
     return std::max({norm(touch_[0].slid), norm(touch_[1].slid), norm(touch_[2].slid)});
   }
-  /// The places of the fingertips [m].
+  /// The positions of the fingertips in the base [m].
   [[nodiscard]] std::array<Xyz<double>, fingers> places() const {
     const Poses<Hand, all_links(16)> poses(hand_, x_.q);
     return {(poses.template get<3>() * tip<3>(0)).origin(), (poses.template get<7>() * tip<7>(1)).origin(),

@@ -31,7 +31,7 @@ class ImpedancePlant {
   static constexpr std::size_t joints = M::joints;
   using Truth = ImpedanceTruth<joints>;
 
-  /// At rest at `q`.
+  /// A robot at rest at `q`.
   ImpedancePlant(const M& model, const Truth& truth, const JointPosition<joints>& q)
       : model_(model), truth_(truth), q_(q), reference_(q), target_(q) {
     damp();
@@ -41,7 +41,7 @@ class ImpedancePlant {
   void command(const ImpedanceCommand<joints>& c) {
     under_way_.push_back({time_ + truth_.delay, c.position, c.torque});
   }
-  /// Other springs from here on, about where the links are; of no stiffness, torques alone move them.
+  /// Sets other springs from here on, about where the links are; of no stiffness, torques alone move them.
   void hold_by(const JointTorque<joints>& stiffness) {
     truth_.stiffness = stiffness;
     under_way_.clear();
@@ -50,7 +50,7 @@ class ImpedancePlant {
     torque_ = {};
     damp();
   }
-  /// Joint torque of the world from here on [N m].
+  /// Sets the joint torque of the world from here on [N m].
   void push(const JointTorque<joints>& torque) { pushed_ = torque; }
 
   /// Runs for `dt` seconds.

@@ -17,8 +17,8 @@ struct Pressing {
   Xyz<double> place{0.0, 0.0, 0.0};  ///< centre of the true pressure, along the link's axes [m]
   /// Outward normal of the surface there; cells that face away are not touched.
   Xyz<double> normal{0.0, 0.0, 1.0};
-  double radius = 0.03;  ///< R [m]
-  double force = 10;     ///< sum over the cells [N]
+  double radius = 0.03;  ///< radius R of the pressed circle [m]
+  double force = 10;     ///< force of the body, summed over the cells [N]
 };
 
 /// The push on each cell [N], in the order of `cells`: each takes the pressure at its centre, scaled such

@@ -19,20 +19,21 @@
 
 namespace skinctl::testing {
 
-/// The same sequence on every machine.
+/// A random generator with the same sequence on every machine.
 using Random = std::mt19937_64;
 [[nodiscard]] inline Random seeded(std::uint64_t seed) {
   return Random(seed);
 }
 
-/// Between -1 and 1, from 31 random bits: short to write where the distribution does not matter.
+/// Random numbers between -1 and 1, from 32 random bits: short to write where the distribution does not
+/// matter.
 class Seeded {
  public:
   explicit Seeded(unsigned seed) : bits_(seed) {}
   double operator()() { return static_cast<double>(bits_()) / 2147483648.0 - 1.0; }
-  /// Between `low` and `high`.
+  /// A random number between `low` and `high`.
   double between(double low, double high) { return low + 0.5 * (1 + (*this)()) * (high - low); }
-  /// A joint vector with elements up to `size`.
+  /// A joint vector with random elements up to `size`.
   template <class V>
   V vector(double size) {
     V v;
@@ -44,7 +45,8 @@ class Seeded {
   std::mt19937 bits_;
 };
 
-/// Between `low` and `high`, with every digit of `T` random; std's distributions differ between libraries.
+/// A random number between `low` and `high`, with every digit of `T` random; std's distributions differ
+/// between libraries.
 template <Real T>
 [[nodiscard]] T uniform(Random& random, const T& low, const T& high) {
   T unit(0);
@@ -56,7 +58,7 @@ template <Real T>
   return low + (high - low) * unit;
 }
 
-/// Between -1 and 1, with every digit of `T` random.
+/// A random number between -1 and 1, with every digit of `T` random.
 template <Real T>
 [[nodiscard]] T uniform(Random& random) {
   std::uniform_real_distribution<double> draw(-1.0, 1.0);
@@ -86,13 +88,14 @@ template <Real T>
   return acos(T(-1));
 }
 
-/// 0, 1e-8, 1, 1e6 and pi.
+/// Extreme arguments: 0, 1e-8, 1, 1e6 and pi.
 template <Real T>
 [[nodiscard]] std::array<T, 5> extremes() {
   return {T(0), T(1) / T(100000000), T(1), T(1000000), pi<T>()};
 }
 
-/// Mostly between -reach and reach; one in four is an extreme of either sign, whatever the reach.
+/// A random number, mostly between -reach and reach; one in four is an extreme of either sign, whatever the
+/// reach.
 template <Real T>
 [[nodiscard]] T random_or_extreme(Random& random, const T& reach) {
   const auto choice = random();
@@ -124,7 +127,7 @@ template <Real T>
   return std::same_as<T, float> ? digits + "f" : digits;
 }
 
-/// Arrays and joint vectors: `{1.0, 2.0}`.
+/// Arrays and joint vectors as C++ source: `{1.0, 2.0}`.
 template <class V>
   requires(!Real<V> && requires(const V& v) { std::begin(v) == std::end(v); })
 [[nodiscard]] std::string as_code(const V& values) {
@@ -133,13 +136,13 @@ template <class V>
   return text + "}";
 }
 
-/// Triples: `{1.0, 2.0, 3.0}`.
+/// Triples as C++ source: `{1.0, 2.0, 3.0}`.
 template <class T>
 [[nodiscard]] std::string as_code(const Xyz<T>& v) {
   return "{" + as_code(v.x) + ", " + as_code(v.y) + ", " + as_code(v.z) + "}";
 }
 
-/// Eigen's matrices, row by row: `{{1.0, 2.0}, {3.0, 4.0}}`, which their constructors take.
+/// Eigen's matrices as C++ source, row by row: `{{1.0, 2.0}, {3.0, 4.0}}`, which their constructors take.
 template <EigenExpression M>
 [[nodiscard]] std::string as_code(const M& matrix) {
   std::string text = "{";

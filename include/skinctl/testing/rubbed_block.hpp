@@ -23,8 +23,8 @@ struct Bristle {
   double c = 5;              ///< damping of the fingertip's skin [s/m]
   double z = 0, z_rate = 0;  ///< bend of the skin [m], its rate [m/s]
 
-  /// The force against the speed `v` of what is dragged [N], after `dt`. Implicit in z: stiff ones do not
-  /// ring.
+  /// The friction against the speed `v` [m/s] of what is dragged [N], after `dt` [s] under the normal force
+  /// `f_n` [N]. Implicit in z: stiff bristles do not ring.
   double step(double dt, double v, double f_n) {
     const double g = mu * (share + (1 - share) * std::exp(-v * v / (v_s * v_s)));
     const double a = z * v < 0 ? 0 : std::clamp((k * std::abs(z) / g - 0.7) / 0.3, 0.0, 1.0);
@@ -40,7 +40,7 @@ struct RubbedBlock {
   Bristle bristle{};
   double x = 0, v = 0, friction = 0;  ///< position [m], velocity [m/s], and friction that acts against it [N]
 
-  /// `dt` [s] in steps of 20 us at most.
+  /// Runs for `dt` [s] under the pull `load` and the normal force `f_n` [N], in steps of 20 us at most.
   void advance(double dt, double load, double f_n) {
     const int steps = static_cast<int>(std::ceil(dt / 20e-6));
     for (int k = 0; k < steps; ++k) {
@@ -52,7 +52,7 @@ struct RubbedBlock {
   }
   /// The block's speed on the skin [m/s].
   [[nodiscard]] double sliding() const { return v - bristle.z_rate; }
-  /// The block's way on the skin [m].
+  /// The block's displacement on the skin [m].
   [[nodiscard]] double slid() const { return x - bristle.z; }
 };
 

@@ -15,7 +15,7 @@
 
 namespace skinctl::testing {
 
-/// Normally distributed, the same on every machine.
+/// A normally distributed number, the same on every machine.
 [[nodiscard]] inline double normal(Random& rng) {
   double sum =
       0;  // of twelve uniform ones: to 6 deviations, and no logarithm that libraries round differently
@@ -58,7 +58,7 @@ struct SimulatedAccelerometer {
     for (int i = 0; i < 3; ++i) y(i) = std::round(y(i) / step) * step;
     return y;
   }
-  /// The mean of a hundred samples.
+  /// The mean of a hundred samples at rest [g]; `up`: unit vector upwards in the cell's outer frame.
   [[nodiscard]] Eigen::Vector3d rest(Random& rng, const CellAtRest& cell, const Eigen::Vector3d& up) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int k = 0; k < 100; ++k) sum += sample(rng, cell, up);
@@ -91,7 +91,7 @@ struct SimulatedAccelerometer {
   return out;
 }
 
-/// A tube around z with skin; ports miss each other by `gap` [m].
+/// A tube around z with skin of at most `most` cells; ports miss each other by `gap` [m].
 [[nodiscard]] inline PatchAtRest tube(double radius, double length, std::size_t most,
                                       const SimulatedAccelerometer& sensor, Random& rng, double gap = 7e-5) {
   std::vector<CellAtRest> cells;
@@ -130,7 +130,7 @@ struct SimulatedAccelerometer {
 
 /// The errors of a reconstruction once it is aligned as a whole, over the cells that it says it knows.
 struct ShapeError {
-  double place = 0, turn = 0;  ///< rms [m], [rad]
+  double place = 0, turn = 0;  ///< rms errors [m], [rad]
   double worst_place = 0, worst_turn = 0;
   double nees = 0;  ///< mean of the cells' normalised squared errors, over 6
   std::size_t known = 0;

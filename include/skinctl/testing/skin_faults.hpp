@@ -15,7 +15,7 @@ namespace skinctl::testing {
 
 /// One fault of one cell, from `from` until `until` by the stamps of its samples.
 struct FaultyCell {
-  std::uint32_t cell = 0;  ///< id
+  std::uint32_t cell = 0;  ///< id of the cell
   CellFault fault = CellFault::stuck;
   Nanoseconds from{0}, until = Nanoseconds::max();
   /// | fault      | level                                                                       | default |
@@ -61,8 +61,8 @@ class SkinFaults {
     }
   }
 
-  /// `share` of the cells `ids`, each with the fault `fault`, from `from` on. Cross-talk copies a cell at
-  /// random.
+  /// Faults like `like` for a `share`, 0 to 1, of the cells `ids`, drawn at random. Cross-talk copies a cell
+  /// at random.
   [[nodiscard]] static std::vector<FaultyCell> of_share(double share, std::vector<std::uint32_t> ids,
                                                         const FaultyCell& like, std::uint64_t seed = 1) {
     Random random = seeded(seed);
@@ -89,8 +89,8 @@ class SkinFaults {
                        [&](std::size_t k) { return faults_[k].from <= time && time < faults_[k].until; });
   }
 
-  /// The samples that arrive until `now` in place of `samples`, which are those of one cycle, in the order of
-  /// their stamps.
+  /// Replaces `samples`, those of one cycle in the order of their stamps, by the samples that arrive until
+  /// `now`.
   void apply(std::vector<CellSample>& samples, Nanoseconds now) {
     arrived_.clear();
     for (const CellSample& sample : samples) {

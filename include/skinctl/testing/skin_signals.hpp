@@ -97,7 +97,7 @@ class SkinSignals {
     }
     return std::min(most, 1.0);
   }
-  /// All samples stamped in `(from, to]`, in the order of their stamps.
+  /// Sets `out` to all samples stamped since the last call and until `to`, in the order of their stamps.
   void samples(Nanoseconds to, std::vector<CellSample>& out) {
     out.clear();
     for (std::size_t i = 0; i < cells_.size(); ++i) {

@@ -23,7 +23,8 @@ struct SqueezedBody {
   double closing_noise = 1e-4;  ///< standard deviation of the closing [m]
   double max_force = 5;         ///< force at which the fingers stop [N]
 
-  /// Calls `f(force, closing)` for each reading from the first contact on, until the force is `most`.
+  /// Calls `f(force, closing)` [N], [m] for each reading from the first contact on, until the force is
+  /// `max_force`.
   template <class F>
   void squeeze(Random& rng, F&& f) const {
     std::normal_distribution<double> normal;

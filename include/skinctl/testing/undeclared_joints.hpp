@@ -26,7 +26,7 @@ struct JointTruth {
 
   // The way of a command.
   double delay = 0;             ///< time from sending a command until the robot takes it [s]
-  double delay_jitter = 0;      ///< each command takes up to this much more or less [s]; the order is kept
+  double delay_jitter = 0;      ///< largest deviation of a command's delay, either way [s]; the order is kept
   double lookahead = 0;         ///< time constant of a first lag, as of servoj [s]
   double lag = 0;               ///< time constant of the second lag [s]
   double max_speed = infinite;  ///< largest speed of the reference [rad/s]
@@ -36,9 +36,9 @@ struct JointTruth {
   // r. I ddr takes half of the torque limit at most: of a reference that steps (a position that is held, with
   // next to no lag) the servo would otherwise lose the kick to its limit, keep the braking after it, and go
   // backwards.
-  Row stiffness = all(infinite);     ///< k [N m/rad]; infinite: the joint is at its reference
-  double integral_time = infinite;   ///< T_i [s], > I/d or the servo oscillates by itself
-  Row inertia = all(1);              ///< I [kg m^2]
+  Row stiffness = all(infinite);     ///< stiffness k [N m/rad]; infinite: the joint is at its reference
+  double integral_time = infinite;   ///< integral time T_i of the servo [s], > I/d or it oscillates by itself
+  Row inertia = all(1);              ///< inertia I of each joint [kg m^2]
   double damping_ratio = 1;          ///< damping ratio of k and I
   Row torque_limit = all(infinite);  ///< largest torque of the servo [N m]; beyond it the joint gives way
   Row coulomb = all(0);              ///< friction of a joint that moves [N m]; none with infinite k
@@ -47,9 +47,9 @@ struct JointTruth {
   // The encoders.
   Row gap = all(0);         ///< measured less true position [rad]; a wrap is 2 pi
   double resolution = 0;    ///< step of the encoders [rad]
-  double noise = 0;         ///< standard deviation [rad]
+  double noise = 0;         ///< standard deviation of the encoders [rad]
   double skipped = 0;       ///< share of the measurements that do not come: the one before is repeated
-  double stamp_jitter = 0;  ///< a stamp is up to this much off [s]
+  double stamp_jitter = 0;  ///< largest error of a stamp, either way [s]
 };
 
 template <std::size_t N>
@@ -63,7 +63,7 @@ class UndeclaredJoints {
     bool fresh;  ///< the measurement is new, not a repetition
   };
 
-  /// At rest at `q`, in truth; the same seed gives the same jitter and noise.
+  /// Joints at rest at the true positions `q` [rad]; the same seed gives the same jitter and noise.
   UndeclaredJoints(Kind kind, const JointTruth<N>& truth, const Row& q, std::uint64_t seed = 1)
       : kind_(kind), truth_(truth), q_(q), reference_(q), random_(seed) {
     if (kind == Kind::position) target_ = first_ = second_ = q;
@@ -80,7 +80,7 @@ class UndeclaredJoints {
     if (!under_way_.empty()) at = std::max(at, under_way_.back().time);
     under_way_.push_back({std::max(at, time_), value});
   }
-  /// Torques on the joints from here on [N m]: contacts, and load of which the robot does not know.
+  /// Sets the torques on the joints from here on [N m]: contacts, and load of which the robot does not know.
   void external(const Row& torque) { external_ = torque; }
 
   /// Runs to time `t` [s].
@@ -93,15 +93,15 @@ class UndeclaredJoints {
     run(t);
   }
 
-  /// Whether joint `i` cannot move.
+  /// Holds joint `i` fast, or lets it go.
   void hold_fast(std::size_t i, bool fast) { stuck_[i] = fast; }
-  /// Joint `i` is moved by hand: by position it goes back with its lags, by velocity it stays.
+  /// Moves joint `i` by hand by `by` [rad]: by position it goes back with its lags, by velocity it stays.
   void displace(std::size_t i, double by) {
     q_[i] += by;
     reference_[i] += by;
     if (kind_ == Kind::position) second_[i] += by;
   }
-  /// The speed slider, 0 to 1: velocities, `max_speed` and the clock of the lags are scaled by it.
+  /// Sets the speed slider, 0 to 1: velocities, `max_speed` and the clock of the lags are scaled by it.
   void slider(double share) { slider_ = share; }
 
   /// The robot's report at its present time, once per call.
@@ -112,7 +112,7 @@ class UndeclaredJoints {
     return last_;
   }
 
-  /// The truth, which may change.
+  /// The true parameters, which may change.
   JointTruth<N>& truth() { return truth_; }
 
   const Row& q() const { return q_; }  ///< true joint positions [rad]
@@ -170,7 +170,7 @@ class UndeclaredJoints {
     time_ = t;
   }
 
-  /// The reference after `dt`; exact for a constant target.
+  /// Moves the reference on by `dt`; exact for a constant target.
   void follow(std::size_t i, double dt, double clock, double decay_a, double decay_b, double both) {
     const double c = kind_ == Kind::position ? target_[i] : target_[i] * slider_;
     const double first = first_[i] - c, second = second_[i] - c, before = reference_[i];
@@ -194,7 +194,7 @@ class UndeclaredJoints {
     if (kind_ == Kind::position) second_[i] = reference_[i];
   }
 
-  /// The joint after `dt`, implicit in its servo and its friction: stable for any stiffness and step.
+  /// Moves the joint on by `dt`, implicit in its servo and its friction: stable for any stiffness and step.
   void servo(std::size_t i, double dt, double before) {
     const double k = truth_.stiffness[i], limit = truth_.torque_limit[i];
     const bool stiff = !(k < truth_.infinite);

@@ -10,14 +10,15 @@ SKINCTL_BEGIN_NAMESPACE
 /// Rate and bounds of the learning.
 template <std::size_t N, Real T = double>
 struct AdaptationSettings {
-  /// `Gamma = gamma bound^2`, parameter by parameter, so that all of them learn alike [1/(N m rad)]. At each
-  /// moment `gamma sum (Y bound)^2 dt < lambda` must hold; a UR5 meets it by far at the default.
+  /// Rate of the learning [1/(N m rad)]: `Gamma = gamma bound^2`, parameter by parameter, so that all of them
+  /// learn alike. At each moment `gamma sum (Y bound)^2 dt < lambda` must hold; a UR5 meets it by far at the
+  /// default.
   T gamma = T(2);
   InertialParameters<N, T> bound;  ///< largest deviation of the parameters from the model: see `deviations`
 };
 
-/// Bounds as a share of each parameter's own scale: of the mass, of the mass times `lever` [m], of the mass
-/// times its square.
+/// Bounds of the parameters as a share `part` of each one's own scale: of the mass, of the mass times `lever`
+/// [m], of the mass times its square.
 template <Real T = double, RobotModel M>
 [[nodiscard]] InertialParameters<M::joints, T> deviations(const M& model, const T& part,
                                                           const T& lever = T(0.15)) {
@@ -35,7 +36,7 @@ template <Real T = double, RobotModel M>
 namespace detail {
 template <std::size_t N, Real T>
 struct LearntDeviation {
-  InertialParameters<N, T> deviation;  ///< D [kg, kg m, kg m^2]
+  InertialParameters<N, T> deviation;  ///< learnt deviation D from the model [kg, kg m, kg m^2]
 };
 }  // namespace detail
 

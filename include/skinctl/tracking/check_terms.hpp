@@ -44,7 +44,8 @@ SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const LawTerms<
   }
 }
 /// Throws `ConfigurationError` where a limit of jerk would leave the robot swinging about its goal for ever
-/// after a touch: `(lambda + k) K_c (A/J)^2 > 1` of a joint that viscous friction slows at the rate k.
+/// after a touch: `(lambda + k) K_c (A/J)^2 > 1` of a joint that viscous friction slows at the rate k [1/s],
+/// A/J the time in which the jerk builds up its acceleration.
 template <std::size_t N, Real T>
 SKINCTL_COLD void check_for(const JointControlSettings<N, T>& s, const JerkTerms<N, T>& limit) {
   for (std::size_t i = 0; i < N; ++i) {

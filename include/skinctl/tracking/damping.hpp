@@ -13,27 +13,28 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `K_d v`, and the diagonal of K_d.
+/// The damping torque `K_d v`, and the diagonal of K_d.
 template <std::size_t N, Real T = double>
 struct DampingTorque {
   JointTorque<N, T> torque;  ///< `K_d v` [N m]
   JointTorque<N, T> own;     ///< diagonal of K_d: damping of each joint by its own velocity [N m s/rad]
 };
 
-/// `K_d = lambda M(q)`: every joint's S_q decays at the same rate, `dV = -2 lambda V`, and the torque of eq.
-/// (8) is one recursion.
+/// `K_d = lambda M(q)`: S_q of every joint, eq. (9), decays at the same rate lambda [1/s],
+/// `dV = -2 lambda V`, and the torque of eq. (8) is one recursion.
 template <Real T = double>
 class InertialDamping {
  public:
   static constexpr Needs needs = {};
-  /// @param lambda  [1/s]; checked with the other gains.
+  /// @param lambda  decay of S_q [1/s]; checked with the other gains.
   explicit InertialDamping(const T& lambda) noexcept : lambda_(lambda) {}
 
-  /// The fastest and the slowest decay of S_q [1/s].
+  /// The fastest decay of S_q [1/s].
   [[nodiscard]] const T& fastest() const noexcept { return lambda_; }
+  /// The slowest decay of S_q [1/s].
   [[nodiscard]] const T& slowest() const noexcept { return lambda_; }
 
-  /// `M^-1 K_d S_q`, which goes into the recursion.
+  /// The acceleration `M^-1 K_d S_q` [rad/s^2], which goes into the recursion.
   template <class K, std::size_t N>
   [[nodiscard]] SKINCTL_INLINE JointAcceleration<N, T> acceleration(
       const K&, const JointVelocity<N, T>& S_q) const noexcept {
@@ -67,8 +68,8 @@ class ConstantDamping {
  public:
   static constexpr Needs needs = {.mass = true};
 
-  /// @param model  the robot; the decays of `S_q = dq - dq_r` [1/s] are eigenvalues of M(q)^-1 K_d over 256 poses within +-pi,
-  ///               which the law's constructor checks together with the other gains.
+  /// @param model  the robot; the decays of `S_q = dq - dq_r` [1/s] are eigenvalues of M(q)^-1 K_d over 256
+  ///               poses within +-pi, which the law's constructor checks together with the other gains.
   /// @param K_d    row by row [N m s/rad]. Throws `ConfigurationError` if it is not symmetric (to
   ///               `tolerance<T>` of its largest element) or not positive definite.
   template <RobotModel M>
@@ -103,10 +104,12 @@ class ConstantDamping {
     }
   }
 
+  /// The fastest decay of S_q [1/s], over 256 poses.
   [[nodiscard]] const T& fastest() const noexcept { return fastest_; }
+  /// The slowest decay of S_q [1/s], over 256 poses.
   [[nodiscard]] const T& slowest() const noexcept { return slowest_; }
 
-  /// `K_d S_q` [N m].
+  /// The damping torque `K_d S_q` [N m].
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> torque(const JointVelocity<N, T>& S_q) const noexcept {
     JointTorque<N, T> tau;
     for (std::size_t i = 0; i < N; ++i) {
@@ -116,7 +119,7 @@ class ConstantDamping {
     }
     return tau;
   }
-  /// `K_d v`, and the diagonal of K_d, whatever the motors.
+  /// The damping torque `K_d v` [N m], and the diagonal of K_d; the motors' inertia plays no part.
   template <class K>
   [[nodiscard]] SKINCTL_NOINLINE DampingTorque<N, T> torque(const K&, const JointTorque<N, T>&,
                                                             const JointVelocity<N, T>& v) const noexcept {
@@ -124,7 +127,7 @@ class ConstantDamping {
     for (std::size_t i = 0; i < N; ++i) out.own[i] = K_d_[i * N + i];
     return out;
   }
-  /// `M^-1 K_d S_q`; zero where M cannot be factorised.
+  /// The acceleration `M^-1 K_d S_q` [rad/s^2]; zero where M cannot be factorised.
   template <class K>
   [[nodiscard]] SKINCTL_INLINE JointAcceleration<N, T> acceleration(
       const K& known, const JointVelocity<N, T>& S_q) const noexcept {

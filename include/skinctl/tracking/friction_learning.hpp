@@ -11,11 +11,12 @@ SKINCTL_BEGIN_NAMESPACE
 /// Rate, bounds and dead zone of the learning.
 template <std::size_t N, Real T = double>
 struct FrictionLearningSettings {
-  /// g [1/s^2], > 0 and at most a quarter of the law's `lambda` squared: beyond it the answer to a step of friction oscillates.
+  /// Rate g of the learning [1/s^2], > 0 and at most a quarter of the law's `lambda` squared: beyond it the
+  /// answer to a step of friction oscillates.
   T rate = T(100);
   JointTorque<N, T> bound;  ///< largest learnt torque [N m]: the friction that is left over, with a margin
-  /// e_0 [rad]: a joint that rests within this of its target is left alone. Above the encoder's noise, and
-  /// above half of the slip that stiction makes.
+  /// Dead zone e_0 [rad]: a joint that rests within this of its target is left alone. Above the encoder's
+  /// noise, and above half of the slip that stiction makes.
   T dead_zone = T(0.0008);
   /// Rate [1/s] at which S_q is smoothed before it is compared with the dead zone.
   T smoothing = T(40);
@@ -24,12 +25,12 @@ struct FrictionLearningSettings {
 namespace detail {
 template <std::size_t N, Real T>
 struct LearntFriction {
-  JointTorque<N, T> friction;  ///< f [N m]
+  JointTorque<N, T> friction;  ///< learnt torque f [N m]
   JointVelocity<N, T> smooth;  ///< S_q, smoothed [rad/s]
 };
 }  // namespace detail
 
-/// A tracking law `L` whose torque has f added, learnt by
+/// A tracking law `L` whose torque has f [N m] added, learnt by
 ///
 ///     df_i = -g M_ii S_q_i    outside of the dead zone,  |S_q_i| (smoothed) > K_c e_0,
 ///     df_i = 0                inside,
@@ -125,9 +126,9 @@ class FrictionLearning
   [[nodiscard]] static T square(const T& x) noexcept { return x * x; }
 
   Settings settings_;
-  T release_, stop_, stick_;  ///< [1/s^2]
-  T slip_;                    ///< [1/rad]
-  T dead_;
+  T release_, stop_, stick_;  ///< rates at a release, its bound, and at sticking [1/s^2]
+  T slip_;                    ///< `2 / e_0` [1/rad]
+  T dead_;                    ///< speed of the dead zone, `K_c e_0` [rad/s]
 };
 
 SKINCTL_END_NAMESPACE

@@ -34,7 +34,8 @@ template <RobotModel M, Real T, class... Groups, class... Parts>
   }
   return s;
 }
-/// The same for a scene with `MaxJerk`, which limits the joints by position and velocity.
+/// Settings of a tracking law for a robot in groups, in a scene with `MaxJerk`, which limits the joints by
+/// position and velocity.
 template <RobotModel M, Real T, class... Groups, class... Parts>
 [[nodiscard]] JointControlSettings<M::joints, T> tracking_settings(
     const GroupsDescription<M, T, std::tuple<Groups...>, Parts...>& robot,

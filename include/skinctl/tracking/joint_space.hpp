@@ -102,7 +102,8 @@ class JointSpace {
       if (v != T(0)) return false;
     return true;
   }
-  /// NaN or infinite if the goal is not finite.
+  /// Shortest time from `from` to `goal` within the largest velocities [s]; NaN or infinite if the goal is
+  /// not finite.
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
     T least(0);
     for (std::size_t i = 0; i < N; ++i) {
@@ -127,8 +128,9 @@ class JointSpace {
     for (std::size_t i = 0; i < N; ++i) sum = sum + r.q_d[i] + r.dq_d[i] + r.ddq_d[i];
     return sum - sum == T(0);
   }
-  /// The same place at constant velocity, or at rest.
+  /// A reference at the place of `r` that goes on with constant velocity.
   [[nodiscard]] static Reference drifting(const Reference& r) noexcept { return {r.q_d, r.dq_d, {}}; }
+  /// A reference at rest at the place of `r`.
   [[nodiscard]] static Reference resting(const Reference& r) noexcept { return {r.q_d, {}, {}}; }
   /// Moves `r` on by `dt` towards a target, within the limits, each joint on its own.
   SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
@@ -150,13 +152,14 @@ class JointSpace {
     }
     return true;
   }
-  /// Errors of one reference against another, as `errors` gives those of a state.
+  /// Position errors of `a` against `b`, in the form of `errors`.
   [[nodiscard]] static Errors distance(const Reference& a, const Reference& b) noexcept {
     Errors error{};
     for (std::size_t i = 0; i < N; ++i) error.e[i] = a.q_d[i] - b.q_d[i];
     return error;
   }
-  /// [s]; infinite if something is not finite.
+  /// Longest time that an error takes at its joint's largest speed less the target's [s]; infinite if an
+  /// error is.
   [[nodiscard]] static T slowness(const Errors& error, const Settings& s) noexcept {
     T most(0);
     for (std::size_t i = 0; i < N; ++i) {
@@ -167,7 +170,7 @@ class JointSpace {
     return most;
   }
 
-  /// The largest speed by which a joint misses its course, as a share of its largest.
+  /// The largest speed by which a joint misses its course, as a share of its `max_velocity`.
   [[nodiscard]] static SKINCTL_INLINE T share_of_speed(const Surface& surface, const Settings& s) noexcept {
     T most(0);
     for (std::size_t i = 0; i < N; ++i) {

@@ -49,20 +49,20 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     SingularEscape<N, T> escape;    ///< motion out of a singularity that the damped inverse does not find
     SingularRest<N, T> rest;        ///< rest at a goal next to a singularity
     JointVelocity<N, T> drift;      ///< the joints' motion at the start beyond what the tool's course takes
-    bool slowed = false;            ///< next to a singularity, or at the largest speed of a joint
+    bool slowed = false;            ///< slowed next to a singularity, or at the largest speed of a joint
   };
   struct Surface {
-    JointVelocity<coordinates, T> S_delta;  ///< eq. (19)
+    JointVelocity<coordinates, T> S_delta;  ///< difference to the surface, eq. (19)
     JointVelocity<coordinates, T> dI1, dI2;
-    JointVelocity<coordinates, T> dx_r;       ///< eq. (18)
+    JointVelocity<coordinates, T> dx_r;       ///< reference velocity of the coordinates, eq. (18)
     JointAcceleration<coordinates, T> ddx_r;  ///< derivative of dx_r
-    JointVelocity<N, T> dq_r;                 ///< eq. (15)
+    JointVelocity<N, T> dq_r;                 ///< reference velocity of the joints, eq. (15)
     JointAcceleration<N, T> ddq_r;
     JointVelocity<N, T> S_q;
-    JointVelocity<N, T> way_out;  ///< the goal of `escape`
+    JointVelocity<N, T> way_out;  ///< joint velocity that `escape` goes over to
     JointPosition<N, T> q;        ///< joint positions, set only next to a singularity [rad]
     bool rests;                   ///< the goal is reached next to a singularity: see `SingularRest`
-    Xyz<T> near;                  ///< the branch of the orientation error
+    Xyz<T> near;                  ///< branch of the orientation error
     bool slowed;
   };
   struct Course {
@@ -121,7 +121,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
                                      const Memory& memory) noexcept {
     return error_rows(target, at, memory).rows.stored();
   }
-  /// Eqs. (15)-(21).
+  /// The sliding surface and the reference motion of the joints, eqs. (15)-(21).
   template <class Gains, class J>
   [[nodiscard]] SKINCTL_NOINLINE Surface surface(const Gains& gains, const Inputs& in, const Site<J>& at,
                                                  const Memory& memory) const noexcept {
@@ -173,7 +173,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     (at.dq - dq_r).store(s.S_q);
     return s;
   }
-  /// `J^+ x`, next to a singularity with the largest damping.
+  /// The joints' velocity `J^+ x` for the velocity `x` of the coordinates; with the largest damping in the
+  /// zone.
   template <class J>
   [[nodiscard]] SKINCTL_NOINLINE JointVelocity<N, T> joint_speed(const JointVelocity<coordinates, T>& x,
                                                                  const Site<J>& at,
@@ -212,12 +213,12 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     next.rest = memory.rest.advanced(s.rests, s.q, dt);
     return next;
   }
-  /// Takes over joints `faster` than the reference, which does not follow them next to a singularity or above
-  /// their limits. The difference decays as S_d does.
+  /// Takes over the velocity by which joints are `faster` than the reference, which does not follow them next
+  /// to a singularity or above their limits. This difference decays as S_d does.
   static SKINCTL_INLINE void take_up(Memory& memory, const JointVelocity<N, T>& faster) noexcept {
     for (std::size_t i = 0; i < N; ++i) memory.drift[i] = faster[i] - faster[i] == T(0) ? faster[i] : T(0);
   }
-  /// After a reset: the shortest rotation.
+  /// The memory after a reset: the orientation error is the shortest rotation.
   [[nodiscard]] static SKINCTL_INLINE Memory renewed(Memory memory) noexcept {
     memory.near = {T(0), T(0), T(0)};
     return memory;
@@ -233,7 +234,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
                                                       const Where& X_BP) noexcept {
     return {q, dq, jacobian, X_BP, jacobian * dq};
   }
-  /// At a goal that stands still and is reached, next to a singularity: see `SingularRest`.
+  /// Holds the joints at a goal that stands still and is reached, next to a singularity: see `SingularRest`.
   template <class J>
   SKINCTL_COLD void rest(const Inputs& in, const Site<J>& at, const Errors& error,
                          const SingularRest<N, T>& rest, const T& nearness, Surface& s) const noexcept {
@@ -257,7 +258,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     }
   }
   using Row = detail::Row<coordinates, T>;
-  /// Errors, and the branch of that of the orientation.
+  /// The errors, and the branch of the orientation error.
   struct Errant {
     SurfaceErrorRows<coordinates, T> rows;
     Xyz<T> near;
@@ -286,9 +287,9 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   Transform<Link<Ix>, P, T> X_LP_;
   T min_damping_;
   SingularityDamping<T> singularities_;
-  JointVelocity<N, T> limit_;  ///< of the reference: a hundredth is left for the overshoot of the joints
+  JointVelocity<N, T> limit_;  ///< speed of the reference: a hundredth is left for the joints' overshoot
   T kappa_;                    ///< decay of the drift
-  T slowest_;                  ///< of the limits
+  T slowest_;                  ///< smallest of the limits
   T per_position_;             ///< one over the tolerances of a goal that is reached
   T per_orientation_;
 };

@@ -7,7 +7,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The orientation's part of eqs. (20), (21), three coordinates: see `SurfaceErrors`.
+/// The orientation's part, three coordinates, of the errors in eqs. (20), (21): see `SurfaceErrors`.
 template <Real T = double>
 struct OrientationErrors {
   Xyz<T> e, de, slope, v_d, a_d;
@@ -25,7 +25,8 @@ constexpr Zyz<T> as_zyz(const Xyz<T>& a) noexcept {
 }
 }  // namespace detail
 
-/// The default: the rotation vector `phi` of `R R_d^T`, along the axes of the base. `S` reads omega, and
+/// The default measure of an orientation error: the rotation vector `phi` [rad] of `R R_d^T`, from the
+/// target's axes to the tool's, along the axes of the base. `S` reads omega, and
 /// `dphi = J_l^-1(phi) (omega - R R_d^T omega_d)`. A reset takes the shortest rotation; the branch is then
 /// kept across half a turn. Regular up to one whole turn.
 struct RotationVectorError {
@@ -49,8 +50,9 @@ struct RotationVectorError {
   }
 };
 
-/// The paper's: differences of ZYZ angles, wrapped, and their rates, eqs. (16), (17). At theta = 0 and pi one
-/// direction of rotation has no rate; this law does not turn the tool in it.
+/// The paper's measure of an orientation error: differences of ZYZ angles, wrapped, and their rates, eqs.
+/// (16), (17). At theta = 0 and pi one direction of rotation has no rate; this law does not turn the tool in
+/// it.
 struct ZyzError {
   template <Real T>
   struct Map {

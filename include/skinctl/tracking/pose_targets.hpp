@@ -25,13 +25,13 @@ struct OperationalSettings {
   T max_linear_jerk = T(15);           ///< largest linear jerk after a reactive target [m/s^3]
   T max_angular_acceleration = T(5);   ///< largest angular acceleration after a reactive target [rad/s^2]
   T max_angular_jerk = T(50);          ///< largest angular jerk after a reactive target [rad/s^3]
-  /// Zone in which J^+ is damped, and the largest damping; the joints' speed determines how much of it is
-  /// used.
+  /// Zone in which the inverse Jacobian is damped, and the largest damping; the joints' speed determines how
+  /// much of it is used.
   SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
-  T min_damping = T(0.02);  ///< l at a singularity when the reference is nearly at rest
+  T min_damping = T(0.02);  ///< damping at a singularity when the reference is nearly at rest
   /// Next to a singularity a goal that stands still counts as reached within these, and nothing moves.
-  T reached_position = T(2e-4);     ///< [m]
-  T reached_orientation = T(1e-3);  ///< [rad]
+  T reached_position = T(2e-4);     ///< tolerance of the position [m]
+  T reached_orientation = T(1e-3);  ///< tolerance of the orientation [rad]
 };
 
 /// Throws `ConfigurationError` for a speed, acceleration, jerk or tolerance of poses out of its range.
@@ -125,8 +125,9 @@ class PoseTargets {
                   dot(r.V.angular, r.V.angular) + dot(r.A.linear, r.A.linear) + dot(r.A.angular, r.A.angular);
     return sum - sum == T(0) && rotation_error(r.X_BP.axes()) <= tolerance<T>;
   }
-  /// The same pose at constant velocity, or at rest.
+  /// A reference at the pose of `r` that goes on with constant velocity.
   [[nodiscard]] static Reference drifting(const Reference& r) noexcept { return {r.X_BP, r.V, {}}; }
+  /// A reference at rest at the pose of `r`.
   [[nodiscard]] static Reference resting(const Reference& r) noexcept { return {r.X_BP, {}, {}}; }
   /// Moves `r` on by `dt` towards a target, within the limits: its origin, and its axes by the shortest turn.
   SKINCTL_COLD static void react(Reference& r, const Reference& target, const Settings& s,
@@ -172,7 +173,8 @@ class PoseTargets {
     return b > a ? b : a;
   }
 
-  /// The speed by which the tool misses its course, as a share of the largest.
+  /// The speed by which the tool misses its course, as a share of the largest: linear or angular, the larger
+  /// one.
   template <class Surface>
   [[nodiscard]] static SKINCTL_INLINE T share_of_speed(const Surface& surface, const Settings& s) noexcept {
     const auto missed = [&](std::size_t first, const T& fastest) {

@@ -6,13 +6,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The null space comes to rest, as fast as K_d stops it.
+/// The joints' motion in the tool's null space comes to rest, as fast as the damping K_d stops it.
 struct DampedNullSpace {
   static constexpr bool rests = true;
 };
 
-/// The null space is free: this law neither brakes nor drives it, and the skin moves it. (Its motion has no
-/// acceleration in `ddq_r`.)
+/// The joints' motion in the tool's null space is free: this law neither brakes nor drives it, and the skin
+/// moves it. (It has no acceleration in `ddq_r`.)
 struct FreeNullSpace {
   static constexpr bool rests = false;
 };

@@ -43,7 +43,7 @@ struct JointControlSettings {
   Nanoseconds dt = 2ms;      ///< longest interval between two evaluations
   Nanoseconds loop_delay{};  ///< mean time from a state until the torque that answers it acts; dt if less
   T lambda = T(0.25) / seconds<T>(dt);  ///< `K_d = lambda M(q)` [1/s]; 20-40 at 125 Hz, 50-150 at 500 Hz
-  T kappa = T(10);                      ///< decay of S_d [1/s]
+  T kappa = T(10);                      ///< decay of the bias S_d [1/s]
   T K_i1 = T(1);                        ///< gain of the integral of S_delta [1/s]
   T K_i2 = T(0.1);                      ///< gain of the integral of tanh(mu S_delta) [rad/s^2]
   T mu = T(10);                         ///< steepness of tanh [s/rad]
@@ -51,7 +51,7 @@ struct JointControlSettings {
   /// [N m].
   JointTorque<N, T> integral_limit = JointTorque<N, T>::constant(T(10));
   T integral_speed =
-      T(0.5);           ///< largest part of each in dq_r of a virtual robot, which has no friction [rad/s]
+      T(0.5);           ///< largest part of each integral in dq_r of a virtual, frictionless robot [rad/s]
   Nanoseconds tb = 1s;  ///< convergence time of the time base; 0: the constant gain from the start
   T K_c = T(10);        ///< gain that holds the target [1/s]
   TimeBase<T> base{};   ///< shape of the time base
@@ -59,7 +59,7 @@ struct JointControlSettings {
   Nanoseconds bumpless_transfer =
       100ms;  ///< bumpless transfer: the reference reaches its new course this long after a reset
   Nanoseconds target_age =
-      100ms;  ///< a moving target is extrapolated so long after its last sample, then slows down
+      100ms;  ///< time after its last sample for which a moving target is extrapolated, before it slows down
   T max_acceleration = T(4);  ///< largest acceleration of any joint after a reactive target [rad/s^2]
   T max_jerk = T(40);         ///< largest jerk of any joint after a reactive target [rad/s^3]
   GoalPolicy reach = GoalPolicy::stretch;
@@ -76,7 +76,7 @@ struct JointControlSettings {
   /// Largest speed to a goal [rad/s].
   JointVelocity<N, T> max_velocity = JointVelocity<N, T>::constant(T(1));
 
-  /// D, for which the gains must be small enough: `loop_delay`, at least `dt`.
+  /// Delay D of the loop, for which the gains must be small enough: `loop_delay`, at least `dt`.
   [[nodiscard]] constexpr Nanoseconds delay_in_loop() const noexcept {
     return loop_delay < dt ? dt : loop_delay;
   }
@@ -86,7 +86,8 @@ struct JointControlSettings {
 /// stable to 1.0: a gain margin of 2. A virtual robot is stable to 2.
 template <Real T>
 inline const T largest_gain_product = T(0.5);
-/// The largest such product times the mass ratio: up to it the lightest robot is stable.
+/// The largest `(K_p + lambda + K_i1 + mu K_i2) D` times the mass ratio: up to it the lightest robot is
+/// stable.
 template <Real T>
 inline const T largest_product_when_light = T(1);
 /// The largest mass ratio that is accepted. Beyond it no gains are stable for the light robot and hold the
@@ -201,7 +202,7 @@ void follow_delay(JointControlSettings<N, T>& s, const T& delay) {
   s.K_i2 = s.lambda / T(80);
 }
 /// Gains that wait for the acceleration: `(lambda + k) K_c (A/J)^2 <= 1` of each joint, k the rate of its
-/// viscous friction, see `jerk_terms`.
+/// viscous friction [1/s], A/J the time in which the jerk builds up its acceleration, see `jerk_terms`.
 template <std::size_t N, Real T>
 void fit_jerk(JointControlSettings<N, T>& s, const JerkTerms<N, T>& limit) {
   using std::sqrt;

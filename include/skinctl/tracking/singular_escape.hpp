@@ -12,15 +12,16 @@ SKINCTL_BEGIN_NAMESPACE
 /// first-order lags behind `wish`, so that neither its velocity nor its acceleration has steps.
 template <std::size_t N, Real T = double>
 struct SingularEscape {
-  JointVelocity<N, T> v;
+  JointVelocity<N, T> v;      ///< joint velocity of the escape
   JointAcceleration<N, T> a;  ///< derivative of `v`
 
   static constexpr double zone = 0.03;        ///< singular value below which a direction counts as singular
   static constexpr double lag = 0.03;         ///< time constant of either filter [s]
   static constexpr double share = 0.97;       ///< largest speed of a joint in an escape, over its limit
-  static constexpr double min_speed = 0.004;  ///< commanded speed [m/s, rad/s] for 0.7 of this pace
+  static constexpr double min_speed = 0.004;  ///< commanded speed [m/s, rad/s] for 0.7 of the escape's pace
 
-  /// `dt` seconds later, by backward Euler: stable for every dt. A wish that is not finite changes nothing.
+  /// The state `dt` seconds later, by backward Euler: stable for every dt. A wish that is not finite changes
+  /// nothing.
   [[nodiscard]] SingularEscape advanced(const JointVelocity<N, T>& wish, const T& dt) const noexcept {
     using R = detail::Row<N, T>;
     const T w = T(1) / T(lag), scale = T(1) / (T(1) + w * dt * (T(2) + w * dt));
@@ -30,11 +31,12 @@ struct SingularEscape {
             JointAcceleration<N, T>(select(finite, rate, R(a)))};
   }
 
-  /// The wish of the motion where `asked` is the frame's commanded velocity: along the v of those singular
-  /// directions in which `asked` has a component, as fast as `share` of `limit` allows if nothing else moves;
-  /// slower by the part of `asked` that the frame can already follow. Zero where `asked` leads out of the
-  /// workspace. On a path that is nearly straight rounding decides the sign of sigma, and with it that of v:
-  /// there the present sense of rotation is kept, so that it does not alternate.
+  /// The joint velocity that the escape goes over to, where `asked` is the frame's commanded velocity: along
+  /// the right singular vectors v of those singular directions in which `asked` has a component, as fast as
+  /// `share` of `limit` allows if nothing else moves; slower by the part of `asked` that the frame can
+  /// already follow. Zero where `asked` leads out of the workspace. On a path that is nearly straight
+  /// rounding decides the sign of sigma, and with it that of v: there the present sense of rotation is kept,
+  /// so that it does not alternate.
   template <TaskSpace What, class J, class Velocity>
   [[nodiscard]] SKINCTL_COLD JointVelocity<N, T> wish(const J& jacobian, const Velocity& asked,
                                                       const JointVelocity<N, T>& limit) const noexcept {

@@ -13,8 +13,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// P (dq_r + K (q - q_rest))`, P the projection onto them. A state of tracking laws.
 template <std::size_t N, Real T = double>
 struct SingularRest {
-  JointPosition<N, T> q;  ///< position that is held
-  T r = T(0);             ///< share of this law, a first-order lag behind `on`
+  JointPosition<N, T> q;  ///< position that is held [rad]
+  T r = T(0);             ///< weight of the rest, 0 to 1, a first-order lag behind `on`
   bool on = false;
 
   static constexpr double zone = 0.03;    ///< singular value below which a direction counts as singular
@@ -27,7 +27,7 @@ struct SingularRest {
   [[nodiscard]] bool reached(const T& distance_squared, const T& speed_squared) const noexcept {
     return distance_squared + speed_squared / T(still * still) < (on ? T(1) : T(0.25));
   }
-  /// `dt` seconds later, at the position `now`.
+  /// The state `dt` seconds later, at the position `now`.
   [[nodiscard]] SKINCTL_INLINE SingularRest advanced(bool reached, const JointPosition<N, T>& now,
                                                      const T& dt) const noexcept {
     if (!reached && !(r > T(0))) [[likely]]
@@ -52,8 +52,8 @@ struct SingularRest {
         share_[n] = left > T(0) ? T(fade * left * left) : T(0);
       }
     }
-    /// The part of the rate of an integral along them, whole already where they have a little weight: an
-    /// integral of an error that is left as it is would creep.
+    /// The part of the rate of an integral along the singular directions, whole already where they have a
+    /// little weight: an integral of an error that is left as it is would creep.
     template <class V>
     [[nodiscard]] V of_frame(const V& v) const noexcept {
       V part{};
@@ -65,7 +65,7 @@ struct SingularRest {
       }
       return part;
     }
-    /// `P x`: the part of a joint motion along them.
+    /// `P x`: the part of a joint motion along the singular directions.
     template <class X>
     [[nodiscard]] X of_joints(const X& x) const noexcept {
       X part;
@@ -82,7 +82,7 @@ struct SingularRest {
     T share_[2];
   };
 
-  /// Rests: changes the reference motion of joints at `now` that move at `dq`, with the gain K. The
+  /// Adds the rest to the reference motion of joints at `now` that move at `dq`, with the gain K [1/s]. The
   /// derivative leaves out that P turns with the joints: at rest it does not.
   template <class D>
   void hold(const D& directions, const JointPosition<N, T>& now, const JointVelocity<N, T>& dq, const T& K,

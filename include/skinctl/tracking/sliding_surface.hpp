@@ -33,7 +33,7 @@ struct Integrals {
   }
 };
 
-/// The shares of their limits that integrals use, with the signs of rates that use more.
+/// How much of their limits the integrals use, 0 to 1, with the signs of the rates that use more.
 template <std::size_t N, Scalar T = double>
 struct IntegralsUsed {
   JointVelocity<N, T> I1, I2;
@@ -44,8 +44,8 @@ template <std::size_t N, Scalar T = double>
 struct SlidingSurface {
   JointVelocity<N, T> S_delta;    ///< `S - S_d`, eq. (12)
   JointVelocity<N, T> dI1;        ///< rate of the integral of S_delta
-  JointVelocity<N, T> dI2;        ///< rate of the integral of its sign
-  JointVelocity<N, T> dq_r;       ///< eq. (10)
+  JointVelocity<N, T> dI2;        ///< rate of the integral of tanh(mu S_delta)
+  JointVelocity<N, T> dq_r;       ///< reference velocity, eq. (10)
   JointAcceleration<N, T> ddq_r;  ///< derivative of dq_r in time
   JointVelocity<N, T> S_q;        ///< `dq - dq_r`, eq. (9)
 };
@@ -57,8 +57,8 @@ struct SurfaceInputs {
   Target target;
   Gain<T> K_p;
   BiasNow<N, T> bias;
-  JointVelocity<N, T> I1;  ///< the integrals themselves
-  JointVelocity<N, T> I2;
+  JointVelocity<N, T> I1;  ///< integral of S_delta
+  JointVelocity<N, T> I2;  ///< integral of tanh(mu S_delta)
   IntegralsUsed<N, T> used;
   bool held;  ///< the integrals are stopped
 };
@@ -72,14 +72,15 @@ struct SurfaceGains {
   explicit SurfaceGains(const JointControlSettings<N, T>& s) noexcept
       : K_i1(s.K_i1), K_i2(s.K_i2), mu(s.mu) {}
 
-  /// The part of its rate that an integral takes: all of it on the way back, else what `used` leaves.
+  /// The rate at which an integral grows: all of `rate` on the way back to zero, else the part that `used`
+  /// leaves.
   template <std::size_t N>
   [[nodiscard]] static SKINCTL_INLINE detail::Row<N, T> taken(const JointVelocity<N, T>& used,
                                                               const detail::Row<N, T>& rate) noexcept {
     const detail::Row<N, T> share = used;
     return select(share * rate > detail::Row<N, T>(T(0)), rate - magnitude(share) * rate, rate);
   }
-  /// `used` of a load against its limit > 0, both of any unit: 0 up to half of it, then smoothly to 1, with
+  /// How much of its limit > 0 a load uses, both of any unit: 0 up to half of it, then smoothly to 1, with
   /// the sign of the load.
   [[nodiscard]] static T used(const T& load, const T& limit) noexcept {
     const T share = T(2) * detail::magnitude(load) / limit - T(1);
@@ -99,7 +100,7 @@ struct SurfaceErrors {
   T a_d[N];    ///< acceleration of the target
 };
 
-/// `SurfaceErrors` in lanes.
+/// The errors of `SurfaceErrors`, in lanes.
 template <std::size_t N, Real T = double>
 struct SurfaceErrorRows {
   detail::Row<N, T> e, de, slope, v_d, a_d;
@@ -112,7 +113,8 @@ struct SurfaceErrorRows {
   }
 };
 
-/// Eqs. (10)-(13), or (18)-(21), and the derivative of (10); `rest(dq_r)` gives `S_q`. NaN in, NaN out.
+/// The sliding surface and the reference motion in joint space, eqs. (10)-(13), or of a pose, eqs. (18)-(21),
+/// with the derivative of (10); `rest(dq_r)` gives `S_q`. NaN in, NaN out.
 template <std::size_t N, Real T, class Target, class Errors, class Rest>
 [[nodiscard]] SKINCTL_INLINE SlidingSurface<N, T> sliding_surface(const SurfaceGains<T>& gains,
                                                                   const SurfaceInputs<N, T, Target>& in,

@@ -8,7 +8,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A spline under way in the coordinates of `Space`; trivially copyable.
+/// A spline to a goal, with its clock, in the coordinates of `Space`; trivially copyable.
 template <class Space>
 struct SplinePlan {
   using T = typename Space::scalar;
@@ -17,13 +17,14 @@ struct SplinePlan {
   using Where = typename Space::Where;
   static constexpr bool streams = false, reacts = false, is_movable = false;
   static constexpr const char* name = Space::spline_name;  ///< name of the law
-  /// The slowest pace of a plan that waits: one that its joints' droop holds back ends all the same.
+  /// Slowest pace of a plan that waits, as a share of its full one: a plan held back by joints' droop still
+  /// ends.
   static constexpr double slowest = 0.1;
 
   typename Space::Spline spline;
   PlanClock<T> clock;
 
-  /// At rest in a place.
+  /// The plan of a robot at rest at `at`.
   [[nodiscard]] static SKINCTL_INLINE constexpr SplinePlan standing(const Where& at,
                                                                     const Settings&) noexcept {
     return {Space::spline(at, at, T(0)), {}};
@@ -39,9 +40,9 @@ struct SplinePlan {
                                                              const Settings& s) const noexcept {
     return {spline, clock.advanced(dt, Space::tracking(s).bumpless_transfer)};
   }
-  /// Waits for a robot that a limit, an obstacle or a hand keeps off its course: see
+  /// The plan, which waits for a robot that a limit, an obstacle or a hand keeps off its course: see
   /// `JointControlSettings::waits`.
-  /// @param missed  speed by which it misses it, as a share of the largest, >= 0.
+  /// @param missed  speed by which the robot misses its course, as a share of the largest, >= 0.
   [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan waited(const T& missed, Nanoseconds dt,
                                                            const Settings& s) const noexcept {
     const T most = Space::tracking(s).waits, share = T(2) - T(2) * missed / most;
@@ -50,14 +51,14 @@ struct SplinePlan {
     const T wish = share < T(slowest) ? T(slowest) : (share < T(1) ? share : T(1));
     return {spline, clock.paced(wish, dt, Space::tracking(s).bumpless_transfer)};
   }
-  /// The spline comes to a stop, or goes on.
+  /// The plan whose spline comes to a stop (`holds`), or goes on.
   [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan held(bool holds, const Settings& s) const noexcept {
     return {spline, clock.changed(!holds, Space::tracking(s).bumpless_transfer)};
   }
 
-  /// A spline from `where` to the goal, of 10 intervals or longer. Where its peak speed would exceed the
-  /// settings' limit it is stretched, or refused. A goal that is not finite is refused. A plan under way goes
-  /// on with its velocity and acceleration, as far as they lead towards the new goal.
+  /// The plan of a spline from `where` to the goal, of 10 intervals `dt` or longer. Where its peak speed
+  /// would exceed the settings' limit it is stretched, or refused. A goal that is not finite is refused. A
+  /// plan under way goes on with its velocity and acceleration, as far as they lead towards the new goal.
   [[nodiscard]] Received<SplinePlan> to(const Goal& goal, const Where& where,
                                         const Settings& settings) const noexcept {
     const auto& s = Space::tracking(settings);

@@ -12,13 +12,14 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// `exp(-kappa t)`. For the interval between evaluations, and for its half, it is known beforehand.
+/// The decay `exp(-kappa t)` of a bias. For the interval between evaluations, and its half, it is known
+/// beforehand.
 template <Real T = double>
 class Decay {
  public:
-  /// Of an interval that is not known.
+  /// A decay for intervals that are not known.
   Decay(const T& kappa) noexcept : Decay(kappa, T(0)) {}
-  /// @param kappa  [1/s]; `dt`: the interval [s].
+  /// @param kappa  rate of the decay [1/s]; `dt`: the interval between evaluations [s].
   Decay(const T& kappa, const T& dt) noexcept
       : kappa_(kappa),
         dt_(dt),
@@ -27,7 +28,7 @@ class Decay {
         rest_of_half_(by_library(half_)) {}
 
   [[nodiscard]] SKINCTL_INLINE const T& kappa() const noexcept { return kappa_; }
-  /// `exp(-kappa t)`, the share of the bias that is left after `t` [s].
+  /// The share `exp(-kappa t)` of the bias that is left after `t` [s].
   [[nodiscard]] SKINCTL_INLINE T after(const T& t) const noexcept {
     if constexpr (std::is_floating_point_v<T>) {
       if (t == half_) return rest_of_half_;
@@ -45,7 +46,7 @@ class Decay {
 };
 }  // namespace detail
 
-/// `S_d` and its derivative.
+/// The bias `S_d` of the sliding surface at an instant, and its derivative.
 template <std::size_t N, Scalar T = double>
 struct BiasNow {
   JointVelocity<N, T> S_d;

@@ -30,7 +30,7 @@ struct TargetPlan {
                                                                     const Settings&) noexcept {
     return {Goal{at, {}, {}}, {}, false};
   }
-  /// A target just received.
+  /// The plan of a target just received.
   [[nodiscard]] static SKINCTL_INLINE constexpr TargetPlan moved(const Goal& goal) noexcept {
     return {goal, {}, false};
   }
@@ -55,12 +55,12 @@ struct TargetPlan {
   [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {
     return Space::slowness(Space::distance(goal, at(T(0), s)), s) <= seconds<T>(Space::tracking(s).dt);
   }
-  /// The clock of a target from outside does not stop with the law.
+  /// The plan, unchanged: the clock of a target from outside does not stop with the law.
   [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan held(bool, const Settings&) const noexcept {
     return *this;
   }
 
-  /// The new target. One that is not finite, or faster than the settings allow, is refused.
+  /// The plan of a new target. One that is not finite, or faster than the settings allow, is refused.
   [[nodiscard]] Received<TargetPlan> to(const Goal& goal, const Where&, const Settings& s) const noexcept {
     if (!Space::allows(goal, s)) return {*this, Reason::goal_refused};
     return {moved(goal), {}};

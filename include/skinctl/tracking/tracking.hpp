@@ -58,7 +58,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   Tracking(const Space& space, const Settings& settings)
     requires std::same_as<Damping, InertialDamping<T>>
       : Tracking(space, settings, InertialDamping<T>(Space::tracking(settings).lambda)) {}
-  /// For a described robot: `tracking_settings(robot)`.
+  /// A law for a described robot, with `tracking_settings(robot)`.
   template <DescribedRobot R>
   explicit Tracking(const R& robot)
     requires(std::same_as<Damping, InertialDamping<T>> && std::default_initializable<Space>)
@@ -72,9 +72,9 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
       : Tracking(Space(X_LP, settings), settings) {}
   Tracking(const Space& space, const Settings& settings, const Damping& damping)
       : Reset(space, settings, damping) {}
-  /// Throws `ConfigurationError` where times or virtual dynamics are not those of the robot, and where the
-  /// gains are too large for the lightest of its configurations, or too small for the gravity that they
-  /// differ by.
+  /// Whether the law fits a robot: throws `ConfigurationError` where times or virtual dynamics are not those
+  /// of the robot, and where the gains are too large for the lightest of its configurations, or too small for
+  /// the gravity that they differ by.
   void check_for(const LawTerms<N, T>& robot) const {
     skinctl::check_for(gains(), robot);
     if (robot.mass_ratio > gains().mass_ratio)
@@ -83,8 +83,8 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   }
   void check_for(const JerkTerms<N, T>& limit) const { skinctl::check_for(gains(), limit); }
 
-  /// Takes over at the known state: the target is the robot's position, `S_d` takes up its velocity, S_q is
-  /// zero.
+  /// The memory of a law that takes over at the known state: the target is the robot's position, `S_d` takes
+  /// up its velocity, S_q is zero.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
     Memory memory;
@@ -96,9 +96,9 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     return memory;
   }
 
-  /// A new goal: the plan, the time base, the surface and its integrals start again from the known state.
-  /// Refused: no numbers, joints beyond the robot's position limits, a pose whose axes are no rotation. Too
-  /// fast ones are stretched or refused: `GoalPolicy`.
+  /// Takes a new goal: the plan, the time base, the surface and its integrals start again from the known
+  /// state. Refused: no numbers, joints beyond the robot's position limits, a pose whose axes are no
+  /// rotation. Too fast ones are stretched or refused: `GoalPolicy`.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const Goal& goal) const noexcept {
@@ -118,9 +118,9 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     return out;
   }
 
-  /// The next sample of a target that moves smoothly: time base, surface and integrals go on. A sample is a
-  /// new goal if it is further from the extrapolation of the last one than the largest speed covers in an
-  /// interval. A plan to a goal takes it as one.
+  /// Takes the next sample of a target that moves smoothly: time base, surface and integrals go on. A sample
+  /// is a new goal if it is further from the extrapolation of the last one than the largest speed covers in
+  /// an interval. A plan to a goal takes it as one.
   template <class K>
   [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known,
                                         const Goal& goal) const noexcept {
@@ -170,8 +170,8 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     using Torque = JointTorque<N, T>;
     return {Torque(tau), advance(memory, known, dt, Opposition::none, at_t), {Torque(tau)}, status(memory)};
   }
-  /// The target is at rest, the skin does not push against the law, and neither robot nor reference is faster
-  /// than `still` [rad/s].
+  /// Whether the target is at rest, the skin does not push against the law, and neither robot nor reference
+  /// is faster than `still` [rad/s].
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known, const T& still) const noexcept {
     return !memory.held && Space::stands(reference(memory)) && detail::slower(known.dq(), still) &&
@@ -218,7 +218,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     memory.plan = Plan::moved(target);
     return memory;
   }
-  /// Whether a bumpless transfer is under way, and whether the skin pushes against the law.
+  /// The reasons that the law reports: bumpless transfer under way, opposition of the skin, the space's own.
   [[nodiscard]] SKINCTL_INLINE Status status(const Memory& memory) const noexcept {
     Status s = space_.status(memory.space);
     if (memory.bias.is_transferring(gains().bumpless_transfer)) s |= Reason::bumpless_transfer;

@@ -51,7 +51,7 @@ class GainSchedule {
     const auto way = quintic(T(t * rate), rate);
     return {way.rest * K_from + way.a1 * K_c_, way.a2 * (K_c_ - K_from)};
   }
-  /// The largest gain that occurs [1/s].
+  /// The largest gain that occurs for the convergence time `tb` [s], in [1/s].
   [[nodiscard]] constexpr T largest(const T& tb) const noexcept {
     if (!(tb > T(0))) return K_c_;
     const T K_peak = base_.peak_gain() / tb;

@@ -15,13 +15,13 @@ struct OwnTime {
   T bend;  ///< derivative of the rate, d2t/dx2 [1/s]
 };
 
-/// Own time that runs at its pace, 1 but where it waits, or is stopped; a quintic joins the two. Trivially
-/// copyable.
+/// A trajectory's clock: its own time runs at its pace (1 unless it waits), or is stopped; a quintic joins
+/// the two. Trivially copyable.
 template <Real T = double>
 struct PlanClock {
   Nanoseconds own{};                     ///< own time now
   Nanoseconds since_change = clock_end;  ///< time since the last `run` or `stop`
-  T from = T(1);                         ///< rate at the last change, in units of the pace
+  T from = T(1);                         ///< rate before the last change, in units of the pace
   T to = T(1);                           ///< rate after the change, in units of the pace
   T pace = T(1);                         ///< rate while it runs, in (0, 1]
   T pace_rate = T(0);  ///< change of the pace [1/s]; 0 while a change of `from` to `to` lasts
@@ -52,12 +52,12 @@ struct PlanClock {
             even ? pace : T(pace + seconds<T>(dt) * pace_rate),
             pace_rate};
   }
-  /// Runs or stops from now on, beginning with the present rate.
+  /// The clock that runs or stops from now on, beginning with the present rate; the change takes `ramp`.
   [[nodiscard]] SKINCTL_INLINE constexpr PlanClock changed(bool runs, Nanoseconds ramp) const noexcept {
     return {own, 0ns, at(T(0), ramp).rate / pace, runs ? T(1) : T(0), pace, T(0)};
   }
-  /// Goes over to another pace, as a second-order lag does that rests after about `ramp`: the rate of own
-  /// time has no step, nor has its derivative but the share of it that belongs to `dt`.
+  /// The clock that goes over to the pace `wish`, as a second-order lag does that rests after about `ramp`:
+  /// the rate of own time has no step, nor has its derivative but the share of it that belongs to `dt`.
   [[nodiscard]] SKINCTL_INLINE constexpr PlanClock paced(const T& wish, Nanoseconds dt,
                                                          Nanoseconds ramp) const noexcept {
     if (since_change < ramp) return *this;

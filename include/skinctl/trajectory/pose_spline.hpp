@@ -22,14 +22,14 @@ struct PoseReference {
   }
 };
 
-/// From `X_i` to `X_g` in `tf` seconds: the origin in a straight line, the axes by the shortest turn about
-/// one axis, both along the quintic (22). At rest at both ends. Trivially copyable.
+/// A spline of poses from `X_i` to `X_g` in `tf` seconds: the origin in a straight line, the axes by the
+/// shortest turn about one axis, both along the quintic (22). At rest at both ends. Trivially copyable.
 template <Frame P, Real T = double>
 class PoseSpline {
  public:
   using Pose = Transform<Base, P, T>;
 
-  /// At rest in the base's own pose.
+  /// A spline at rest in the base's own pose.
   PoseSpline() noexcept : PoseSpline(Pose(), Pose(), T(0)) {}
   /// @param tf  duration [s]; if not positive, the reference is `X_g` from the start.
   PoseSpline(const Pose& X_i, const Pose& X_g, const T& tf) noexcept

@@ -10,13 +10,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Limits of a motion; each > 0, of the length of the vector.
+/// Limits of a motion, of the length of its vector, each > 0: [m/s], [m/s^2] and [m/s^3], or in radians.
 template <Scalar T = double>
 struct PursuitLimits {
   T velocity, acceleration, jerk;
 };
 
-/// Refuses limits that are not positive, or whose jerk takes less than an interval: `ConfigurationError`.
+/// Throws `ConfigurationError` for limits that are not positive, or beyond 1e6 (jerk: 1e9).
 template <Real T>
 SKINCTL_COLD void check(const PursuitLimits<T>& l) {
   require(l.velocity > T(0) && l.velocity <= T(1e6), "pursuit: velocity", static_cast<double>(l.velocity),
@@ -32,14 +32,14 @@ struct Pursuit {
   T v[D] = {};
   T a[D] = {};
 
-  /// The distance needed to stop from the speed `v`, [m] or [rad]: it brakes with half of the acceleration
-  /// and builds that up with the jerk.
+  /// The distance needed to stop from the speed `v`, [m] or [rad]: the motion brakes with half of the
+  /// acceleration and builds that up with the jerk.
   [[nodiscard]] static constexpr T braking_distance(const PursuitLimits<T>& l, const T& v) noexcept {
     return v * v / l.acceleration + v * l.acceleration / l.jerk;
   }
 
-  /// `dt` later; returns the distance covered in `moved`. Towards a target at the distance `e` that moves at
-  /// `v_t`:
+  /// Moves on by `dt` [s]; `moved` becomes the distance covered. Towards a target at the distance `e` that
+  /// moves at `v_t`:
   ///
   ///     v* = v_t + V(|e|) e/|e|,  V(e) = (b/k) (sqrt(1 + 2 k^2 e / b) - 1)   (brakes at b, slope k at 0)
   ///     a* = dv*/dt + A(|v* - v|) (v* - v)/|v* - v|,  A the same with the jerk,

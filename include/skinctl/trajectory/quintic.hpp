@@ -57,8 +57,8 @@ struct MovingStart {
   T rate = T(0);  ///< da1/dt at the start [1/s]
   T bend = T(0);  ///< derivative of `rate` [1/s^2]
 
-  /// The start of a way `d` with the velocity `v` and the acceleration `a`: as much of them as does not lead
-  /// beyond the goal, and nothing of a motion away from it.
+  /// The start of a motion over the distance `d` with the velocity `v` and the acceleration `a`: as much of
+  /// them as does not lead beyond the goal, and nothing of a motion away from it.
   [[nodiscard]] static constexpr MovingStart along(const T& d, const T& v, const T& a, const T& tf) noexcept {
     if (!(d * v > T(0)) || !(tf > T(0))) return {};
     const T rate = v / d, most = T(2.5) / tf;  // a1 grows all the way up to that

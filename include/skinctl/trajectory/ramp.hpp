@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// Clocks of trajectories stop here: later than every end, and small enough that additions cannot overflow.
 inline constexpr Nanoseconds clock_end = Nanoseconds::max() / 4;
 
-/// A clock `dt` later.
+/// The clock `dt` later, or `clock_end`.
 [[nodiscard]] SKINCTL_INLINE constexpr Nanoseconds later(Nanoseconds clock, Nanoseconds dt) noexcept {
   return clock < clock_end - dt ? clock + dt : clock_end;
 }
@@ -43,7 +43,7 @@ class Ramp {
   Nanoseconds duration_;
 };
 
-/// `from` at weight 0, `to` at weight 1, and exactly both at the ends.
+/// The value between `from` (weight 0) and `to` (weight 1), exactly these at the ends.
 template <class V, Real T>
 [[nodiscard]] SKINCTL_INLINE constexpr V blend(const V& from, const V& to, const T& weight) noexcept {
   return (T(1) - weight) * from + weight * to;

@@ -22,17 +22,18 @@ struct JointReference {
   }
 };
 
-/// `q_d = q_i + a1 (q_g - q_i)` and its derivatives, over `tf` seconds. Trivially copyable.
+/// A spline of the joints, `q_d = q_i + a1 (q_g - q_i)` and its derivatives, over `tf` seconds, a1 the
+/// quintic (22). Trivially copyable.
 template <std::size_t N, Real T = double>
 struct JointSpline {
   JointPosition<N, T> q_i;
   JointPosition<N, T> q_g;
-  T tf = T(0);                        ///< [s]; if not positive, the reference is the goal from the start
+  T tf = T(0);                        ///< duration [s]; if not positive, it is at the goal from the start
   JointVelocity<N, T> rate = {};      ///< rate of the start, see `MovingStart` [1/s]
   JointAcceleration<N, T> bend = {};  ///< derivative of `rate` [1/s^2]
-  bool moves = false;                 ///< whether one of them is not zero
+  bool moves = false;                 ///< whether a `rate` is not zero
 
-  /// Begins with the velocity and acceleration of `now`, see `MovingStart`.
+  /// This spline with a start in motion: the velocity and acceleration of `now`, see `MovingStart`.
   [[nodiscard]] constexpr JointSpline from(const JointReference<N, T>& now) const noexcept {
     JointSpline next = *this;
     for (std::size_t i = 0; i < N; ++i) {

@@ -16,12 +16,12 @@ struct RotationReference {
   Xyz<T> domega;  ///< angular acceleration, along the outer frame's axes [rad/s^2]
 };
 
-/// From `R_i` to `R_g` by the shortest turn: `R = exp(a1 phi) R_i` with the rotation vector
-/// `phi = log(R_g R_i^T)`, so that `omega = a2 phi` and `domega = a3 phi`. At rest at both ends.
+/// A spline of rotations from `R_i` to `R_g` by the shortest turn: `R = exp(a1 phi) R_i` with the rotation
+/// vector `phi = log(R_g R_i^T)`, so that `omega = a2 phi` and `domega = a3 phi`. At rest at both ends.
 template <Real T = double>
 class RotationSpline {
  public:
-  /// At rest in the identity.
+  /// A spline at rest in the identity.
   RotationSpline() noexcept : phi_{T(0), T(0), T(0)}, tf_(T(0)) {}
   /// @param R_i, R_g  start and goal, rotations to within `tolerance<T>`, of one frame in another.
   /// @param tf        duration [s]; if not positive, the reference is `R_g` from the start.
@@ -33,7 +33,7 @@ class RotationSpline {
   RotationSpline(const Rotation<T>& R_i, const Rotation<T>& R_g, const T& tf, const Xyz<T>& near) noexcept
       : R_i_(R_i), R_g_(R_g), phi_(log_so3(R_g * R_i.transpose(), near)), tf_(tf) {}
 
-  /// Begins with the part along its turn of the motion of `now`, see `MovingStart`.
+  /// This spline with a start in motion: the parts of `omega` and `domega` along its turn, see `MovingStart`.
   [[nodiscard]] RotationSpline from(const Xyz<T>& omega, const Xyz<T>& domega) const noexcept {
     RotationSpline next = *this;
     const T square = dot(phi_, phi_);

@@ -64,23 +64,24 @@ class TimeBase {
     peak_speed_ = (T(1) + eps) * q.a2 * pow(T(q.a1 + delta), eps) / pow(T(T(1) + delta), T(T(1) + eps));
   }
 
-  /// `K_tbg` and its derivative at the time ratio `r`; both are zero outside of [0, 1] and at its ends.
+  /// The gain `K_tbg` and its derivative at the time ratio `r`, for tb = 1; both are zero outside of [0, 1]
+  /// and at its ends.
   [[nodiscard]] SKINCTL_INLINE constexpr Gain<T> gain(const T& r) const noexcept {
     const auto xi = quintic(r);
     const T ratio = T(1) / (xi.rest + delta_);
     const T speed = xi.a2 * ratio;
     return {(T(1) + eps_) * speed, (T(1) + eps_) * (xi.a3 * ratio + speed * speed)};
   }
-  /// `x(r) / x0` under `K_tbg` alone.
+  /// The share of an error that remains at the time ratio `r` under `K_tbg` alone: `x(r) / x0`.
   [[nodiscard]] T remaining(const T& r) const noexcept {
     using std::pow;
     return pow(T((quintic(r).rest + delta_) / (T(1) + delta_)), T(T(1) + eps_));
   }
   /// Time ratio at which the gain peaks: 0.8755 for eps = 0.05, delta = 0.01.
   [[nodiscard]] constexpr const T& peak_time() const noexcept { return peak_time_; }
-  /// The peak, times tb: 14.465 for eps = 0.05, delta = 0.01.
+  /// Peak of the gain, times tb: 14.465 for eps = 0.05, delta = 0.01.
   [[nodiscard]] constexpr const T& peak_gain() const noexcept { return peak_gain_; }
-  /// Peak of `|dx| tb / x0`: 1.886 for eps = 0.05, delta = 0.01.
+  /// Peak of the error's speed, `|dx| tb / x0`: 1.886 for eps = 0.05, delta = 0.01.
   [[nodiscard]] constexpr const T& peak_speed() const noexcept { return peak_speed_; }
   [[nodiscard]] constexpr const T& eps() const noexcept { return eps_; }
   [[nodiscard]] constexpr const T& delta() const noexcept { return delta_; }

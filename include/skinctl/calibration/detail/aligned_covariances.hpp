@@ -10,8 +10,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// How the poses of a fit scatter once the patch as a whole is aligned. Cells that are not known have no part
-/// in the alignment.
+/// Sets the covariances of the cells' poses, with the patch as a whole aligned. Cells that are not known have
+/// no part in the alignment.
 inline void aligned_covariances(const PatchFit& fit, const SparseNormal& normal,
                                 std::vector<ReconstructedCell>& cells, const ReconstructionSettings& s) {
   const SparseNormal::Matrix H = normal.information();

@@ -13,7 +13,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What the accelerometer of one cell reported.
+/// The readings of the accelerometer of one cell.
 struct CellReadings {
   std::vector<double> time;  ///< labels [s]
   Eigen::Matrix3Xd y;        ///< readings along the sensor's axes, a column per label [g]
@@ -38,8 +38,8 @@ struct BlockMeans {
   }
 };
 
-/// Samples that are not finite, out of order or beyond `most` g are dropped; a block counts if 60 % of its
-/// usual samples are there and cover it.
+/// Block means from `from` to `to` [s]. Samples that are not finite, out of order or beyond `most` g are
+/// dropped; a block counts if 60 % of its usual samples are there and cover it.
 inline BlockMeans block_means(const std::vector<CellReadings>& cells, double from, double to, double length,
                               double most = 16) {
   require(length >= 0.005 && length <= 1, "length of a block", length, "0.005 to 1 s");

@@ -21,11 +21,11 @@ namespace detail::fit {
 /// unknown.
 struct BodySignals {
   static constexpr Eigen::Index own = 13, each = 12;
-  std::vector<int> unknowns;  ///< numbers of those on which the body's motion depends
+  std::vector<int> unknowns;  ///< indices of the unknowns on which the body's motion depends
   Eigen::MatrixXd columns;
 };
 
-/// Of a cell: turn, place, bias, scale, cross-axis sensitivity, three each.
+/// Number of unknowns of a cell: turn, place, bias, scale, cross-axis sensitivity, three each.
 inline constexpr int cell_unknowns = 15;
 using CellVector = Eigen::Matrix<double, cell_unknowns, 1>;
 
@@ -33,14 +33,14 @@ using CellVector = Eigen::Matrix<double, cell_unknowns, 1>;
 /// specific force u in the sensor's axes, `y = (1 + s) o (u + X u) + b`.
 struct FittedCell {
   Eigen::Matrix3d Q = Eigen::Matrix3d::Identity();  ///< axes of the sensor
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< [m]
-  Eigen::Vector3d b = Eigen::Vector3d::Zero();      ///< [g]
-  Eigen::Vector3d s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< origin of the cell [m]
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();      ///< bias [g]
+  Eigen::Vector3d s = Eigen::Vector3d::Zero();      ///< scale [1]
   /// Cross-axis sensitivity, the symmetric X: between y and z, z and x, x and y. What is not symmetric of it
   /// is a turn.
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
   int body = 0;
-  double deviation = 0.005;  ///< of a block's mean [g]
+  double deviation = 0.005;  ///< standard deviation of a block's mean [g]
   int patch = -1;            ///< number of the patch to which the cell is tied; -1: none
   Eigen::Matrix3d R_PC = Eigen::Matrix3d::Identity();  ///< orientation of the cell in the patch
   Eigen::Vector3d p_PC = Eigen::Vector3d::Zero();
@@ -59,23 +59,23 @@ struct FittedPatch {
 };
 
 struct CellFitSettings {
-  double bias = 0.040, scale = 0.015;       ///< priors
-  double cross_axis = 0.003;                ///< of one axis by another, before it is made symmetric
-  double tie_position = 0.5e-3;             ///< of a cell to its place in the patch [m]
-  double tie_turn = 0.0175;                 ///< [rad]
-  double weak_position = 1, weak_turn = 1;  ///< about the start: what the data do not show stays [m], [rad]
+  double bias = 0.040, scale = 0.015;       ///< standard deviations before the data [g], [1]
+  double cross_axis = 0.003;                ///< deviation of one axis by another, before symmetrisation
+  double tie_position = 0.5e-3;             ///< standard deviation of a cell's place in the patch [m]
+  double tie_turn = 0.0175;                 ///< standard deviation of a cell's turn in the patch [rad]
+  double weak_position = 1, weak_turn = 1;  ///< priors about the start, if the data show nothing [m], [rad]
   int steps = 30;
-  double decrease = 0.1;  ///< of the cost [variances]
-  double window = 1;      ///< of the jackknife [s]
+  double decrease = 0.1;  ///< decrease of the cost below which the fit ends [variances]
+  double window = 1;      ///< window of the jackknife [s]
 };
 
 /// The unknowns: those of the motion, six a patch, `cell_unknowns` a cell; the cells are eliminated.
 struct CellEquations {
-  Eigen::MatrixXd H;  ///< of motion and patches
+  Eigen::MatrixXd H;  ///< normal matrix of motion and patches
   Eigen::VectorXd g;
   std::vector<Eigen::MatrixXd> cell_H;
   std::vector<CellVector> cell_g;
-  std::vector<Eigen::MatrixXd> cross;  ///< motion and patches by cell
+  std::vector<Eigen::MatrixXd> cross;  ///< normal matrix of motion and patches by cell
   double cost = 0;
   std::vector<double> squares;  ///< sum of squares of a cell's residuals [g^2]
 };
@@ -110,7 +110,7 @@ inline void tie(const FittedCell& cell, std::size_t c, const FittedPatch& patch,
   }
 }
 
-/// `H x = g` by elimination of the cells; factorised once.
+/// Solves `H x = g` by elimination of the cells; factorised once.
 class CellSolver {
  public:
   bool factorise(const CellEquations& e, double damping) {
@@ -133,7 +133,8 @@ class CellSolver {
     schur_.compute(S);
     return n == 0 || schur_.positive();
   }
-  /// Of one right side: the motion's part in `g`, cells in `cell_g`; both are overwritten by the solution.
+  /// Solves for one right side: the motion's part in `g`, cells in `cell_g`; both are overwritten by the
+  /// solution.
   void solve(Eigen::VectorXd& g, std::vector<CellVector>& cell_g) const {
     for (std::size_t c = 0; c < cells_.size(); ++c) g.noalias() -= through_[c].transpose() * cell_g[c];
     if (g.size() > 0) g = schur_.solve(g);
@@ -159,8 +160,8 @@ class CellSolver {
   Eigen::Index size_ = 0;
 };
 
-/// What a cell reads along its three axes as weights of a body's first 13 columns, and their derivatives by
-/// the cell.
+/// The weights of a body's first 13 columns in the readings of a cell along its three axes, and their
+/// derivatives by the cell.
 struct CellWeights {
   Eigen::VectorXd c[3];        // 13
   Eigen::MatrixXd by_cell[3];  // 13 x cell_unknowns

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Poses of accelerometers on bodies whose motion depends on a few unknowns: the least squares of `joint_lines.hpp`.
+// Poses of accelerometers on bodies whose motion depends on a few unknowns: the fit of `joint_lines.hpp`.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail::fit {
 
-/// @tparam Motion  `int unknowns()`, `void hold(VectorXd& information, VectorXd& gradient)` for its priors, `Motion moved(VectorXd)`, `std::vector<BodySignals> signals(const BlockMeans&)`.
+/// @tparam Motion  has `int unknowns()`, `void hold(VectorXd& information, VectorXd& gradient)` for its
+///                 priors, `Motion moved(VectorXd)`, `std::vector<BodySignals> signals(const BlockMeans&)`.
 template <class Motion>
 class CellFit {
  public:
@@ -28,7 +29,7 @@ class CellFit {
     signals_ = motion.signals(data_);
   }
 
-  /// From the present state on; Levenberg and Marquardt.
+  /// Runs Levenberg-Marquardt from the present state.
   void run() {
     double damping = 1e-4;
     CellEquations now = equations();
@@ -90,8 +91,8 @@ class CellFit {
     }
     return r;
   }
-  /// The changes of all unknowns that the residuals of single windows of time ask for, as columns: motion and patches,
-  /// then cells. The sum of their squares is the covariance that does not take residuals for white.
+  /// The changes of all unknowns by the residuals of single windows of time, as columns: motion, patches,
+  /// cells. The sum of their squares is the covariance that does not take residuals for white.
   [[nodiscard]] Eigen::MatrixXd jackknife(const CellSolver& solver) const;
   [[nodiscard]] const std::vector<BodySignals>& signals() const noexcept { return signals_; }
   [[nodiscard]] const BlockMeans& data() const noexcept { return data_; }
@@ -126,8 +127,7 @@ class CellFit {
   }
 };
 
-/// What the readings of a cell say: `G` is its body's normal matrix of the blocks that the cell saw, `Y` its
-/// three readings, `X` the body's columns times these.
+/// Adds a cell's readings `Y`. `G`: normal matrix of its body's columns in its blocks; `X`: these times `Y`.
 template <class Motion>
 void CellFit<Motion>::add_cell(CellEquations& e, std::size_t c, const BodySignals& signal,
                                const Eigen::MatrixXd& G, const Eigen::Ref<const Eigen::MatrixXd>& Y,
@@ -173,7 +173,7 @@ void CellFit<Motion>::add_cell(CellEquations& e, std::size_t c, const BodySignal
   e.cost += 0.5 * weight * e.squares[c];
 }
 
-/// What is known beforehand of cells, patches and the motion.
+/// Adds the priors of cells, patches and the motion.
 template <class Motion>
 void CellFit<Motion>::add_priors(CellEquations& e) const {
   using Index = Eigen::Index;

@@ -16,6 +16,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail::fit {
 
+/// Newton's method for the minimum of
 /// ```
 /// 1/2 x'Hx - b'x + w sum_bodies (tr(P0^-1 P) - log det P) - 1/2 sum_scalars log s
 /// ```
@@ -44,8 +45,9 @@ class InertialNewton {
     int steps = 0;
     bool converged = false;
   };
-  /// From `x`, which is inside, to the minimum, within 1e-6 of its value. Begins with much more weight on
-  /// what keeps `x` inside, a tenth of it at a time: steps along an edge would be short.
+  /// Moves `x`, which is inside, to the minimum, within 1e-6 of its value, in at most `most` steps. Begins
+  /// with much more weight on the terms that keep `x` inside, a tenth of it at a time: steps along an edge
+  /// would be short.
   Result minimise(Eigen::VectorXd& x, int most) const {
     Result out;
     Eigen::VectorXd d;

@@ -14,13 +14,13 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// An axis as a line in the axes of the base, at home.
 struct AxisLine {
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< unit
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< of it, any [m]
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< unit vector
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();       ///< any point of the line [m]
 };
 
 namespace detail::fit {
 
-/// `v` turned by an angle about a unit axis.
+/// `v` turned by an angle of cosine `c` and sine `s` about a unit axis.
 inline Eigen::Vector3d turned(const Eigen::Vector3d& v, const Eigen::Vector3d& axis, double c,
                               double s) noexcept {
   return c * v + s * axis.cross(v) + ((1 - c) * axis.dot(v)) * axis;
@@ -31,7 +31,7 @@ struct LinkState {
   Eigen::Vector3d w = Eigen::Vector3d::Zero();      ///< angular velocity, over sqrt |g|
   Eigen::Vector3d alpha = Eigen::Vector3d::Zero();  ///< angular acceleration
   Eigen::Vector3d f = Eigen::Vector3d::UnitZ();     ///< specific force at `point`
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< at home
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< point of the link, where it lies at home [m]
 
   /// The next link, behind a joint with sine and cosine of its angle, dq/sqrt |g| and ddq/|g|.
   [[nodiscard]] LinkState next(const AxisLine& line, double c, double s, double dq,
@@ -45,7 +45,7 @@ struct LinkState {
     out.point = line.point;
     return out;
   }
-  /// `A` and `S`, row by row, of `A + S p`.
+  /// `A` and `S`, row by row, of the specific force `A + S p` at the point p of the link.
   [[nodiscard]] Eigen::Matrix<double, 12, 1> signal() const noexcept {
     const Eigen::Matrix3d S =
         cross_matrix(alpha) + w * w.transpose() - w.squaredNorm() * Eigen::Matrix3d::Identity();
@@ -75,14 +75,14 @@ class LineMotion {
   }
 
   std::vector<AxisLine> lines;
-  std::vector<double> compliance;  ///< [rad/(N m)]
-  double lateness;                 ///< of labels [s]
+  std::vector<double> compliance;  ///< compliance of each joint [rad/(N m)]
+  double lateness;                 ///< lateness of the labels [s]
 
   /// Standard deviation of a compliance, before the data.
   static constexpr double usual_compliance = 1e-4;
 
   [[nodiscard]] int unknowns() const noexcept { return 5 * int(lines.size()) + 1; }
-  /// Information of the compliances' prior.
+  /// Adds the prior of the compliances to the information and the gradient.
   void hold(Eigen::VectorXd& information, Eigen::VectorXd& gradient) const {
     const auto n = Eigen::Index(lines.size());
     // Without torques they are 0.
@@ -182,7 +182,7 @@ class LineMotion {
   struct Angle {
     double c, s, dq, ddq;
   };
-  /// Of all joints with compliances that are greater by `softer`.
+  /// Sets the angles of all joints at `t` [s], with compliances that are greater by `softer` [rad/(N m)].
   void angles_at(double t, double softer, std::vector<Angle>& angles) const {
     motion_->at(t, p_);
     if (torque_ != nullptr) torque_->at(t, tau_);

@@ -122,7 +122,8 @@ inline std::string words(const Eigen::Vector3d& v) {
   return text;
 }
 
-/// The motions of a link's cells that are worse known than the limits: in coordinates of its joint's axis.
+/// Names the motions of a link's cells that are known worse than the limits: in coordinates of its joint's
+/// axis.
 inline void name_unobserved(const JointLines& in, int joint, const JointLinesSettings& s,
                             std::vector<Unobservable>& out) {
   const AxisLine& axis = in.lines[std::size_t(joint)].line;

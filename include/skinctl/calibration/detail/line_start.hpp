@@ -14,7 +14,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail::fit {
 
-/// A joint that is not seen alone but moves all the same would be taken for an error of the others.
+/// Refuses a joint that moves but is never seen alone: it would be taken for an error of the others.
 inline void refuse_hidden_motion(const MeasuredMotion& motion, const Activation& activation) {
   JointPoint p;
   Eigen::VectorXd low = activation.home, high = activation.home;
@@ -34,15 +34,15 @@ inline void refuse_hidden_motion(const MeasuredMotion& motion, const Activation&
 struct CellGroup {
   std::vector<std::size_t> cells;
   int patch = -1;
-  int joint = -1;  ///< the last that moves it
+  int joint = -1;  ///< last joint that moves the group
   struct Line {
     Eigen::Vector3d axis = Eigen::Vector3d::UnitZ(),
-                    point = Eigen::Vector3d::Zero();  ///< in the group's axes
+                    point = Eigen::Vector3d::Zero();  ///< line in the group's axes
     double certainty = 0;
   };
   std::vector<Line> lines;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< in the base
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< axes of the group in the base
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
 };
 
@@ -76,8 +76,8 @@ inline void sum_up(CellGroup& group, const Activation& activation, const std::ve
   if (up.norm() > 0) group.up = up.normalized();
 }
 
-/// The pose in which the group's lines lie on those of the base, and its up is up; where they leave it open,
-/// any.
+/// Sets the pose in which the group's lines lie on those of the base, and its up is up; any pose where they
+/// leave it open.
 inline void align(CellGroup& group, const std::vector<int>& joints, const std::vector<AxisLine>& lines) {
   const double least = 1e-9;
   Eigen::Matrix3d B = 600 * Eigen::Vector3d::UnitZ() * group.up.transpose();  // an upright known to 40 mg
@@ -97,12 +97,12 @@ inline void align(CellGroup& group, const std::vector<int>& joints, const std::v
 }
 
 struct LineStart {
-  std::vector<int> joints;  ///< that are fitted
+  std::vector<int> joints;  ///< joints that are fitted
   std::vector<AxisLine> lines;
   std::vector<FittedCell> cells;
   std::vector<std::size_t> used;  ///< number of each of `cells` in the recording
   std::vector<FittedPatch> patches;
-  std::vector<std::string> reason;  ///< by cell of the recording: why it is not used
+  std::vector<std::string> reason;  ///< reason for which a cell of the recording is not used
 };
 
 [[nodiscard]] inline LineStart start_lines(const Activation& activation,
@@ -189,8 +189,8 @@ struct LineStart {
   return out;
 }
 
-/// Cells whose residuals are four times those of the median do not read what they would read anywhere on the
-/// robot; those that stand apart from their patch by six deviations are not where it says.
+/// Leaves out cells that lie: residuals of four times the median do not belong to any place on the robot;
+/// cells that stand apart from their patch by six deviations are not where it says.
 inline void leave_out_liars(CellFit<LineMotion>& fit, BlockMeans& data, LineStart& start) {
   std::vector<double> sorted;
   for (const FittedCell& cell : fit.cells) sorted.push_back(cell.deviation);

@@ -11,8 +11,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Unknowns: place and turn of each cell but the root, nine sensor errors of each, two of each direction of
-/// gravity.
+/// The least squares of a patch. Unknowns: place and turn of each cell but the root, nine sensor errors of
+/// each, two of each direction of gravity.
 struct PatchFit {
   struct State {
     std::vector<ReconstructedCell> cells;

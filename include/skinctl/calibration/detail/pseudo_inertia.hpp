@@ -15,7 +15,8 @@ namespace detail::fit {
 
 using Inertia10 = Eigen::Matrix<double, 10, 1>;
 
-/// `P = [Sigma h; h' m]` with second moments of mass Sigma; positive definite for every body.
+/// The pseudo-inertia `P = [Sigma h; h' m]` of mass m, first moments h and second moments Sigma of mass;
+/// positive definite for every body.
 inline Eigen::Matrix4d pseudo_inertia(const Inertia10& t) noexcept {
   Eigen::Matrix4d P;
   const double half = 0.5 * (t(4) + t(5) + t(6));

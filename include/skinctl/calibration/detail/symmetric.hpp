@@ -42,7 +42,7 @@ class Cholesky {
     positive_ = A.allFinite() && llt_.info() == Eigen::Success;
   }
   [[nodiscard]] bool positive() const noexcept { return positive_; }
-  /// Where `row >= column`.
+  /// An element of L, for `row >= column`.
   [[nodiscard]] double factor(Eigen::Index row, Eigen::Index column) const {
     return llt_.matrixLLT()(row, column);
   }
@@ -56,7 +56,7 @@ class Cholesky {
     for (Eigen::Index i = 0; i < llt_.rows(); ++i) sum += 2 * std::log(factor(i, i));
     return sum;
   }
-  /// `b' A^-1 b` of a column.
+  /// The square `b' A^-1 b` of a column `b`.
   [[nodiscard]] double squared(const Eigen::MatrixXd& b) const { return b.cwiseProduct(solve(b)).sum(); }
 
  private:
@@ -64,7 +64,7 @@ class Cholesky {
   bool positive_ = false;
 };
 
-/// `A^-1 b`, by `A = L D L'` with pivots: also where A is singular, or only almost positive.
+/// Solves `A x = b` by `A = L D L'` with pivots: also where A is singular, or only almost positive.
 [[nodiscard]] inline Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& A, const Eigen::MatrixXd& b) {
   return Eigen::LDLT<Eigen::MatrixXd>(A).solve(b);
 }

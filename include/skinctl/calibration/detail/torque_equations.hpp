@@ -23,7 +23,8 @@ struct TorqueRecording {
 
 namespace detail::fit {
 
-/// Rows of one joint: regressor (10 N), dq, z, ddq; means of each recording taken out.
+/// The normal equations of all joints. Columns of a joint: regressor (10 N), dq, z, ddq; without the means of
+/// each recording.
 template <RobotModel M>
 class TorqueEquations {
  public:
@@ -84,7 +85,8 @@ class TorqueEquations {
     }
   }
 
-  /// Residuals' variances and likeness in time from parameters, and the equations with these.
+  /// Sets the variance and the correlation in time of the residuals by parameters `x`; they weight the
+  /// equations.
   void refine(const Eigen::VectorXd& x) {
     for (std::size_t j = 0; j < N; ++j) {
       const Eigen::VectorXd e = residual(j, x);
@@ -152,7 +154,7 @@ class TorqueEquations {
     }
     return x;
   }
-  /// Each joint's way of presliding, 0.02 to 0.2 degrees: that which leaves the least.
+  /// Sets each joint's presliding distance, 0.02 to 0.2 degrees, to that with the smallest residuals.
   void set_presliding(const Eigen::VectorXd& x) {
     for (std::size_t j = 0; j < N; ++j) {
       const Eigen::VectorXd rest = residual(j, x) + A_[j].col(bodies + 1) * x(index(j, 1));
@@ -213,7 +215,7 @@ class TorqueEquations {
            A_[j].col(bodies + 1) * x(index(j, 1)) - A_[j].col(bodies + 2) * x(index(j, 2));
   }
 
-  std::array<Eigen::MatrixXd, N> A_, square_;  ///< and A'A
+  std::array<Eigen::MatrixXd, N> A_, square_;  ///< rows A of each joint, and A'A
   std::array<Eigen::VectorXd, N> tau_;
   Eigen::MatrixXd q_;
   std::vector<Span> spans_;

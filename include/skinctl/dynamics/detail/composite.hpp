@@ -31,7 +31,7 @@ SKINCTL_INLINE constexpr DenseComposite<T> dense_composite(const C& c) noexcept 
   return {T(c.mass), dense<T>(c.h), T(c.xx), T(c.yy), T(c.zz), T(c.xy), T(c.xz), T(c.yz)};
 }
 
-/// The link itself, about its frame's origin.
+/// Link `Ix` alone as a composite, about its frame's origin.
 template <std::size_t Ix, Scalar T, RobotModel M>
 SKINCTL_INLINE constexpr auto link_composite(const M& model) noexcept {
   using P = LinkParameter;

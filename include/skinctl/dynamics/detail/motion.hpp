@@ -57,7 +57,7 @@ SKINCTL_INLINE LinkMotion<T> motion_of(const Input& in, const Frame& frame,
   return m;
 }
 
-/// The base at rest; gravity enters as an upward acceleration.
+/// The motion of a base at rest; gravity enters as an upward acceleration.
 template <Scalar T, RobotModel M>
 SKINCTL_INLINE LinkMotion<T> motion_of_base(const M& model) noexcept {
   const Xyz<T> zero{T(0), T(0), T(0)};

@@ -67,9 +67,10 @@ SKINCTL_INLINE constexpr auto centre_of_mass(const M& model) noexcept {
                 model.template number<Ix, P::c_z, T>()};
 }
 
-/// `m (a + E c)` and the moment `integral r x (E r) dm + c x f`. With second moments S about the centre of
-/// mass the integral has the components `(E S)_zy - (E S)_yz` and so on: six products when S is diagonal. C
-/// is then exactly Christoffel's, because every mass point contributes `J^T dJ`.
+/// The inertial wrench of a link: force `f = m (a + E c)` and moment `integral r x (E r) dm + c x f`. With
+/// second moments S about the centre of mass the integral has the components `(E S)_zy - (E S)_yz` and so on:
+/// six products when S is diagonal. C is then exactly Christoffel's, because every mass point contributes
+/// `J^T dJ`.
 template <std::size_t Ix, Scalar T, RobotModel M, class E, class A>
 SKINCTL_INLINE constexpr auto inertial_wrench(const M& model, const E& spin, const A& a) noexcept {
   using P = LinkParameter;
@@ -113,8 +114,8 @@ struct Recursion {
   T* tau;
 };
 
-/// The motion of a link in its own axes: angular velocity, the same of reference, angular acceleration of
-/// reference, and acceleration of its origin.
+/// The motion of a link in its own axes: angular velocity, reference angular velocity, reference angular
+/// acceleration, and reference acceleration of its origin.
 template <class W, class R, class A, class L>
 struct ReferenceMotion {
   W w;
@@ -205,7 +206,7 @@ SKINCTL_INLINE constexpr void run_recursion_from(const M& model, const Bodies& b
     });
   }
 }
-/// The same from a base that does not turn; `a0` is its acceleration (minus gravity, or typed zeros).
+/// `run_recursion_from` a base that does not turn; `a0` is its acceleration (minus gravity, or typed zeros).
 template <Scalar T, RobotModel M, class Bodies, class Angles, class V, class R, class A, class L>
 SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& bodies, const Angles& angles,
                                                  const V& dq, const R& dq_r, const A& ddq_r, const L& a0,
@@ -213,7 +214,7 @@ SKINCTL_INLINE constexpr void run_recursion_over(const M& model, const Bodies& b
   const ZeroTriple zero{};
   run_recursion_from<T>(model, bodies, angles, dq, dq_r, ddq_r, ReferenceMotion{zero, zero, zero, a0}, tau);
 }
-/// The same with the model's own links.
+/// `run_recursion_over` the model's own links.
 template <Scalar T, RobotModel M, class Angles, class V, class R, class A, class L>
 SKINCTL_INLINE constexpr void run_recursion(const M& model, const Angles& angles, const V& dq, const R& dq_r,
                                             const A& ddq_r, const L& a0, T* tau) noexcept {

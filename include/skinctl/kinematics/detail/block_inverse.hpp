@@ -78,7 +78,7 @@ class BlockInverse {
   bool usable_;
 };
 
-/// For Jacobians of another shape.
+/// Stands in for `BlockInverse` where the Jacobian has another shape.
 struct NoBlockInverse {
   template <class J>
   explicit NoBlockInverse(const J&) noexcept {}

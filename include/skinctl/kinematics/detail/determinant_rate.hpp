@@ -10,8 +10,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Element (i, j) of `J'J` (by joints) or of `J J'`, of rows that each are a joint's column; with `d` its
-/// rate.
+/// Element (i, j) of `J'J` (by joints) or of `J J'`, from joints' columns in the rows of `r` and `s`; with
+/// those of dJ in `r`, half of its rate.
 template <bool ByJoints, std::size_t Joints, std::size_t Rows, class T>
 [[nodiscard]] SKINCTL_INLINE T row_product(const T (&r)[Joints][Rows], const T (&s)[Joints][Rows],
                                            std::size_t i, std::size_t j) noexcept {
@@ -30,8 +30,8 @@ struct Determinant {
   T value;
   T rate;
 };
-/// Elimination with the largest diagonal element first, values and rates together: at a singular matrix only
-/// the last pivot vanishes, and neither value nor rate is divided by it.
+/// Determinant and rate by elimination with the largest diagonal element first, values and rates together: at
+/// a singular matrix only the last pivot vanishes, and neither value nor rate is divided by it.
 template <std::size_t N, Real T>
 [[nodiscard]] Determinant<T> determinant(T (&a)[N][N], T (&da)[N][N]) noexcept {
   Determinant<T> det{T(1), T(0)};

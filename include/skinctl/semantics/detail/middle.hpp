@@ -17,14 +17,14 @@ namespace detail {
   if (x.size() % 2 == 1) return *middle;
   return 0.5 * (*middle + *std::max_element(x.begin(), middle));
 }
-/// The number below which a share `q` of them lies; 0 of none.
+/// The quantile `q`, 0 to 1, of `x`; 0 if `x` is empty.
 [[nodiscard]] inline double quantile(std::vector<double> x, double q) {
   if (x.empty()) return 0;
   const auto at = x.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(x.size() - 1));
   std::nth_element(x.begin(), at, x.end());
   return *at;
 }
-/// The rotation with the least sum of squared angles to all of these (Karcher), which are near each other.
+/// The rotation with the least sum of squared angles to all given ones (Karcher), which are near each other.
 [[nodiscard]] inline Rotation<double> mean_rotation(const std::vector<Rotation<double>>& all) {
   Rotation<double> mean = all[all.size() / 2];
   for (int i = 0; i < 5; ++i) {
@@ -36,7 +36,7 @@ namespace detail {
   }
   return mean;
 }
-/// Median of the positions, and mean of the rotations.
+/// The median of the positions [m], with the mean of the rotations.
 template <Frame A, Frame B>
 [[nodiscard]] Transform<A, B> middle(const std::vector<Transform<A, B>>& all) {
   std::vector<double> x, y, z;

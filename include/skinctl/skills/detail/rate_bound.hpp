@@ -7,16 +7,17 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Per joint, with `stay` the torque at which the sum would not change if the touch did not:
+/// A bound on the rate of the laws' torque. Per joint, with `stay` the torque at which the sum would not
+/// change if the touch did not:
 ///
 ///     out = clamp(own, stay - R dt, stay + R dt)
 ///
 /// and the difference from `own` is carried on until it is made up.
 template <std::size_t N>
 struct RateBound {
-  std::array<double, N> stay{};
-  bool lags = false;   ///< a difference is carried
-  bool winds = false;  ///< ... of more than 10 ms at the bound: laws in a closed loop would wind up
+  std::array<double, N> stay{};  ///< torque that would stay [N m]
+  bool lags = false;             ///< a difference is carried
+  bool winds = false;            ///< difference above 10 ms of the bound: laws in a closed loop would wind up
 
   /// The torque to add to `own` [N m] for an interval in which the torque may change by `most`.
   template <class T>
@@ -28,8 +29,9 @@ struct RateBound {
     }
     return out;
   }
-  /// After an interval with the torque `own + added`. `moved`: the change of the skin's torque until the next
-  /// interval by changing weights, under a constant touch. Numbers that are not finite are dropped.
+  /// Updates the bound after an interval with the torque `own + added`. `moved`: the change of the skin's
+  /// torque until the next interval by changing weights, under a constant touch. Numbers that are not finite
+  /// are dropped.
   /// @param rate  R, whatever is added [N m/s].
   template <class T>
   void follow(const JointTorque<N, T>& own, const JointTorque<N, T>& added, const JointTorque<N, T>& moved,

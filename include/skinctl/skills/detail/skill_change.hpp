@@ -20,7 +20,7 @@ class SkillChange : public SkillParts<Names, Grip, P, L...> {
   using Goal = typename Parts::Goal;
   using Memory = typename Parts::Memory;
 
-  /// Carries a request out, lets it wait, or refuses it.
+  /// Carries out a request, lets it wait, or refuses it.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const Goal& request) const noexcept {
@@ -84,7 +84,7 @@ class SkillChange : public SkillParts<Names, Grip, P, L...> {
     deliver(m, known, m.request, status, true);
     return status;
   }
-  /// The change to another skill begins.
+  /// The memory in which the change to the requested skill has begun, or its goal is refused.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> begun(const Memory& memory, const K& known,
                                                     const Goal& request) const noexcept {
@@ -140,7 +140,7 @@ class SkillChange : public SkillParts<Names, Grip, P, L...> {
     }
     return taken && !status.has(Reason::goal_refused);
   }
-  /// The request's goals to the controllers that are loaded; the others get them once they are.
+  /// Gives the request's goals to the controllers that are loaded; the others get them once they are.
   template <class K>
   SKINCTL_COLD void deliver(Memory& m, const K& known, const Goal& request, Status& status,
                             bool arrived = false) const noexcept {
@@ -180,7 +180,7 @@ class SkillChange : public SkillParts<Names, Grip, P, L...> {
            : asked > settings_.bumpless_transfer ? asked
                                                  : settings_.bumpless_transfer;
   }
-  /// The goal of a request, or else of its skill, to the gripper.
+  /// Gives the goal of a request, or else that of its skill, to the gripper.
   void ask_gripper(Memory& m, const Goal& request, std::uint8_t skill, bool starts) const noexcept {
     if constexpr (has_gripper) {
       const auto& part = request.goals.template of<GripperGoal>();

@@ -39,7 +39,7 @@ class SkillLoop : public SkillChange<Names, Grip, P, L...> {
   using Change::skills_;
   using Change::skin;
 
-  /// One evaluation of the sum, and of the skill beside it.
+  /// One evaluation of the sum of laws, and of the skill's conditions.
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Evaluation<K::joints, typename K::scalar, Memory, terms> step(
       const Memory& memory, const K& known, const typename K::scalar& dt, Opposition given) const noexcept {
@@ -104,7 +104,7 @@ class SkillLoop : public SkillChange<Names, Grip, P, L...> {
       Blend::slow_down(before, next, 0);  // nothing has arrived before the torque has caught up
     return carried;
   }
-  /// The phase of the skill after `dt`, and its consequences.
+  /// Updates the phase of the skill after `dt`, and begins the skill that follows.
   template <class K, class Torque>
   SKINCTL_NOINLINE void supervise(Memory& m, const K& known, const Torque& touched,
                                   Nanoseconds dt) const noexcept {

@@ -11,14 +11,14 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Settings of the change between skills.
 struct SkillSettings {
-  Nanoseconds bumpless_transfer = 100ms;  ///< time in which the torque changes over to the next skill ...
-  Nanoseconds longest = 2s;               ///< ... or longer for large changes, up to this
-  /// Of every joint's torque during a transfer [N m/s]. A transfer takes 1.9 times its largest difference of
-  /// torque over this rate, up to `longest`, and what is asked for meanwhile waits for its end: a skill that
-  /// has to answer at once needs a higher rate.
+  Nanoseconds bumpless_transfer = 100ms;  ///< shortest time of a change of torque to the next skill
+  Nanoseconds longest = 2s;               ///< longest time of such a change, for large differences of torque
+  /// Largest rate of every joint's torque during a transfer [N m/s]. A transfer takes 1.9 times its largest
+  /// difference of torque over this rate, up to `longest`, and a request meanwhile waits for its end: a skill
+  /// that has to answer at once needs a higher rate.
   double max_rate = 1000;
   double touched = 1;               ///< the skin's joint torque from which the robot counts as touched [N m]
-  OppositionSettings opposition{};  ///< when skin and tracking count as opposed
+  OppositionSettings opposition{};  ///< numbers by which skin and tracking count as opposed
 };
 
 namespace detail {
@@ -52,21 +52,21 @@ class SkillParts {
   struct Memory {
     typename Blend::Memory blend;
     RateBound<joints> bound;
-    Goal request;  ///< the accepted one: its goals serve the skills of a sequence
-    Goal waiting;  ///< waits for the end of a change
+    Goal request;  ///< accepted request: its goals serve the skills of a sequence
+    Goal waiting;  ///< request that waits for the end of a change
     SkillSwitches commanded, reported;
     std::uint32_t reporting = 0;  ///< switches that have ever been reported
     double touch = 0;             ///< norm of the last torque of the skin's laws [N m]
-    Nanoseconds since{};          ///< the skill's start
-    Nanoseconds held{};           ///< how long its finish condition has held
+    Nanoseconds since{};          ///< time since the skill began
+    Nanoseconds held{};           ///< time for which its finish condition has held
     std::uint8_t skill = 0;
     SkillPhase phase = SkillPhase::loading;
     [[no_unique_address]] typename Grip::Memory gripper;
-    SkillReport told;      ///< of the request that the skill, or the one that failed last, serves
-    SkillReport refused;   ///< of the last request that was refused
-    bool waits = false;    ///< for the end of a change
-    bool goes_on = false;  ///< the next skill of a sequence, or the fallback, waits
-    bool touched = false, was_touched = false;  ///< as the skill's `touch` says; and since it began to run
+    SkillReport told;      ///< report on the request that the skill, or the one that failed last, serves
+    SkillReport refused;   ///< report on the last request that was refused
+    bool waits = false;    ///< a request waits for the end of a change
+    bool goes_on = false;  ///< the waiting request is the next skill of a sequence, or the fallback
+    bool touched = false, was_touched = false;  ///< contact as of `touch`: now, since the skill began to run
   };
 
   [[nodiscard]] const Fusion& sum() const noexcept { return blend_.sum(); }
@@ -118,7 +118,7 @@ class SkillParts {
     if (s.conditions.untouched && !(m.touch <= settings_.touched)) return false;
     return m.commanded.then(m.reported).stand(s.conditions.needs);
   }
-  /// Calls `f(index, goal)` for each controller of a skill for which the request has a goal.
+  /// Calls `f(index, goal)` for each controller with a weight in a skill for which the request has a goal.
   template <class F>
   void each_goal(const Goal& request, std::uint8_t skill, F&& f) const noexcept {
     each_index<controllers>([&](auto i) {
@@ -142,7 +142,7 @@ class SkillParts {
       if (magnitude(x) > most) most = magnitude(x);
     return most;
   }
-  /// The torque of the skin's laws.
+  /// The sum of the torques of the skin's laws [N m].
   template <class Shares>
   [[nodiscard]] static SKINCTL_INLINE auto skin(const Shares& shares) noexcept {
     std::remove_cvref_t<decltype(shares[0])> sum;

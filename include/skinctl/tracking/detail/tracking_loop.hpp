@@ -18,12 +18,12 @@ struct TrackingMemory {
   bool held = false;  ///< the skin pushes against this law: integrals and spline are stopped
   Plan plan;
   SurfaceBias<Space::coordinates, T> bias;
-  Integrals<Space::coordinates, T> I1;  ///< of S_delta
-  Integrals<Space::coordinates, T> I2;  ///< of its sign [s]
+  Integrals<Space::coordinates, T> I1;  ///< integral of S_delta
+  Integrals<Space::coordinates, T> I2;  ///< integral of tanh(mu S_delta) [s]
   IntegralsUsed<Space::coordinates, T> used;
   T tb = T(0);      ///< convergence time [s], stretched if need be; 0: no time base
-  T K_from = T(0);  ///< without one: the gain at the reset [1/s]
-  [[no_unique_address]] typename Space::Memory space = {};  ///< the space's own
+  T K_from = T(0);  ///< gain at the reset, without a time base [1/s]
+  [[no_unique_address]] typename Space::Memory space = {};  ///< memory of the space
 };
 
 namespace detail {
@@ -54,7 +54,8 @@ class TrackingLoop : public Composable {
     static_assert(K::joints == N && std::same_as<typename K::scalar, T>, "a law for another robot or scalar");
     return space_.surface(gains_, inputs(memory, T(0), no_rates, no_rates), space_.site(known), memory.space);
   }
-  /// `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that begins now.
+  /// Torque of the law, `feedback * (-K_d S_q) + feed_forward * (Y_r Theta)` [N m], for the interval that
+  /// begins now.
   ///
   /// With `K_d = lambda M` feedback and feed-forward go through one recursion, which is linear in them:
   /// reference velocity `ff dq_r`, reference acceleration `ff ddq_r - fb lambda S_q`, gravity `ff g`.
@@ -124,8 +125,9 @@ class TrackingLoop : public Composable {
   }
 
   [[nodiscard]] static SKINCTL_INLINE T finite(const T& x) noexcept { return x - x == T(0) ? x : T(0); }
-  /// The torque that the robot's added friction takes at the speed `v`: of a virtual robot B v, of a real one
-  /// as much as its delay allows, see `held_friction`. With B v a loop of 20 ms ran away by its own friction.
+  /// The torque [N m] that the robot's added friction takes at the speed `v`: of a virtual robot B v, B its
+  /// viscous friction, of a real one as much as its delay allows, see `held_friction`. With B v a loop of 20
+  /// ms ran away.
   template <class K, class M, class Angles>
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> added_friction(const M& model, const Angles& angles,
                                                                 const JointVelocity<N, T>& v) const noexcept {
@@ -195,7 +197,7 @@ class TrackingLoop : public Composable {
       }
     }
   }
-  /// One joint takes back what is beyond its limit; the others see to theirs, so that the torques settle
+  /// Takes back what is beyond the limit of one joint; the others see to theirs, so that the torques settle
   /// within a few evaluations, as Gauss and Seidel solve `|K_d v| <= limit`.
   SKINCTL_INLINE void bound_joint(Memory& next, std::size_t i, const T& torque, const T& own,
                                   const T& limit) const noexcept {
@@ -207,7 +209,8 @@ class TrackingLoop : public Composable {
     T& sum = first ? next.I1.sum[i] : next.I2.sum[i];
     sum = sum + less / (first ? gains_.K_i1 : gains_.K_i2);
   }
-  /// All coordinates as the joint asks that is nearest to its limit: each moves all joints.
+  /// Bounds all coordinates alike, by the joint that is nearest to its limit: each coordinate moves all
+  /// joints.
   SKINCTL_INLINE void bound_together(Memory& next, const Rates& asked, const JointTorque<N, T>& torque,
                                      const JointTorque<N, T>& limit) const noexcept {
     T most(0);
@@ -222,8 +225,8 @@ class TrackingLoop : public Composable {
       if (most > T(1)) next.I1.sum[c] = next.I1.sum[c] / most, next.I2.sum[c] = next.I2.sum[c] / most;
     }
   }
-  /// The middle of the interval, as the law predicts it. Built where it stays: a copy in other pieces than it
-  /// was written in would have to wait for them.
+  /// The middle of the interval, as the law predicts it. Built in place: a copy in other pieces than it was
+  /// written in would have to wait for them.
   struct Middle {
     using R = Row<N, T>;
     template <class K, bool Brief = Space::brief>
@@ -238,13 +241,14 @@ class TrackingLoop : public Composable {
               law.space_.surface(law.gains_, inputs, law.space_.site(known.model(), q, dq), memory.space)) {}
 
     R damped;  ///< `M^-1 K_d S_q`
-    R a;       ///< `ddq_r - damped`, both at its beginning
+    R a;       ///< `ddq_r - damped`, both at the beginning of the interval
     JointPosition<N, T> q;
     JointVelocity<N, T> dq;
     typename Space::Inputs inputs;
     Surface surface;
   };
-  /// Part of its caller where a call costs much of what the law costs; elsewhere one copy for all callers.
+  /// The inputs of the surface, inlined where a call costs much of what the law costs; elsewhere one copy for
+  /// all.
   template <bool Brief = Space::brief>
   [[nodiscard]] SKINCTL_INLINE typename Space::Inputs inputs(const Memory& memory, const T& x,
                                                              const Rates& dI1,
@@ -280,7 +284,7 @@ class TrackingLoop : public Composable {
   Damping damping_;
   SurfaceGains<T> gains_;
   GainSchedule<T> schedule_;
-  Decay<T> decay_;  ///< of the bias
+  Decay<T> decay_;  ///< decay of the bias
 };
 
 }  // namespace detail

@@ -32,7 +32,7 @@ class TrackingReset : public TrackingLoop<Space, Plan, Damping> {
   using Loop::TrackingLoop;
   using Middle = typename Loop::Middle;
 
-  /// The gain from now on, as slow as the largest error needs.
+  /// Begins the gain anew, as slow as the largest error needs; the status says if it is stretched or refused.
   template <class K>
   SKINCTL_COLD Status begin_gain(Memory& memory, const K& known) const noexcept {
     memory.since_reset = 0ns;
@@ -51,7 +51,7 @@ class TrackingReset : public TrackingLoop<Space, Plan, Damping> {
     }
     return status;
   }
-  /// Without a time base: a gain at which the largest error decays no faster than `max_velocity`.
+  /// Sets, without a time base, a gain at which the largest error decays no faster than `max_velocity`.
   template <class K>
   SKINCTL_COLD void slow_gain(Memory& memory, const K& known) const noexcept {
     memory.tb = T(0);
@@ -61,7 +61,7 @@ class TrackingReset : public TrackingLoop<Space, Plan, Damping> {
     const T time = Space::slowness(error, settings_);
     if (memory.K_from * time > T(1)) memory.K_from = T(1) / time;
   }
-  /// `S_d = S`, so that S_delta is zero.
+  /// Begins the bias with `S_d = S`, so that S_delta is zero.
   template <class K>
   SKINCTL_COLD void begin_bias(Memory& memory, const K& known) const noexcept {
     const auto error = space_.errors(memory.plan.at(T(0), settings_), space_.site(known), memory.space);
@@ -70,8 +70,8 @@ class TrackingReset : public TrackingLoop<Space, Plan, Damping> {
     for (std::size_t i = 0; i < Space::coordinates; ++i)
       memory.bias.decaying[i] = finite(error.de[i] + K_p.K * error.e[i]);
   }
-  /// The skin begins or ceases to push against this law. At the release S_d is zero but for the bumpless
-  /// transfer, and the gain is constant: the error decays without changing its sign.
+  /// The memory after the skin has begun or ceased to push against this law. At the release S_d is zero but
+  /// for the bumpless transfer, and the gain is constant: the error decays without changing its sign.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory switched(const Memory& memory, const K& known, const T& dt,
                                              Opposition opposition) const noexcept {
@@ -112,7 +112,7 @@ class TrackingReset : public TrackingLoop<Space, Plan, Damping> {
     for (std::size_t i = 0; i < Space::coordinates; ++i)
       bias.dj[i] = finite((space_.course(soon).a[i] - space_.course(here).a[i]) / bend);
   }
-  /// `now` and the middle for rare calls: one copy of each.
+  /// The surface at the known state, and at the middle of the interval, for rare calls: one copy of each.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Surface look(const Memory& memory, const K& known) const noexcept {
     return space_.surface(gains_, inputs_called(memory, T(0), no_rates, no_rates), space_.site(known),

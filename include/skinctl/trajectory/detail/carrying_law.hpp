@@ -14,7 +14,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// `tau_out = tau + (1 - a1((t - t0) / T_h)) difference`. The last share is the difference.
+/// A law with a difference of torque that is ramped out:
+/// `tau_out = tau + (1 - a1((t - t0) / T_h)) difference`, a1 the quintic. The last share is the difference.
 template <std::size_t N, class L, Real T>
 class CarryingLaw : public WrappedLaw<CarryingLaw<N, L, T>, L> {
   using Wrapped = WrappedLaw<CarryingLaw, L>;
@@ -32,7 +33,7 @@ class CarryingLaw : public WrappedLaw<CarryingLaw<N, L, T>, L> {
 
   CarryingLaw(const L& law, const skinctl::Ramp<T>& ramp) : Wrapped(law), ramp_(ramp) {}
 
-  /// No difference.
+  /// Drops the difference: nothing is added any more.
   static void drop(Memory& memory) noexcept { memory.elapsed = clock_end; }
   /// Begins to ramp `difference` out. A value that is not finite counts as zero.
   static void carry(Memory& memory, const JointTorque<N, T>& difference) noexcept {
