@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Joints of all groups move within their own limits alone.
+/// In place of a governor's movers: the joints of all groups move within their own limits alone.
 struct AllAbrupt {
   static constexpr bool smooth = false;
   template <std::size_t>
@@ -19,8 +19,8 @@ struct AllAbrupt {
 };
 
 /// The result of one cycle of a resolver: the command, its status, the torque of each part of the law in its
-/// last evaluation, the torque that holds the driven joints, friction included, and that which brakes and
-/// holds them if the guard refuses the command.
+/// last evaluation, the torque that holds the joints by torque, friction included, and the torque that brakes
+/// and holds them if the guard refuses the command.
 template <std::size_t N, Real T, std::size_t Terms>
 struct Resolved {
   JointCommand<N, T> command;
@@ -47,10 +47,10 @@ struct Resolved {
 ///   `JointLimits::move`;
 /// - the leash: `E = B0 + A d (tau + d/2) + (d + tau + t_u) |dq|` about the measured position q,
 ///   less the gap, and ahead the way to stop, `u^2 / 2A`, from the speed u that is both measured and
-///   commanded; with d = delay + period, the lag tau, the undeclared lag t_u that is borne, and the dead band
-///   B0. The second term fades within 5 T of a joint that rests although it is pushed. A robot that follows
-///   as declared gets as fast as its limits. One that is held fast pulls the command back (`lead_limited`);
-///   laws do not count on after 5 T (`blocked`).
+///   commanded; with d = delay + period, the lag tau, the undeclared lag t_u that is borne, the dead band B0
+///   and the acceleration limit A. The second term fades within 5 (d + tau) of a joint that rests although it
+///   is pushed. A robot that follows as declared gets as fast as its limits. One that is held fast pulls the
+///   command back (`lead_limited`); laws do not count on after 5 (d + tau) (`blocked`).
 /// - Who moves away pays: p is the position that the sent commands should have brought, by declared delay and
 ///   lag of each group. Of a residual r = q - p beyond B0 the gap takes what the robot moved beyond its
 ///   farthest place. A gap beyond `largest_gap` is displaced: it brakes until `resume`.
@@ -119,7 +119,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
       : Base(model, those<detail::IsStiffGroup>(groups), those<detail::IsDrivenGroup>(groups), passivity,
              tool) {}
 
-  /// Of a robot that is one group of joints.
+  /// For a robot whose joints are one group.
   Resolver(const M& model, const RobotConfiguration<joints, T>& configuration,
            const PassivityParts& passivity = PassivityParts(), const Tool& tool = Tool())
     requires Base::is_one_group
@@ -127,13 +127,13 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
                  passivity, tool) {}
 
   using Sent = typename Base::Sent;
-  /// The command of the stiff joints.
+  /// The command of the stiff joints, which take positions or velocities.
   [[nodiscard]] static auto stiff(const Sent& c) noexcept {
     typename detail::CommandOf<Stiff::count, T, typename Sets::StiffGroups>::type out;
     detail::take_part<Stiff>(c, out);
     return out;
   }
-  /// The command of the driven joints [N m].
+  /// The torques of the driven joints, which take torques [N m].
   [[nodiscard]] static JointTorque<Driven::count, T> torque(const Sent& c) noexcept
     requires has_driven
   {
@@ -265,7 +265,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     return std::apply([](const auto&... g) { return detail::those_of<Kind>(g...); }, groups);
   }
 
-  /// `h` seconds of the stiff joints, from `at` on.
+  /// Moves the stiff joints for `h` seconds, from `at` on.
   template <class L, class Began, class Touch, class Movers, class Out>
   SKINCTL_INLINE void move(Memory& m, const L& law, typename L::Memory& law_memory, const Began& begun,
                            Nanoseconds at, const T& h, const Touch& touch, const LawTouch<Touch>* change,

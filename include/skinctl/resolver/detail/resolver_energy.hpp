@@ -12,7 +12,7 @@ struct PressedUnknown {};
 
 namespace detail {
 
-/// A resolver's `Passivity`: what it is told in a cycle, and what it leaves.
+/// The part of a `Resolver` that serves its `Passivity`: the inputs of a cycle, and the motion they leave.
 template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class PassivityParts,
           class Tool>
 class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, PassivityParts, Tool> {
