@@ -57,7 +57,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
                   "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
     detail::check_holders<Robot, L>();
   }
-  /// With its list of parts.
+  /// A scene with the list `parts`, in the order of their limits.
   template <class Robot>
   Cycle(const Robot& robot, Skin skin, const L& law, const Parts& parts)
       : Loop(Whole{}, robot, std::move(skin), law, parts) {
@@ -65,7 +65,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
                   "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
     detail::check_holders<Robot, L>();
   }
-  /// Without skin.
+  /// A scene without skin.
   template <class Robot>
     requires std::is_same_v<Skin, NoSkin>
   Cycle(const Robot& robot, LawArgument<Robot> law)
@@ -171,7 +171,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
   }
 };
 
-/// For a skin that was given behind the law: the error names its place.
+/// In place of a scene whose skin was given behind the law: the error names its place.
 template <class L, class Skin, class Parts>
 class Cycle<detail::SkinBehindLaw, L, Skin, Parts> {
   static_assert(!std::is_same_v<L, L>, "order: robot, skin, law; the skin stands before the law");
@@ -179,7 +179,7 @@ class Cycle<detail::SkinBehindLaw, L, Skin, Parts> {
  public:
   constexpr Cycle(const auto&...) noexcept {}
 };
-/// For a law of the skin in a scene without one: it would never yield.
+/// In place of a scene without skin whose law is one of the skin: it would never yield.
 template <class L, class Skin, class Parts>
 class Cycle<detail::SkinForgotten, L, Skin, Parts> {
  public:
@@ -187,7 +187,7 @@ class Cycle<detail::SkinForgotten, L, Skin, Parts> {
   constexpr Cycle(const auto&...) = delete;  // the law answers touch, and the scene has no skin: Cycle(robot, skin, law)
   // clang-format on
 };
-/// For a model that was given as the robot: the only constructor is deleted.
+/// In place of a scene with a model for its robot: the only constructor is deleted.
 template <class L, class Skin, class Parts>
 class Cycle<detail::ModelAsRobot, L, Skin, Parts> {
  public:

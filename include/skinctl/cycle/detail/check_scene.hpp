@@ -27,7 +27,7 @@ struct WrongSkin {
   [[nodiscard]] Wrenches wrenches(const Memory&) const noexcept { return {}; }
 };
 
-/// Faults of a touch for a robot.
+/// Faults of a skin for the robot of a scene.
 enum class SkinFault { none, other_scalar, other_joints, other_model };
 template <SkinFault F, class Skin>
 struct SaySkin {
