@@ -33,7 +33,7 @@ class Transform {
  public:
   using scalar = T;
 
-  /// The two frames coincide.
+  /// The pose of two frames that coincide.
   constexpr Transform() noexcept = default;
 
   /// @param R_AB  axes of B in A; a rotation to within `tolerance<T>`: see `normalised()`. Not checked: a
@@ -139,7 +139,7 @@ class Transform {
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& axis_z() const noexcept { return R_.z; }
   /// Origin of B in A [m].
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& origin() const noexcept { return p_; }
-  /// The three axes together.
+  /// Axes of B in A, all three.
   [[nodiscard]] SKINCTL_INLINE constexpr const Rotation<T>& axes() const noexcept { return R_; }
 
   /// `R_AB` as an Eigen matrix.
@@ -155,7 +155,7 @@ class Transform {
     return X;
   }
 
-  /// `X_BA`.
+  /// `X_BA`, the pose of A in B.
   [[nodiscard]] SKINCTL_INLINE constexpr Transform<B, A, T> inverse() const noexcept {
     return Transform<B, A, T>::trusted(R_.transpose(), -turn_back(R_, p_));
   }
@@ -176,8 +176,8 @@ class Transform {
     static_assert(!std::is_same_v<C, D>, "a frame has no pose in itself");
     return Transform<C, D, T>::trusted(R_, p_);
   }
-  /// Without the check of the axes: for algorithms whose axes are orthonormal by construction up to
-  /// accumulated rounding.
+  /// The pose with these axes and this origin, also of a frame in itself: for algorithms whose axes are
+  /// orthonormal by construction up to accumulated rounding.
   [[nodiscard]] SKINCTL_INLINE static constexpr Transform trusted(const Rotation<T>& R_AB,
                                                                   const Xyz<T>& p_AB) noexcept {
     Transform X;
