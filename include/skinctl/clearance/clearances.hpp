@@ -33,8 +33,8 @@ template <std::size_t Most>
 struct ClearanceAround {
   using Kind = Clearance;
   Clearance own;  ///< capsules of links and of fixed objects, and their pairs
-  /// The capsules of `own`, by their indices, that obstacles must not meet.
-  std::vector<std::size_t> exposed;
+  std::vector<std::size_t>
+      exposed;  ///< the capsules of `own`, by their indices, that obstacles must not meet
   /// Time from a command until the robot is where it says, and from a change of the world until the input has
   /// it.
   Nanoseconds late = 20ms;

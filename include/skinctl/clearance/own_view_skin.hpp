@@ -40,8 +40,8 @@ class OwnViewSkin : public WrappedTouch<OwnViewSkin<S, M>, S, NoSensors> {  // t
   }
   [[nodiscard]] const OwnView<M, scalar>& view() const noexcept { return view_; }
 
-  /// See `S::receive`; the prediction is made for where the robot was at the stamp of the newest sample, up
-  /// to 16 states before `measured`; without a sample, for as long ago as last time.
+  /// Takes samples: see `S::receive`. The prediction is made for where the robot was at the stamp of the
+  /// newest sample, up to 16 states before `measured`; without a sample, for as long ago as last time.
   template <class Given, class Means>
   Status take(Memory& memory, const Given& in, Means* means) const noexcept {
     const State<M::joints, scalar>& measured = in.measured;

@@ -158,7 +158,7 @@ class Configurations {
     result.first = step(result.second, input);
     return result;
   }
-  /// One cycle: see `Cycle::step`.
+  /// One cycle in place, with the configuration that the input names: see `Cycle::step`.
   template <class Watch = NoStopwatch>
   Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
     if (input.configuration == m.configuration) [[likely]]

@@ -75,7 +75,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
     detail::check_holders<Robot, L>();
   }
 
-  /// The same scene with more limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`,
+  /// This scene with more limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`,
   /// `LinkContact<link>`, `Clearance`, `ClearanceAround`, `SkinWatch`) or with settings of its guard
   /// (`GuardSettings`). The order and the number of calls make no difference: `.with(a).with(b)` is `.with(a,
   /// b)`. A scene has one part of each kind, of `LinkContact` one for each link. Throws `ConfigurationError`
@@ -105,8 +105,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
       return *this;
     }
   }
-  /// The same scene without its part of a kind, named by its settings (`without<SkinWatch>()`) or by the
-  /// kind.
+  /// This scene without its part of a kind, named by its settings (`without<SkinWatch>()`) or by the kind.
   template <class Kind>
   [[nodiscard]] auto without() const {
     const auto left = detail::without_kind<Kind>(parts_);

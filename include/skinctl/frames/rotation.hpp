@@ -16,7 +16,7 @@ struct Rotation {
   Xyz<T> y{T(0), T(1), T(0)};
   Xyz<T> z{T(0), T(0), T(1)};
 
-  /// From an Eigen matrix, 3x3; a dynamic one of another size gives NaN. Not checked to be a rotation.
+  /// The rotation of an Eigen matrix, 3x3; a dynamic one of another size gives NaN. Not checked to be one.
   template <VectorExpression E>
   [[nodiscard]] static Rotation from_eigen(const E& R_AB) noexcept {
     static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: R.cast<T>()");

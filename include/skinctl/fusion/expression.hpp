@@ -129,13 +129,13 @@ template <class A, class B>
 
 }  // namespace expression
 
-/// The same sum with `Sum::weighted`: feedback with the weights as given, feed-forward with the normalised
-/// ones.
+/// `sum` with the policy `Sum::weighted`: feedback with the weights as given, feed-forward with the
+/// normalised ones.
 template <Sum P, class... L>
 [[nodiscard]] Fused<Sum::weighted, L...> weighted(const Fused<P, L...>& sum) {
   return detail::with_policy<Sum::weighted>(sum);
 }
-/// The same sum with `Sum::plain`, as the paper writes it.
+/// `sum` with the policy `Sum::plain`, as the paper writes it.
 template <Sum P, class... L>
 [[nodiscard]] Fused<Sum::plain, L...> plain(const Fused<P, L...>& sum) {
   return detail::with_policy<Sum::plain>(sum);

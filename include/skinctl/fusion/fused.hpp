@@ -87,7 +87,7 @@ class Fused : public Composable,
     return out;
   }
 
-  /// The same sum with other thresholds of opposition.
+  /// This sum with other thresholds of opposition.
   [[nodiscard]] Fused opposed_by(const OppositionSettings& settings) const {
     return Fused(laws_, weights_, OppositionDetector(settings));
   }

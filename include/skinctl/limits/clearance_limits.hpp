@@ -72,7 +72,7 @@ class ClearanceLimits {
         limits_(limits),
         margin_(T(given.margin + spare)),
         reach_(T(given.reach)) {}
-  /// With obstacles from the input. Throws also for a `late` or `max_age` out of its range.
+  /// Also keeps clear of obstacles from the input. Throws also for a `late` or `max_age` out of its range.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits,
                                const ClearanceAround<Around>& given)
     requires(Around > 0)
@@ -142,7 +142,7 @@ class ClearanceLimits {
   /// The distances at `q` beside the obstacles in `seen`, which must outlive the result.
   [[nodiscard]] Here at(const Memory& seen, const Position& q) const noexcept { return Here(*this, seen, q); }
   using Kept = KeptVelocity<joints, T>;
-  /// As a limit of a scene: motion as far as there is a way to stop, torques as far as they brake in time.
+  /// The allowed velocity: motion as far as there is a way to stop, torques as far as they brake in time.
   /// Joints by torque follow later than the others: beside them motion is slowed first.
   template <class Going, class Also>
   [[nodiscard]] SKINCTL_INLINE Kept within(const Memory& seen, const Going& going, const Velocity& u,
@@ -238,7 +238,7 @@ class ClearanceLimits {
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
   }
-  /// How long the slowest joint brakes from `u` [s].
+  /// The time in which all joints come to rest from `u` [s].
   [[nodiscard]] SKINCTL_INLINE T time_to_rest(const Velocity& u) const noexcept {
     T longest(0);
     for (std::size_t i = 0; i < joints; ++i) {

@@ -68,7 +68,7 @@ class PlaceSpeed {
 
   /// Trivially copyable; `Memory{}` has judged nothing, and feels nothing.
   struct Memory {
-    std::array<float, Cells> speed{};  ///< largest along the normal of each place, without the motors [m/s]
+    std::array<float, Cells> speed{};  ///< largest speed of each place, by cells and wrist sensor [m/s]
     std::size_t next = 0;              ///< place that is judged next
     bool touched = false;              ///< a push is felt: the robot gives way
   };

@@ -20,8 +20,10 @@ template <std::size_t N, Real T, bool Motion, bool Torque>
 struct Going {
   static constexpr std::size_t joints = N;
   static constexpr bool by_motion = Motion, by_torque = Torque;
-  JointPosition<N, T> q;        ///< last commanded position; of joints by torque the measured one [rad]
-  JointVelocity<N, T> from;     ///< last commanded velocity; of joints by torque the measured one [rad/s]
+  JointPosition<N, T>
+      q;  ///< the position that was commanded last; of joints by torque the measured one [rad]
+  JointVelocity<N, T>
+      from;  ///< the velocity that was commanded last; of joints by torque the measured one [rad/s]
   JointRoom<N, T> room;         ///< distances from `q` to the position limits of the joints [rad]
   const State<N, T>& measured;  ///< the last good state of the robot
   T dt;                         ///< duration of the command [s], > 0
@@ -51,11 +53,11 @@ struct KeptVelocity {
 
 /// The order in which the limits of a scene act; where they conflict, the later one wins.
 enum class Precedence : unsigned char {
-  moves,       ///< smooth motion of the joints: it gives way to all others
+  moves,       ///< motion of the joints within limits of jerk: it gives way to all others
   contact,     ///< force and power of contacts
   coverage,    ///< cells of the skin that report
   places,      ///< speed of places on the skin, by the force from which on they notice a push
-  free,        ///< limits of users
+  free,        ///< limits of the user's own
   tool_speed,  ///< speed of a point of the robot
   clearance,   ///< distance from bodies
   torque       ///< position and speed of joints by torque

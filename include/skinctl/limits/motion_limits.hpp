@@ -196,8 +196,8 @@ class MotionLimits {
 
  private:
   static constexpr double slowest = 1.0 / 128;  ///< share of the velocity limit over which resistance sets in
-  /// Distance beyond an end up to which resistance counts, over the velocity limit [s].
-  static constexpr double past_end = 1e-3;
+  static constexpr double past_end =
+      1e-3;  ///< distance beyond an end up to which resistance counts, over the velocity limit [s]
 
   [[nodiscard]] static SKINCTL_INLINE JointVelocity<joints, T> whole(
       const JointVelocity<n, T>& part) noexcept {

@@ -29,7 +29,7 @@ enum class SkinReaction : unsigned char {
 /// (`skin_held`, `skin_stopped`). Holding and stopping brake as `CycleRequest::stop` does. Way back: the
 /// state must have been over for `settle`.
 ///
-/// Without this part a scene takes no notice, at no cost.
+/// A scene without this part takes no notice of such cells, at no cost.
 struct SkinWatch {
   using Kind = SkinWatch;
   SkinReaction unheard = SkinReaction::hold;       ///< reaction from the start until each patch was heard

@@ -180,8 +180,8 @@ class ToolSpeed {
     return {detail::towards(brake, wish, keeps), true};
   }
 
-  /// As a limit of a scene: motion as far as the way to stop keeps the limit, torques as far as the next
-  /// `going.ahead` seconds do.
+  /// The allowed velocity, as a limit of a scene: motion as far as the way to stop keeps the limit, torques
+  /// as far as the next `going.ahead` seconds do.
   template <class Going, class Also>
   [[nodiscard]] SKINCTL_INLINE Kept within(const Memory&, const Going& going,
                                            const JointVelocity<joints, T>& u, const Also&) const noexcept {

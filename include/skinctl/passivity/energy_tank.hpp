@@ -64,11 +64,11 @@ class EnergyTank {
     bool paid = false;         ///< a sub-step is to be charged
     Foresight<N> foresight;
   };
-  /// For a torque interface: the torque that was sent, by its parts.
+  /// The memory for a torque interface: the torque that was sent, by its parts.
   template <std::size_t N>
   struct Held {
     T energy = T(0);
-    JointTorque<N, T> passive;  ///< the part without cost: port, gravity, friction
+    JointTorque<N, T> passive;  ///< part of the torque without cost: port, gravity, friction [N m]
     JointTorque<N, T> port;     ///< contacts' part of the passive torque [N m]
     JointTorque<N, T> gravity;
     JointTorque<N, T> active;  ///< remainder of the torque, for which the tank pays [N m]

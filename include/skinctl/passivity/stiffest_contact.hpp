@@ -237,7 +237,7 @@ struct StiffestContact {
     return x;
   }
 
-  /// How many times too stiff contacts are for a virtual robot that is felt `factor` times heavier.
+  /// The factor by which contacts are too stiff for a virtual robot that is felt `factor` times heavier.
   template <std::size_t N>
   [[nodiscard]] double lack(const AllContacts<N>& all, std::size_t pose, std::size_t one, std::size_t two,
                             double factor) const {

@@ -38,7 +38,7 @@ struct Interval {
 
 namespace detail {
 
-/// No time: the clock has not gone back.
+/// The time in place of a refused one: the clock has not gone back.
 inline constexpr Nanoseconds no_time = Nanoseconds::min();
 
 /// The interval from `last` to `now`, sub-steps not yet chosen. A clock that goes back is not believed once,

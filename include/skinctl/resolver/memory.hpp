@@ -35,7 +35,7 @@ struct VirtualJointsMemory {
   JointAcceleration<N, T> last;     ///< dv/dt of the last sub-step; with limits of jerk at its end [rad/s^2]
   State<N, T> measured;             ///< the last good measurement, less the gap and what contacts deflect
   JointPosition<N, T> residual;  ///< r: measured position less the position that the commands brought [rad]
-  JointPosition<N, T> gap;       ///< g: way of the robot away from its commands, by itself [rad]
+  JointPosition<N, T> gap;       ///< g: distance that the robot moved away from its commands, by itself [rad]
   JointPosition<N, T> farthest;  ///< farthest measured position: motion beyond it may be a gap [rad]
   T held_for[N] = {};  ///< time for which the leash has held back a joint at rest, up to 5 total delays [s]
   detail::RunningPosition<N, T> sent;    ///< velocity interface: the integral of the sent velocities [rad]

@@ -35,7 +35,7 @@ struct Resolved {
 };
 
 /// The torque resolver of the paper's section 4.5: one robot, one law, one fused torque, and joints in
-/// groups. Stiff joints take positions or velocities, driven joints take torques.
+/// groups. Stiff joints take positions or velocities, the others, by torque, take torques.
 ///
 /// **Stiff joints.** A virtual robot with the model's M, C, G and the configured friction carries the fused
 /// torque: `M dv = tau - (C + B) v - G - tau_c(v)`, `dq^ = v`, sub-stepped over the interval just passed. All
@@ -65,24 +65,24 @@ struct Resolved {
 /// - A stop, or no good measurement for `stale_after`: the quickest stop; the law's memory does not change. A
 ///   group that brakes holds the other stiff groups too.
 ///
-/// **Driven joints.** `tau = law(state) - B dq`, cut to the limits of torque and power; the law is evaluated
-/// at the end of the cycle, at the newest measurement of these joints, for one period from now. Of the
-/// configuration they use the limits of torque, period, longest interval, stale age, and of the virtual
-/// dynamics the viscous friction, which they show in addition to their own, and, where all joints are driven,
-/// the inertia: that of the motors. A torque acts the loop's delay D late, so friction that would stop a
-/// motion in less time would shake it: it is `(B^-1 + D M^-1)^-1 dq`. Positions and velocities are not
-/// limited here. During a stop, and if the law's torque is not finite, gravity is compensated, and friction
-/// brakes with `0.3 M dq / D` at least; while the state is stale gravity only, as the velocity is unknown.
+/// **Joints by torque.** `tau = law(state) - B dq`, cut to the limits of torque and power; the law is
+/// evaluated at the end of the cycle, at the newest measurement of these joints, for one period from now. Of
+/// the configuration they use the limits of torque, period, longest interval, stale age, and of the virtual
+/// dynamics the viscous friction, which they show in addition to their own, and, where all are such, the
+/// inertia: that of the motors. A torque acts the loop's delay D late, so friction that would stop a motion
+/// in less time would shake it: it is `(B^-1 + D M^-1)^-1 dq`. Positions and velocities are not limited here.
+/// During a stop, and if the law's torque is not finite, gravity is compensated, and friction brakes with
+/// `0.3 M dq / D` at least; while the state is stale gravity only, as the velocity is unknown.
 ///
-/// To the virtual robot the driven joints are a load that moves as measured:
+/// To the virtual robot (s) the joints by torque (d) are a load that moves as measured:
 /// `M_ss dv = tau_s - (C v)_s - G_s - B v - M_sd ddq_d`, with v of all joints, and `ddq_d` the change of the
 /// measured velocities since the last cycle: the arm takes the recoil of a finger that starts or stops.
 ///
 /// - A measurement is taken for all joints or for none: one number that is not finite refuses all of it.
 /// - `PassivityParts` names parts that watch over energy and contacts: see `Passivity`. One tank pays for
-///   both, at the virtual port of the stiff joints and the real one of the driven ones, whose recoil is a
+///   both, at the virtual port of the stiff joints and the real one of those by torque, whose recoil is a
 ///   port of the stiff ones; the passivity observer watches over the stiff joints, whose commands run ahead.
-/// - `Tool`: virtual inertia and friction at the tool, on a link that no driven joint moves; see `ToolShape`.
+/// - `Tool`: virtual inertia and friction at a tool that no joint by torque moves; see `ToolShape`.
 ///
 /// A command has all kinds: `stiff(command)` and `torque(command)` are the parts for the devices, and
 /// cannot be mixed up, as their types differ; `part_of<Set>(command)` is that of one group.
@@ -133,7 +133,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     detail::take_part<Stiff>(c, out);
     return out;
   }
-  /// The torques of the driven joints, which take torques [N m].
+  /// The commanded torques of the joints by torque [N m].
   [[nodiscard]] static JointTorque<Driven::count, T> torque(const Sent& c) noexcept
     requires has_driven
   {
@@ -217,7 +217,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
 
   /// The joint torque by which two configurations of one scene differ: for the stiff joints that which
   /// accelerates the virtual robot under `next` in the coming sub-step as under `before`, less that of
-  /// `next`; for the driven ones the torque of `before` less that of `next` at the measured state, friction
+  /// `next`; for those by torque the torque of `before` less that of `next` at the measured state, friction
   /// included. Zero where no law acts. Evaluates both laws, and the integrator for each stiff joint, without
   /// limits.
   template <class L, class Touch, class Check>

@@ -79,7 +79,7 @@ struct JointGroups {
   using Driven = JointSubset<N, by_torque>;  ///< joints by torque
   using Stiff = typename Driven::Others;     ///< joints by position, velocity or impedance
   using All = std::tuple<Groups...>;
-  /// The groups of the stiff joints, and those of the driven ones, in tuples.
+  /// The groups of the stiff joints, in a tuple; below, those of the joints by torque.
   using StiffGroups = decltype(detail::those_of<detail::IsStiffGroup>(std::declval<const Groups&>()...));
   using DrivenGroups = decltype(detail::those_of<detail::IsDrivenGroup>(std::declval<const Groups&>()...));
 };

@@ -250,7 +250,7 @@ class JointLimits {
 
   Values values_;
   JointAcceleration<N, T>
-      stop_per_square_;  ///< 1 / (2 a) [s^2/rad]: of a speed, to the distance in which it stops
+      stop_per_square_;  ///< 1 / (2 a): distance in which a joint stops, over its squared speed [s^2/rad]
   bool has_power_ = false;
   const void* robot_ = nullptr;
 };

@@ -29,9 +29,9 @@ struct Balanced {
   static constexpr Nanoseconds patience = Nanoseconds::max();
 };
 
-/// At most one evaluation of the laws in 8 ms, and float: 2.7 to 4 times cheaper, and within 0.1 mm of
-/// `Balanced` in the scenes of `skinctl_trade`. Coarser messages of cells are no part of it: from 0.5 N on
-/// they save 2 % of a cycle, and lead the robot off by millimetres.
+/// A preset with at most one evaluation of the laws in 8 ms, and float: 2.7 to 4 times cheaper, and within
+/// 0.1 mm of `Balanced` in the scenes of `skinctl_trade`. Coarser messages of cells are no part of it: from
+/// 0.5 N on they save 2 % of a cycle, and lead the robot off by millimetres.
 struct Fast {
   static constexpr const char* name = "fast";
   using scalar = float;
@@ -44,7 +44,7 @@ struct Fast {
 /// way.
 struct Tiny : Fast {
   static constexpr const char* name = "tiny";
-  /// For `CommandHistory`: a robot whose delay is at most six periods.
+  /// Commands under way, for `CommandHistory`: enough for a robot whose delay is at most six periods.
   static constexpr std::size_t commands = 8;
 };
 

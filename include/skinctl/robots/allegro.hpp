@@ -23,8 +23,8 @@ struct Tree {
   static constexpr auto kinds = all_of_kind<16>(JointKind::revolute);
 };
 
-/// One finger. The constants that all four fingers share are typed, so that four fingers compute side by side
-/// in lanes.
+/// One finger of four joints. The constants that all four fingers share are typed, so that four fingers
+/// compute side by side in lanes.
 struct Finger : Chain<4> {
   template <std::size_t Ix, LinkParameter P>
   static constexpr auto known() noexcept {

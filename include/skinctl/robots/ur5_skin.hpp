@@ -100,9 +100,9 @@ struct SkinType<M, T, Cells, std::index_sequence<Ix...>> {
 };
 }  // namespace detail
 
-/// One patch per link, as a tuple; ids count from 1. Up to 383 cells have TUM's size (pitch 27.8 mm). Most of
-/// 1260 cells have 0.53 to 0.61 of it, most of 10 000 have 0.20 to 0.22 (pitch 5.5 mm), in one layer.
-/// `largest_cell(surface<Ix>(), skin_cells<Cells>[Ix])` gives the exact size.
+/// The patches of a skin for a UR5, one per link, as a tuple; ids count from 1. Up to 383 cells have TUM's
+/// size (pitch 27.8 mm). Most of 1260 cells have 0.53 to 0.61 of it, most of 10 000 have 0.20 to 0.22
+/// (pitch 5.5 mm), in one layer. `largest_cell(surface<Ix>(), skin_cells<Cells>[Ix])` gives the exact size.
 /// @param gains  gains of each link's cells: lower ones where the skin has a long lever keep the contact
 ///               calm.
 template <std::size_t Cells>

@@ -75,7 +75,7 @@ consteval PartsFault fault_of_parts() {
         Robot, Skin, decltype(std::tuple_cat(std::declval<Parts>(), std::declval<std::tuple<Given...>>()))>();
   }
 }
-/// What the law and the limits of a scene see of its touch in a cycle.
+/// The touch of a cycle, as the law and the limits of a scene see it.
 template <class Skin, class Pressed>
 struct Seen {
   static constexpr bool finds_contacts = TouchTable<Skin>::finds_contacts;

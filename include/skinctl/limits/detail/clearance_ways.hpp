@@ -26,7 +26,7 @@ class ClearanceWays {
   static constexpr double reaction = 0.02;         ///< time before a pair brakes, of a step that slides [s]
   static constexpr double weakest_braking = 1e-3;  ///< deceleration of a pair that no joint moves [m/s^2]
   static constexpr double square_of_none = 1e-8;   ///< squared gradient of a pair that no joint moves [m^2]
-  static constexpr double inner_share = 0.25;      ///< share of the margin kept to obstacles while braking
+  static constexpr double inner_share = 0.25;      ///< part of the margin that is kept while the robot brakes
 
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
   [[nodiscard]] const T& distance(std::size_t k) const noexcept { return distance_[k]; }

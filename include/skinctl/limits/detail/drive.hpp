@@ -24,7 +24,7 @@ class Drive {
   const JointLimits<N, T>& limits;
   const State<N, T>& measured;
   T ahead;                 ///< time of the prediction [s]
-  MassMatrix<N, T> mass;   ///< of all joints, with their motors
+  MassMatrix<N, T> mass;   ///< mass matrix of all joints, with their motors
   JointTorque<N, T> bias;  ///< C dq + G of all joints
   Torque asked;            ///< wished torque of the joints of `Set`, within its limits [N m]
 

@@ -13,7 +13,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// One joint, its limits of velocity, acceleration and jerk, and its room: how `JerkLimits` moves it.
+/// One joint with its limits of velocity, acceleration and jerk, and its room, as `JerkLimits` moves it.
 template <Real T>
 struct JerkJoint {
   using Moved = detail::Moved<T>;

@@ -14,7 +14,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a governor reads beside the command.
+/// The input of a governor beside the command.
 template <std::size_t N, Real T>
 struct GovernorInput {
   const JointCommand<N, T>& last;  ///< the command that left last
@@ -120,7 +120,7 @@ class LimitsOfScene {
     return element<place<Kind>>(m.limits);
   }
 
-  /// What decides how the joints of the group `K` move: `Abrupt`, or limits of jerk.
+  /// The mover of the group `K`, which decides how its joints move: `Abrupt`, or limits of jerk.
   template <std::size_t K>
   [[nodiscard]] SKINCTL_INLINE const auto& mover_of() const noexcept {
     return std::get<K>(motions_).mover();

@@ -42,8 +42,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
                   : Needs{.angles = has_tank, .mass = has_tank};
   using Mass =
       std::conditional_t<has_virtual, VirtualMass<joints, T, Tool, Stiff, carries_bias>, RealMass<joints, T>>;
-  /// The input of a law: the state of stiff and driven joints, and the quantities that law and integrator
-  /// need of it.
+  /// The input of a law: the state of all joints, and the quantities that law and integrator need of it.
   template <class L, class Touch = NoTouch>
   using Knows = Quantities<M, L::needs | passivity_needs, T, Touch, Mass>;
 
@@ -75,7 +74,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
   using Torque = typename Base::Torque;
   using StiffTorque = typename Base::StiffTorque;
 
-  /// The law's part and the velocity after a sub-step; elements of driven joints are zero.
+  /// The law's part and the velocity after a sub-step; elements of joints by torque are zero.
   template <class L>
   struct Moved {
     /// Built in place. (GCC would first zero an aggregate, then write it.)
@@ -267,7 +266,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
       out.torque = passive + share * (out.torque - passive);
     }
     if constexpr (has_driven) {
-      // The recoil of the driven joints is a port as a contact is.
+      // The recoil of the joints by torque is a port as a contact is.
       Torque recoil =
           coriolis_torque(model_, known.angles(), v) - coriolis_torque(model_, known.angles(), known.dq());
       for (const std::size_t i : Stiff::index)

@@ -92,12 +92,12 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   }
   [[nodiscard]] Nanoseconds period() const noexcept { return period_; }
   [[nodiscard]] Nanoseconds longest_interval() const noexcept { return longest_interval_; }
-  /// Virtual inertia and friction of the stiff joints; of the driven ones added friction, and their motors.
+  /// Virtual inertia and friction of the stiff joints; added friction and motors of the joints by torque.
   [[nodiscard]] const VirtualDynamics<joints, T>& shape() const noexcept { return shape_; }
-  /// Delay and lag of the driven joints, the longest of their groups.
+  /// Delay and lag of the joints by torque, the longest of their groups.
   [[nodiscard]] Nanoseconds driven_delay() const noexcept { return driven_delay_; }
   [[nodiscard]] Nanoseconds driven_lag() const noexcept { return driven_lag_; }
-  /// The configuration that a guard of the driven joints reads; `limits` are theirs.
+  /// The configuration that a guard of the joints by torque reads; `limits` are theirs.
   [[nodiscard]] RobotConfiguration<Driven::count, T> for_guard(
       const JointLimits<Driven::count, T>& limits) const {
     return {.limits = limits,
@@ -152,13 +152,13 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
                       shape_.damping};
   }
 
-  /// The mass matrix of the links, and of the motors of the driven joints.
+  /// The mass matrix of the links, and of the motors of the joints by torque.
   [[nodiscard]] SKINCTL_INLINE MassMatrix<joints, T> real_mass(const Position& q) const noexcept {
     MassMatrix<joints, T> m = mass_matrix(model_, q);
     for (const std::size_t i : Driven::index) m(i, i) = m(i, i) + shape_.inertia[i];
     return m;
   }
-  /// The friction added to the driven joints, and the torque that brakes them, friction included [N m].
+  /// The friction added to the joints by torque, and the torque that brakes them, friction included [N m].
   struct Resistance {
     DrivenTorque friction, brakes;
   };
@@ -173,7 +173,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
     }
     return out;
   }
-  /// Braking of the driven joints where no law is asked, over the hardest damping that does not shake them,
+  /// Braking of joints by torque where no law is asked, over the hardest damping that does not shake them,
   /// `M dq / D`: that of the default gain of tracking by torque.
   static constexpr double brake_share = 0.3;
   /// The virtual robot's torque within its limits, along the motion that `tau` asks for; with Coriolis
@@ -182,7 +182,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
     const Torque hold = stiff_only(bias_torque(model_, JointAngles<M, T>(model_, now.q), now.dq));
     return limits_.along(tau, hold, stiff_only(now.dq));
   }
-  /// `whole` with zeros for the driven joints.
+  /// `whole` with zeros for the joints by torque.
   template <class V>
   [[nodiscard]] static SKINCTL_INLINE V stiff_only(const V& whole) noexcept {
     if constexpr (Stiff::is_all) {
@@ -203,7 +203,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
       if (change != nullptr) return led_by(total_of(touch), share, *change);
     return total_of(touch);
   }
-  /// The touch, ahead, that the law of the driven joints gets at the end of a cycle of `dt` seconds.
+  /// The touch, ahead, that the law of the joints by torque gets at the end of a cycle of `dt` seconds.
   template <class Touch>
   [[nodiscard]] SKINCTL_INLINE LawTouch<Touch> ahead_of_driven(
       const Touch& touch, [[maybe_unused]] std::span<const LawTouch<Touch>> changes,
@@ -234,7 +234,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   [[no_unique_address]] std::conditional_t<has_virtual, VirtualDynamics<Stiff::count, T>, NoShape>
       stiff_shape_;
   Nanoseconds period_{}, substep_{}, longest_interval_{};
-  Nanoseconds stale_after_{};  ///< age of a measurement by which the driven joints are no longer controlled
+  Nanoseconds stale_after_{};  ///< age of a measurement at which joints by torque are no longer controlled
   T torque_rate_ = T(50);      ///< rate of the stiff joints' own torque [torque limits per second]
   T driven_torque_rate_ = T(50);
   Nanoseconds driven_delay_{}, driven_lag_{};

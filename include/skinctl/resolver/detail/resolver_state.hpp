@@ -34,7 +34,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
 
   /// The memory of a robot that starts at `measured`. Virtual joints take over at the positions of the real
   /// ones, and with their velocities where these are above `RobotConfiguration::resting_speed`; gravity of
-  /// the driven ones is compensated. The law's memory then starts at `state(memory)`. A state that is not
+  /// those by torque is compensated. The law's memory then starts at `state(memory)`. A state that is not
   /// finite gives a memory that has not been started.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept {
     Memory m;
@@ -61,7 +61,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     return m.started ? take_over(m, measured) : m;
   }
 
-  /// The state that laws read: the virtual one of the stiff joints, the measured one of the driven ones.
+  /// The state that laws read: the virtual one of the stiff joints, the measured one of those by torque.
   [[nodiscard]] SKINCTL_INLINE State<joints, T> state(const Memory& m) const noexcept {
     if constexpr (one_group) {
       return {m.time, m.group().q.value, m.group().v};
@@ -113,7 +113,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     if (!m.base.seen) return {};
     return base_torque(model_.at_rest(), now.q, now.dq, m.base.now);
   }
-  /// The torque that holds the driven joints without a law, within their limits: gravity, and what brakes;
+  /// The torque that holds the joints by torque without a law, within their limits: gravity, and what brakes;
   /// zero for the others.
   [[nodiscard]] JointTorque<joints, T> held([[maybe_unused]] const Memory& m,
                                             const State<joints, T>& robot) const noexcept {
@@ -150,7 +150,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     each([&](auto k) { m.template group<k.value>().seen = false; });
   }
   /// The robot's deviation from its commands: the measured position less that which they should have brought,
-  /// r + g [rad]; zero for the driven joints.
+  /// r + g [rad]; zero for the joints by torque.
   [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> off(const Memory& m) noexcept {
     JointPosition<joints, T> out;
     each([&](auto k) {
@@ -159,7 +159,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     });
     return out;
   }
-  /// The gap g that was taken off the measured positions [rad]; zero for the driven joints.
+  /// The gap g that was taken off the measured positions [rad]; zero for the joints by torque.
   [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> gap(const Memory& m) noexcept {
     JointPosition<joints, T> out;
     each([&](auto k) { Part<k.value>::put(m.template group<k.value>().gap, out); });
@@ -258,7 +258,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
         Part<k.value>::put(Part<k.value>::of(takes), torque);
     });
   }
-  /// Composes the command of all groups, with `torque` for the driven joints.
+  /// Composes the command of all groups, with `torque` for the joints by torque.
   SKINCTL_INLINE void compose(Memory& m, const Torque& torque) const noexcept {
     if constexpr (!one_group) {
       auto& all = m.whole.command;

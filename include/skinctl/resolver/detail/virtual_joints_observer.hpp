@@ -33,7 +33,7 @@ class VirtualJointsObserver {
     Leash<N, T> leash;
     struct ByVelocity {
       Velocity least, most;  ///< speeds from which joints stop before their ends [rad/s]
-      Leash<N, T> ends;      ///< rest points of q^ with which they do, while the present speed is held on
+      Leash<N, T> ends;      ///< rest points of q^ with which they do so, while the present speed goes on
       Velocity drift;        ///< velocity of q^ towards the measured position, without motion [rad/s]
     };
     struct ByPosition {};
@@ -81,7 +81,7 @@ class VirtualJointsObserver {
     if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
     return status;
   }
-  /// Who moves away pays: where the robot went beyond B0 away from its commands, what it moved by itself is a
+  /// Books the gap: where the robot went beyond B0 away from its commands, what it moved by itself is a
   /// gap and no obstacle. All else is owed by the commands, and the leash takes it back.
   ///
   /// With e, the distance to the nearest place between its command and where it is due: while |e| < B0/2 the
