@@ -13,7 +13,7 @@ struct RetreatSettings {
   double far = 0.2;     ///< distance at which a retreat begins [m], > near; in between, speeds are linear
   double rate = 4;      ///< rate at which all other pairs may close: `rate (distance - margin)` at most [1/s]
   double max_speed = 1.5;    ///< largest speed of a joint [rad/s]
-  double softness = 0.1;     ///< lever arm at which a joint gives half of the speed [m]
+  double softness = 0.1;     ///< lever arm of the joints at which half of a speed is reached [m]
   double return_rate = 0.3;  ///< largest speed of a joint towards the posture [rad/s]
 };
 
@@ -24,7 +24,7 @@ struct RetreatSettings {
 ///
 /// g_k the gradient of the distance d_k, `b_k = speed (far - d_k) / (far - near)`, at most `speed`, for an
 /// obstacle that approaches, `b_k = -rate (d_k - margin)` for all other pairs, dq_p slowly back to a posture,
-/// so that the robot does not fold while it is chased. What cannot be had at once is a compromise, in which
+/// so that the robot does not fold while it retreats. What cannot be had at once is a compromise, in which
 /// the robot's own pairs weigh most. A push of the cells, by contrast, gives a link the speed that its mass
 /// and the number of cells that see allow.
 ///

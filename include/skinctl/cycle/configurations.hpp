@@ -113,7 +113,7 @@ class Configurations {
   using Sensed = typename C::Sensed;
   using Added = typename C::Added;
   using Input = ConfiguredInput<typename Scene::Input>;
-  using Output = typename Scene::Output;  ///< output whose last share is the torque that is ramped out
+  using Output = typename Scene::Output;  ///< output; the last of `shares` is the torque that is ramped out
   struct Memory : Scene::Memory {
     std::uint32_t configuration;  ///< index of the active configuration
   };

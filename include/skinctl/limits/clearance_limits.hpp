@@ -14,8 +14,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Keeps the pairs of a `Clearance` at their distances: a limit of speed in a governor, so it holds whatever
-/// a law wants and an energy tank has.
+/// Keeps the pairs of a `Clearance` at least its margin apart: a limit of speed in a governor, so it holds
+/// whatever a law wants and an energy tank has.
 ///
 /// A velocity is kept only if the robot can stop from it with all clearances above the margin, either along
 /// the way on which all joints brake alike, at the rate of the weakest, if they stop before their ends, or
@@ -35,7 +35,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// Where the two are nearer already, only coming nearer is refused.
 ///
 /// **A robot that does not follow**, because something holds or pushes it, stands off its commands
-/// (`stand_off`). The same holds for both positions then; a tenth of the margin is ignored.
+/// (`stand_off`). Then the same holds for both positions; deviations up to a tenth of the margin are ignored.
 template <RobotModel M, Real T = double, std::size_t Around = 0>
 class ClearanceLimits {
  public:
@@ -207,7 +207,7 @@ class ClearanceLimits {
                                             const JointRoom<joints, T>& room) const noexcept {
     return at(seen, q).keeps(u, moved, room);
   }
-  /// The share of `u`, without the part that closes, from which the robot can stop after `time` seconds.
+  /// `u` if the robot can stop after `time` seconds at it; else without what closes, scaled until it can.
   [[nodiscard]] Kept braked(const Memory& seen, const Position& q, const Velocity& u,
                             const T& time) const noexcept {
     if (share(seen, q, u, time) == T(1)) [[likely]]

@@ -43,7 +43,8 @@ inline constexpr bool distinct_links =
 ///
 /// For each of these links, with the commanded joint velocities u:
 /// - **Before a contact.** No point of the link is faster than `v = |v_o| + |w| reach`, v_o of its origin,
-///   and no impact, in any direction, has more energy than the robot: m_n v_n^2 <= e = u'Mu. So no transient
+///   and no impact, in any direction n, has more energy than the robot: m_n v_n^2 <= e = u'Mu. So no
+/// transient
 ///   force exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin detects
 ///   nobody, the speed of separation is allowed if it is higher. With `cells` it is the largest `v_n sqrt(k
 ///   mu)` of the cells that move outwards with v_n, mu reduced from the mass felt at the cell, `1/(u'J M^-1

@@ -26,8 +26,8 @@ class GuardReach {
   static SKINCTL_INLINE T slack() noexcept { return T(1) + T(1024) * std::numeric_limits<T>::epsilon(); }
 
   /// Distances that a command leaves: of a position to the limits and to its largest distance from the
-  /// measured one; of a velocity from the measured position to the limits, less the way at the measured speed
-  /// in the longest interval.
+  /// measured one; of a velocity from the measured position to the limits, and to one that the robot is
+  /// leaving more, by the way at the measured speed in the longest interval.
   SKINCTL_INLINE JointRoom<N, T> room(const State<N, T>& measured,
                                       const JointPosition<N, T>& command) const noexcept {
     using R = Row<N, T>;

@@ -41,7 +41,7 @@ class ClearanceWays {
                            const JointRoom<joints, T>& room) const noexcept {
     return (keeps_alike(u, moved, room) || keeps_alone(u, moved)) && stays_apart(u, moved);
   }
-  /// Whether the robot can stop so if all joints brake alike; without obstacles that stand.
+  /// Whether the robot can stop so if all joints brake alike, `stays_apart` not asked.
   [[nodiscard]] bool keeps_alike(const Velocity& u, const Position& moved,
                                  const JointRoom<joints, T>& room) const noexcept {
     const T longest = of_.time_to_rest(u);
@@ -50,7 +50,8 @@ class ClearanceWays {
       if (moved[i] + way[i] > room.above[i] || -(moved[i] + way[i]) > room.below[i]) return false;
     return clear_along(moved, longest, [&](const T& part) { return part * way; });
   }
-  /// Whether the robot can stop so if each joint brakes as fast as it can, whatever its room.
+  /// Whether the robot can stop so if each joint brakes as fast as it can, whatever its room, `stays_apart`
+  /// not asked.
   [[nodiscard]] bool keeps_alone(const Velocity& u, const Position& moved) const noexcept {
     const T longest = of_.time_to_rest(u);
     return clear_along(moved, longest, [&](const T& part) {
