@@ -43,8 +43,8 @@ SKINCTL_COLD void check(const ContactEnvironment<T>& e) {
 ///
 ///     g(s) = w_f n'J (M s^2 + B s)^-1 J'n (1 + T_lead s) exp(-s t_skin) H
 ///
-/// with H the robot as cycles see it, delay, lag, hold and samples, and T_lead the force lead
-/// (`detail::ContactPath`). M and B are the configured inertia and friction, of joints and of the tool
+/// with H the robot as cycles see it, delay, lag, hold and samples, T_lead the force lead, and t_skin the age
+/// of a push (`detail::ContactPath`). M and B are the configured inertia and friction, of joints and the tool
 /// (`Tool`, as in the resolver). A contact of stiffness k before a wall is stable up to where `k g`
 /// passes -1; before a free body of mass m, up to where `1/k + 1/(m s^2) + g` passes 0: a light body gives
 /// way with the robot. Simulated over predicted stiffness of a wall: within 2 %. A contact is given by its

@@ -20,8 +20,8 @@ class ContactPicture {
   static constexpr std::size_t max_cells = 8192, most = 64;
 
   /// @param skin     cells on the links whose places `find` is told.
-  /// @param newtons  force at which a cell's readings add up to 1 [N]. Throws `ConfigurationError` for more
-  /// than 8192 cells, or another number of ids.
+  /// @param newtons  force at which a cell's readings add up to 1 [N].
+  /// Throws `ConfigurationError` for more than 8192 cells, or another number of ids.
   ContactPicture(const PressedCells& skin, double newtons)
       : finder_(skin.places, CellGraph(skin.places)),
         newtons_(newtons),

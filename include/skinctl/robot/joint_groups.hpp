@@ -212,8 +212,8 @@ class GroupsDescription<M, T, std::tuple<Groups...>, Parts...> {
     const Nanoseconds late = first_stiff().longest() / max_substeps;
     return Sets::Stiff::count > 0 && late > dt() ? late : dt();
   }
-  /// D of the slowest loop, see `RobotDescription::loop_delay`: delay, lag and 1.5 periods of joints by
-  /// torque.
+  /// The delay D of the slowest loop, see `RobotDescription::loop_delay`: delay, lag and 1.5 periods of
+  /// joints by torque.
   [[nodiscard]] Nanoseconds loop_delay() const noexcept {
     Nanoseconds longest = longest_dt();
     each([&]<class G>(const G& g) {

@@ -90,13 +90,13 @@ struct RobotConfiguration {
   [[nodiscard]] constexpr Nanoseconds longest() const noexcept {
     return longest_interval.value_or(5 * period);
   }
-  /// Age of the last good measurement at which the robot brakes: `stale_after`, or five times T, 10 s at
-  /// most.
+  /// Age of the last good measurement at which the robot brakes: `stale_after`, or five times
+  /// `total_delay()`, 10 s at most.
   [[nodiscard]] constexpr Nanoseconds stale() const noexcept {
     const Nanoseconds usual = 5 * total_delay();
     return stale_after.value_or(usual < Nanoseconds(10s) ? usual : Nanoseconds(10s));
   }
-  /// Time by which a robot may be behind its commands: T, and what is borne beyond it.
+  /// Time by which a robot may be behind its commands: `total_delay()` and the undeclared lag that is borne.
   [[nodiscard]] constexpr Nanoseconds latest() const noexcept { return total_delay() + undeclared_lag; }
   /// A d (tau + d/2) [rad] with d = delay + period and the lag tau: by what a command that starts or stops at
   /// its acceleration limit is ahead of a robot that its speed does not show yet.

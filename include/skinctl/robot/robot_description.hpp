@@ -247,7 +247,7 @@ template <std::size_t N, Real T>
 struct LawTerms {
   Nanoseconds dt;                          ///< longest time between two evaluations, in late cycles too
   VirtualDynamics<N, T> virtual_dynamics;  ///< dynamics of the virtual robot, or of the robot by torque
-  Nanoseconds loop_delay = dt;             ///< D: see `RobotDescription::loop_delay`
+  Nanoseconds loop_delay = dt;             ///< D: mean time from a state that a law reads until it acts
   T mass_ratio = T(1);    ///< largest factor by which the robot of another configuration is lighter
   T gravity_rate = T(0);  ///< rate of the gravity by which configurations differ, see `gravity_rate` [1/s^2]
 };

@@ -17,9 +17,9 @@ namespace detail {
 ///
 ///     H = exp(-s (T_d + m)) (1 - e^(-m/tau) + e^(-m/tau) (1 - e^(-dt/tau)) / (exp(s dt) - e^(-dt/tau)))
 ///
-/// Commands are held; behind delay and lag they wait for the cycle that sees them, m, up to a period. A
-/// command that arrives together with a cycle may just have missed it: with a delay of whole periods m is a
-/// period.
+/// with the declared delay T_d, the lag tau and the period dt. Commands are held; behind delay and lag they
+/// wait for the cycle that sees them, m, up to a period. A command that arrives together with a cycle may
+/// just have missed it: with a delay of whole periods m is a period.
 template <Real T>
 class ContactPath {
  public:
