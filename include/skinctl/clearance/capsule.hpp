@@ -18,8 +18,8 @@ struct Capsule {
   T radius = T(0);
 };
 
-/// A capsule fixed to a link, along its axes from its origin; with `link` = `fixed`, one of the world along
-/// the base's axes: a table, a fixture.
+/// A capsule fixed to a link, along its axes from its origin; with `link` = `fixed`, one that stands still,
+/// along the base's axes: a table, a fixture.
 struct LinkCapsule {
   static constexpr std::size_t fixed = ~std::size_t(0);
   std::size_t link = fixed;
@@ -40,9 +40,9 @@ struct CapsuleDistance {
   T distance;
   Xyz<T> a, b;
 };
-/// Of a segment's points the nearest ones, also for segments that are points or parallel, to within 8 units
-/// in the last place of the largest coordinate, for lengths whose fourth power is a number. NaN in gives a
-/// distance that is not `> x` for any x.
+/// The distance of two capsules, and the nearest points of their segments, also for segments that are points
+/// or parallel, to within 8 units in the last place of the largest coordinate, for lengths whose fourth power
+/// is a number. NaN in gives a distance that is not `> x` for any x.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE CapsuleDistance<T> distance(const Capsule<T>& a, const Capsule<T>& b) noexcept {
   using std::sqrt;

@@ -10,7 +10,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Two capsules, by their numbers, that must not touch.
+/// Two capsules that must not touch, by their indices in `Clearance::capsules`.
 struct CapsulePair {
   std::size_t a = 0, b = 0;
 };
@@ -32,9 +32,9 @@ struct Clearance {
 template <std::size_t Most>
 struct ClearanceAround {
   using Kind = Clearance;
-  Clearance own;  ///< among the robot's links and what is fixed
+  Clearance own;  ///< capsules of links and of fixed objects, and their pairs
   std::vector<std::size_t>
-      exposed;  ///< the capsules of `own`, by their numbers, that obstacles must not meet
+      exposed;  ///< the capsules of `own`, by their indices, that obstacles must not meet
   /// Time from a command until the robot is where it says, and from a change of the world until the input has
   /// it.
   Nanoseconds late = 20ms;
@@ -68,8 +68,8 @@ class Clearances {
       pairs_.push_back({a.link, b.link, path(a.link) ^ path(b.link), converted(a.shape), converted(b.shape)});
     }
   }
-  /// With the capsules of `given` that obstacles must not meet. Throws also for more than 12 of them, for one
-  /// that is not of the list, and for one that is fixed.
+  /// Also with the distances from obstacles of the capsules `exposed`, by their indices in `given`. Throws
+  /// also for more than 12 of them, for one that is not of the list, and for one that is fixed.
   SKINCTL_COLD Clearances(const M& model, const Clearance& given, const std::vector<std::size_t>& exposed)
       : Clearances(model, given) {
     require(exposed.size() <= max_exposed, "ClearanceAround: exposed capsules", double(exposed.size()),
@@ -85,7 +85,7 @@ class Clearances {
   [[nodiscard]] const M& model() const noexcept { return model_; }
   /// The number of the robot's own pairs.
   [[nodiscard]] std::size_t size() const noexcept { return pairs_.size(); }
-  /// That of all pairs beside the obstacles `near`.
+  /// The number of all pairs, those of exposed capsules with the obstacles `near` included.
   [[nodiscard]] std::size_t size(const Near& near) const noexcept {
     return pairs_.size() + exposed_.size() * count(near);
   }
@@ -202,7 +202,7 @@ class Clearances {
     LinkMask between;
     Capsule<T> shape;
   };
-  /// The velocity of a point fixed to a link, `at` its origin, per velocity of joint `j`.
+  /// The velocity of a point fixed to a link, at `at` from the link's origin, per velocity of joint `j`.
   [[nodiscard]] static SKINCTL_INLINE Xyz<T> moved(const Columns& c, std::size_t j,
                                                    const Xyz<T>& at) noexcept {
     return c.linear[j] + cross(c.angular[j], at);

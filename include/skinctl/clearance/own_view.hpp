@@ -16,7 +16,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Range and cone of a cell's proximity sensor, and its curve: `1 - distance/range` or less.
 struct CellView {
-  double range = 0.2;      ///< [m]
+  double range = 0.2;      ///< largest distance that a cell sees [m]
   double half_angle = 25;  ///< half opening angle of the cell's cone [degrees]
   double error = 0.01;     ///< error of capsules and places of cells [m]
   double band = 0.1;       ///< readings fade in from the prediction to this much above it
@@ -59,8 +59,8 @@ class OwnView {
   [[nodiscard]] std::size_t size() const noexcept { return cells_.size(); }
   [[nodiscard]] const CellView& view() const noexcept { return view_; }
 
-  /// The readings that the cells may have at `q` of what is known, in counts: 0 for a cell that sees none of
-  /// it.
+  /// Writes the largest readings that the cells may have of known capsules at `q`, 0 to 65535; 0 for a cell
+  /// that sees none of them.
   SKINCTL_NOINLINE void look(const JointPosition<joints, T>& q, std::span<std::uint16_t> own) const noexcept {
     SKINCTL_EXPECTS(own.size() >= size(), "room for each cell");
     const Poses<M, all_links(joints), T> poses(model_, q);
@@ -92,7 +92,7 @@ class OwnView {
     }
   }
 
-  /// The part of a reading that is not the robot's own.
+  /// The part of a reading that known capsules do not explain, by their prediction `own` from `look`.
   [[nodiscard]] SKINCTL_INLINE std::uint16_t foreign(std::uint16_t reading,
                                                      std::uint16_t own) const noexcept {
     if (own == 0) return reading;

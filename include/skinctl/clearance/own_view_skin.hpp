@@ -11,8 +11,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The skin `S` whose proximity readings are those of what is foreign: see `OwnView`. For a `Cycle` in place
-/// of `S`; of a skin with contacts it is made as `OwnViewSkin(ContactSkin(skin), view)`.
+/// The skin `S` whose proximity does not count the robot itself and known objects: see `OwnView`. For a
+/// `Cycle` in place of `S`; of a skin with contacts it is made as `OwnViewSkin(ContactSkin(skin), view)`.
 ///
 /// The prediction follows the measured joints, also for a cell that is silent because its reading is
 /// constant.
@@ -28,7 +28,7 @@ class OwnViewSkin : public WrappedTouch<OwnViewSkin<S, M>, S, NoSensors> {  // t
   /// copyable.
   struct Memory : S::Memory {
     typename Joints::Memory joints;
-    Nanoseconds late{0};  ///< age of the newest sample's stamp behind the measured state
+    Nanoseconds late{0};  ///< time from the newest sample's stamp to that of the measured state
     std::array<CellCounts, S::cells> raw{};
     std::array<std::uint16_t, S::cells> own{};
   };
@@ -40,8 +40,8 @@ class OwnViewSkin : public WrappedTouch<OwnViewSkin<S, M>, S, NoSensors> {  // t
   }
   [[nodiscard]] const OwnView<M, scalar>& view() const noexcept { return view_; }
 
-  /// See `S::receive`; the prediction is made for where the robot was at the stamp of the newest sample, up
-  /// to 16 states before `measured`; without a sample, for as long ago as last time.
+  /// Takes samples: see `S::receive`. The prediction is made for where the robot was at the stamp of the
+  /// newest sample, up to 16 states before `measured`; without a sample, for as long ago as last time.
   template <class Given, class Means>
   Status take(Memory& memory, const Given& in, Means* means) const noexcept {
     const State<M::joints, scalar>& measured = in.measured;

@@ -13,7 +13,7 @@ struct RetreatSettings {
   double far = 0.2;     ///< distance at which a retreat begins [m], > near; in between, speeds are linear
   double rate = 4;      ///< rate at which all other pairs may close: `rate (distance - margin)` at most [1/s]
   double max_speed = 1.5;    ///< largest speed of a joint [rad/s]
-  double softness = 0.1;     ///< a lever that is that short gives half of the speed away [m]
+  double softness = 0.1;     ///< lever arm of the joints at which half of a speed is reached [m]
   double return_rate = 0.3;  ///< largest speed of a joint towards the posture [rad/s]
 };
 
@@ -24,7 +24,7 @@ struct RetreatSettings {
 ///
 /// g_k the gradient of the distance d_k, `b_k = speed (far - d_k) / (far - near)`, at most `speed`, for an
 /// obstacle that approaches, `b_k = -rate (d_k - margin)` for all other pairs, dq_p slowly back to a posture,
-/// so that the robot does not fold while it is driven. What cannot be had at once is a compromise, in which
+/// so that the robot does not fold while it retreats. What cannot be had at once is a compromise, in which
 /// the robot's own pairs weigh most. A push of the cells, by contrast, gives a link the speed that its mass
 /// and the number of cells that see allow.
 ///
@@ -58,8 +58,8 @@ class Retreat {
   }
   [[nodiscard]] const RetreatSettings& settings() const noexcept { return s_; }
 
-  /// For a robot at `q` beside `near` that would rather move with `wish`, beside the way to its posture. Zero
-  /// for what is no number.
+  /// The joint velocities of a robot at `q` beside the obstacles `near` [rad/s]; `wish` is added to the way
+  /// back to its posture. Zero if a number is not finite.
   [[nodiscard]] SKINCTL_NOINLINE Velocity operator()(const Position& q, const Near& near,
                                                      Others others = Others::stay,
                                                      const Velocity& wish = {}) const noexcept {

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The model by which readings of proximity become obstacles.
 struct SightSettings {
-  double range = 0.2;         ///< a reading is `1 - distance/range`, or less [m]
+  double range = 0.2;         ///< range of a cell, whose reading is `1 - distance/range` or less [m]
   double half_angle = 25;     ///< half opening angle of a cell's cone [degrees], < 80
   double error = 0.01;        ///< error of a distance, noise included [m]: an obstacle may be nearer by it
   double radius = 0.04;       ///< radius of the ball that is assumed where a cell sees something [m]
@@ -21,8 +21,8 @@ struct SightSettings {
 };
 
 /// Turns readings of proximity into obstacles for `ClearanceAround`: a ball of `radius` whose surface is at
-/// the read distance along the cell's normal, less `error`. The strongest readings that the room in
-/// `Surroundings` allows.
+/// the read distance along the cell's normal, less `error`. The strongest readings become obstacles, as many
+/// as `Surroundings` has room for.
 ///
 /// What is known already is no sighting: a reading that one of the obstacles in `out` explains, because it is
 /// in the cell's cone and no farther than read. What a cell sees of its own robot is taken out by

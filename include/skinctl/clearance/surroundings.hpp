@@ -33,7 +33,7 @@ struct Obstacle {
   // clang-format on
 };
 
-/// Capsules of a robot that stay clear of obstacles, and that it tells others, at most.
+/// Largest number of a robot's capsules that stay clear of obstacles, and that it tells others.
 inline constexpr std::size_t max_exposed_capsules = 12;
 
 /// At most `Most` obstacles at an instant: those that a robot sees (`Input::around` of a scene with a
@@ -46,12 +46,12 @@ struct Surroundings {
   std::uint32_t count = 0;  ///< number of obstacles; above `Most` some are unknown: nothing may come nearer
   std::array<Obstacle<F, T>, Most> obstacles{};
 
-  /// One more; without room it is counted only.
+  /// Adds an obstacle; without room it is only counted.
   void add(const Obstacle<F, T>& o) noexcept {
     if (count < Most) obstacles[count] = o;
     ++count;
   }
-  /// All of `others`, which are in the frame `G`.
+  /// Adds all of `others`, which are in the frame `G`.
   template <std::size_t Others, Frame G>
   void add(const Transform<F, G, T>& X_FG, const Surroundings<Others, G, T>& others) noexcept {
     for (std::size_t i = 0; i < others.count && i < Others; ++i) add(X_FG * others.obstacles[i]);

@@ -55,19 +55,19 @@ class Apart {
   /// The scene itself, to read its parts: what is called there is compiled where it is called.
   [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
 
-  /// See `Cycle::start`.
+  /// The memory with which the scene takes over: see `Cycle::start`.
   [[nodiscard]] Memory start(const State<joints, scalar>& measured) const noexcept;
   void start(Memory& m, const State<joints, scalar>& measured) const noexcept;
   void start(Memory& m, const State<joints, scalar>& measured,
              const JointPosition<joints, scalar>& told) const noexcept
     requires detail::StartsTold<Scene>;
 
-  /// See `Cycle::operator()`.
+  /// One cycle as a function: see `Cycle::operator()`.
   [[nodiscard]] std::pair<Output, Memory> operator()(const Memory& memory, const Input& input) const noexcept;
-  /// See `Cycle::step`.
+  /// One cycle in place: see `Cycle::step`.
   Output step(Memory& m, const Input& input) const noexcept;
   Output step(Memory& m, const Input& input, Stopwatch& watch) const noexcept;
-  /// See `Cycle::warm`.
+  /// Brings the next step into the caches: see `Cycle::warm`.
   void warm(Memory& scratch, const Memory& memory, const Input& input, Nanoseconds after,
             Stopwatch& watch) const noexcept;
 

@@ -113,20 +113,21 @@ class Configurations {
   using Sensed = typename C::Sensed;
   using Added = typename C::Added;
   using Input = ConfiguredInput<typename Scene::Input>;
-  using Output = typename Scene::Output;  ///< the last share is the difference that is ramped out
+  using Output = typename Scene::Output;  ///< output; the last of `shares` is the torque that is ramped out
   struct Memory : Scene::Memory {
-    std::uint32_t configuration;  ///< index of the active one
+    std::uint32_t configuration;  ///< index of the active configuration
   };
 
-  /// Number 0, which is active first, and the others. Throws `ConfigurationError` with both numbers where
-  /// they differ in limits, period, longest interval, delay, lag or Coulomb friction, where a skin's cells
-  /// are not the same, and by torque where the gains of a tracking law are too large for a robot as light as
-  /// another configuration says, or too small for its gravity: see `mass_ratio`, `gravity_rate` and
-  /// `tracking_settings(robot, lightest)`.
+  /// Configuration 0, which is active first, and the others. Throws `ConfigurationError` with both numbers
+  /// where they differ in limits, period, longest interval, delay, lag or Coulomb friction, where a skin's
+  /// cells are not the same, and by torque where the gains of a tracking law are too large for a robot as
+  /// light as another configuration says, or too small for its gravity: see `mass_ratio`, `gravity_rate`
+  /// and `tracking_settings(robot, lightest)`.
   template <std::same_as<C>... Others>
   explicit Configurations(const C& first, const Others&... others)
       : Configurations(Ramp<scalar>(), first, others...) {}
-  /// With another T_h than 100 ms for the change of torque, `transfer`; otherwise as above.
+  /// Configurations whose difference of torque is ramped out over `transfer` in place of 100 ms; otherwise as
+  /// above.
   template <std::same_as<C>... Others>
   Configurations(const Ramp<scalar>& transfer, const C& first, const Others&... others)
       : scenes_{carrying(transfer, first), carrying(transfer, others)...} {
@@ -135,13 +136,13 @@ class Configurations {
     check_masses({&first, &others...});
   }
 
-  /// The configuration `i` as it is used.
+  /// The scene of configuration `i`, with a law that carries the difference of torque.
   [[nodiscard]] const Scene& operator[](std::size_t i) const noexcept {
     SKINCTL_EXPECTS(i < Count, "a configuration of this scene");
     return scenes_[i];
   }
 
-  /// Number 0 takes over: see `Cycle::start`.
+  /// The memory with which configuration 0 takes over: see `Cycle::start`.
   [[nodiscard]] Memory start(const State<joints, scalar>& measured) const noexcept {
     Memory m{};
     start(m, measured);
@@ -157,7 +158,7 @@ class Configurations {
     result.first = step(result.second, input);
     return result;
   }
-  /// One cycle: see `Cycle::step`.
+  /// One cycle in place, with the configuration that the input names: see `Cycle::step`.
   template <class Watch = NoStopwatch>
   Output step(Memory& m, const Input& input, Watch&& watch = {}) const noexcept {
     if (input.configuration == m.configuration) [[likely]]
@@ -230,7 +231,7 @@ class Configurations {
   std::array<Scene, Count> scenes_;
 };
 
-/// For configurations of different types.
+/// In place of configurations of different types, which are refused.
 template <class... C, std::size_t Count>
 class Configurations<detail::OtherTypes<C...>, Count> {
   static_assert(

@@ -57,7 +57,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
                   "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
     detail::check_holders<Robot, L>();
   }
-  /// With its list of parts.
+  /// A scene with the list `parts`, in the order of their limits.
   template <class Robot>
   Cycle(const Robot& robot, Skin skin, const L& law, const Parts& parts)
       : Loop(Whole{}, robot, std::move(skin), law, parts) {
@@ -65,7 +65,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
                   "gravity nowhere: add GravityControl to the law, or RobotHoldsGravity to the description");
     detail::check_holders<Robot, L>();
   }
-  /// Without skin.
+  /// A scene without skin.
   template <class Robot>
     requires std::is_same_v<Skin, NoSkin>
   Cycle(const Robot& robot, LawArgument<Robot> law)
@@ -75,7 +75,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
     detail::check_holders<Robot, L>();
   }
 
-  /// The same scene with more limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`,
+  /// This scene with more limits of the whole robot (`MaxJerk`, `MaxToolSpeed<link>`,
   /// `LinkContact<link>`, `Clearance`, `ClearanceAround`, `SkinWatch`) or with settings of its guard
   /// (`GuardSettings`). The order and the number of calls make no difference: `.with(a).with(b)` is `.with(a,
   /// b)`. A scene has one part of each kind, of `LinkContact` one for each link. Throws `ConfigurationError`
@@ -105,8 +105,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
       return *this;
     }
   }
-  /// The same scene without its part of a kind, named by its settings (`without<SkinWatch>()`) or by the
-  /// kind.
+  /// This scene without its part of a kind, named by its settings (`without<SkinWatch>()`) or by the kind.
   template <class Kind>
   [[nodiscard]] auto without() const {
     const auto left = detail::without_kind<Kind>(parts_);
@@ -171,7 +170,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
   }
 };
 
-/// For a skin that was given behind the law: the error names its place.
+/// In place of a scene whose skin was given behind the law: the error names its place.
 template <class L, class Skin, class Parts>
 class Cycle<detail::SkinBehindLaw, L, Skin, Parts> {
   static_assert(!std::is_same_v<L, L>, "order: robot, skin, law; the skin stands before the law");
@@ -179,7 +178,7 @@ class Cycle<detail::SkinBehindLaw, L, Skin, Parts> {
  public:
   constexpr Cycle(const auto&...) noexcept {}
 };
-/// For a law of the skin in a scene without one: it would never yield.
+/// In place of a scene without skin whose law is one of the skin: it would never yield.
 template <class L, class Skin, class Parts>
 class Cycle<detail::SkinForgotten, L, Skin, Parts> {
  public:
@@ -187,7 +186,7 @@ class Cycle<detail::SkinForgotten, L, Skin, Parts> {
   constexpr Cycle(const auto&...) = delete;  // the law answers touch, and the scene has no skin: Cycle(robot, skin, law)
   // clang-format on
 };
-/// For a model that was given as the robot: the only constructor is deleted.
+/// In place of a scene with a model for its robot: the only constructor is deleted.
 template <class L, class Skin, class Parts>
 class Cycle<detail::ModelAsRobot, L, Skin, Parts> {
  public:

@@ -47,13 +47,13 @@ struct GoalInput<NoGoal> {};
 /// The input of one cycle. Any bit pattern is allowed in it: unusable values are refused with a reason.
 /// Limits of the scene may add to it, such as `around` of `ClearanceAround`, and laws, such as `gripper` of
 /// skills with a gripper.
-/// @tparam Goal    of the scene's law; without one there is no `goal`.
-/// @tparam Sensed  what the sensors of the scene read besides cells, such as `WristInput`.
+/// @tparam Goal    goal of the scene's law; without one there is no `goal`.
+/// @tparam Sensed  readings of the scene's sensors besides cells, such as `WristInput`.
 template <std::size_t N, Scalar T = double, class Goal = NoGoal, class Sensed = NoSensors>
 struct CycleInput : GoalInput<Goal> {
   Nanoseconds now{};               ///< the robot's clock: the end of the interval that is integrated
   State<N, T> measured;            ///< the newest state, with its own stamp
-  SampleSpan<CellSample> samples;  ///< arrived since the last cycle
+  SampleSpan<CellSample> samples;  ///< readings of cells that arrived since the last cycle
   CycleRequest request = CycleRequest::none;
   Status observed;  ///< faults that the loop found before this cycle: see `TimeBudget`, `PacketWatch`
   [[no_unique_address]] Sensed sensed{};
@@ -70,7 +70,7 @@ concept InputWithSurroundings = requires(const Input& input) { input.around; };
 template <class Input>
 concept InputWithConfiguration = requires(const Input& input) { input.configuration; };
 
-/// No request and no goal, for the next cycle.
+/// Clears request and goal of an input, for the next cycle.
 template <class Input>
 void clear_requests(Input& input) noexcept {
   input.request = CycleRequest::none;

@@ -17,13 +17,13 @@ struct NoSkin {
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
   [[nodiscard]] Memory start(Nanoseconds) const noexcept { return {}; }
-  /// Samples in a scene without skin are of unknown cells.
+  /// `sample_unknown` if there are samples: without a skin they are of unknown cells.
   Status receive(Memory&, std::span<const CellSample> samples, Nanoseconds, Nanoseconds, std::size_t,
                  Wrenches*) const noexcept {
     return samples.empty() ? Status{} : Status{Reason::sample_unknown};
   }
   [[nodiscard]] Wrenches wrenches(const Memory&) const noexcept { return {}; }
-  /// There are no samples.
+  /// The samples since the last call: none.
   std::span<const CellSample> poll() noexcept { return {}; }
 };
 

@@ -51,7 +51,7 @@ template <bool Take, class Part>
     return std::tuple<>();
   }
 }
-/// The limits of a robot that `parts` make, from the place `K` on; each family where its first part stands.
+/// The limits of a robot that `parts` make, from the index `K` on; each family where its first part stands.
 template <std::size_t K = 0, class Robot, class... Parts>
 [[nodiscard]] auto limits_of_parts(const Robot& r, const std::tuple<Parts...>& parts) {
   if constexpr (K == sizeof...(Parts)) {
@@ -83,7 +83,7 @@ template <class Robot, class... Parts>
 template <class Robot, class Parts>
 using GovernorOf = decltype(governor_of(std::declval<const Robot&>(), std::declval<const Parts&>()));
 
-/// What decides how the joints of a scene move: a guard brakes by it.
+/// The limit that decides how the joints of a scene move, or `Abrupt`: a guard brakes by it.
 template <class Governor>
 [[nodiscard]] auto mover_of(const Governor& governor) {
   if constexpr (Governor::smooth) {
@@ -122,8 +122,8 @@ template <class Parts>
 inline constexpr bool each_kind_once = false;
 template <class... Parts>
 inline constexpr bool each_kind_once<std::tuple<Parts...>> = ((count_of_kind<Parts, Parts...> <= 1) && ...);
-/// The place of a part in the list of a scene: that of its limit, and of contacts of several links that of
-/// the link.
+/// The key by which the parts of a scene are ordered: the precedence of the part's limit, and among contacts
+/// of several links the link.
 template <class Robot, class Part>
 [[nodiscard]] consteval std::size_t place_in_list() {
   if constexpr (GivenGuardSettings<Part>) {

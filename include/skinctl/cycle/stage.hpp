@@ -22,7 +22,7 @@ constexpr const char* name(CycleStage stage) noexcept {
   return stage < CycleStage::count ? names[static_cast<std::size_t>(stage)] : "unknown";
 }
 
-/// Measures nothing and costs nothing.
+/// A stopwatch that measures nothing and costs nothing.
 struct NoStopwatch {
   SKINCTL_INLINE void begin() noexcept {}
   SKINCTL_INLINE void end(CycleStage) noexcept {}

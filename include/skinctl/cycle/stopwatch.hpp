@@ -9,7 +9,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Measures each stage with the system's steady clock (some 20 ns a reading; no system call on Linux).
+/// Measures each stage of a cycle with the system's steady clock (some 20 ns a reading; no system call on
+/// Linux).
 class Stopwatch {
  public:
   SKINCTL_INLINE void begin() noexcept { last_ = now(); }
@@ -21,7 +22,7 @@ class Stopwatch {
   [[nodiscard]] Nanoseconds operator[](CycleStage stage) const noexcept {
     return times_[static_cast<std::size_t>(stage)];
   }
-  /// All stages together.
+  /// The time of all stages together.
   [[nodiscard]] Nanoseconds total() const noexcept {
     Nanoseconds sum{};
     for (const Nanoseconds t : times_) sum += t;

@@ -14,7 +14,7 @@ struct Acceleration {
   Xyz<T> linear{T(0), T(0), T(0)};   ///< acceleration of the body's point at the origin of `At` [m/s^2]
   Xyz<T> angular{T(0), T(0), T(0)};  ///< angular acceleration [rad/s^2]
 
-  /// From an Eigen vector of six numbers, linear part first.
+  /// An acceleration from an Eigen vector of six numbers, linear part first.
   template <VectorExpression V>
   [[nodiscard]] SKINCTL_INLINE static Acceleration from_eigen(const V& v) noexcept {
     return detail::from_six<Acceleration, T>(v);

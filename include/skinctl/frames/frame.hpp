@@ -17,8 +17,8 @@ struct FrameTag {};
 template <class F>
 concept Frame = std::is_base_of_v<FrameTag, F> && std::is_empty_v<F> && !std::is_const_v<F>;
 
-struct World : FrameTag {};   ///< inertial; z points up where gravity matters
-struct Base : FrameTag {};    ///< fixed to the robot's foot, before the first joint
+struct World : FrameTag {};   ///< inertial frame; z points up where gravity matters
+struct Base : FrameTag {};    ///< frame fixed to the robot's foot, before the first joint
 struct Flange : FrameTag {};  ///< the robot's mounting face, fixed to its last link
 struct Tool : FrameTag {};    ///< the working point of the tool on the flange
 struct Root : FrameTag {};    ///< the root cell of a skin patch, the reference of its cells' poses

@@ -16,7 +16,7 @@ struct Rotation {
   Xyz<T> y{T(0), T(1), T(0)};
   Xyz<T> z{T(0), T(0), T(1)};
 
-  /// From an Eigen matrix, 3x3; a dynamic one of another size gives NaN. Not checked to be a rotation.
+  /// The rotation of an Eigen matrix, 3x3; a dynamic one of another size gives NaN. Not checked to be one.
   template <VectorExpression E>
   [[nodiscard]] static Rotation from_eigen(const E& R_AB) noexcept {
     static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: R.cast<T>()");
@@ -31,13 +31,13 @@ struct Rotation {
   [[nodiscard]] SKINCTL_INLINE constexpr Rotation transpose() const noexcept {
     return {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
   }
-  /// `R_AB v_B = v_A`. Written per component: Clang fuses multiply-adds only within one expression.
+  /// `v_A = R_AB v_B`. Written per component: Clang fuses multiply-adds only within one expression.
   template <class X, class Y, class Z>
   [[nodiscard]] SKINCTL_INLINE constexpr Xyz<T> operator*(const Triple<X, Y, Z>& v) const noexcept {
     return {T(x.x * v.x + y.x * v.y + z.x * v.z), T(x.y * v.x + y.y * v.y + z.y * v.z),
             T(x.z * v.x + y.z * v.y + z.z * v.z)};
   }
-  /// `R_AB R_BC = R_AC`.
+  /// `R_AC = R_AB R_BC`.
   [[nodiscard]] SKINCTL_INLINE constexpr Rotation operator*(const Rotation& R_BC) const noexcept {
     return {*this * R_BC.x, *this * R_BC.y, *this * R_BC.z};
   }
@@ -58,7 +58,7 @@ struct Rotation {
   // clang-format on
 };
 
-/// `R_AB^T v_A = v_B`.
+/// `v_B = R_AB^T v_A`: the vector in coordinates of B.
 template <class T, class X, class Y, class Z>
 [[nodiscard]] SKINCTL_INLINE constexpr Xyz<T> turn_back(const Rotation<T>& R,
                                                         const Triple<X, Y, Z>& v) noexcept {
@@ -145,7 +145,7 @@ template <Real T>
   const Xyz<T> phi = log_so3(R, near);
   return {phi, inverse_factor(phi)};
 }
-/// Both of `log_so3(R, near)`, by polynomials of the squared tangent of the half angle up to 0.5 rad.
+/// `log_so3(R, near)` and its factor, by polynomials of the half angle's squared tangent up to 0.5 rad.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE LogFactors<T> log_factors(const Rotation<T>& R, const Xyz<T>& near) noexcept {
   if constexpr (math::detail::has_kernel<T>) {
@@ -173,7 +173,7 @@ template <Real T>
 }
 
 namespace detail {
-/// `left_jacobian_inverse_so3` with its factor.
+/// `left_jacobian_inverse_so3` with its factor given.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE Xyz<T> left_jacobian_inverse(const Xyz<T>& phi, const T& factor,
                                                           const Xyz<T>& omega) noexcept {

@@ -16,8 +16,8 @@ struct Symmetric {
   [[nodiscard]] SKINCTL_INLINE constexpr T trace() const noexcept { return xx + yy + zz; }
 };
 
-/// The three eigenvalues in ascending order, by cyclic Jacobi rotations; each to within a few units in the
-/// last place of the largest. A NaN gives NaNs. For configuration time: about 15 square roots.
+/// The three eigenvalues of `S` in ascending order, by cyclic Jacobi rotations; each to within a few units in
+/// the last place of the largest. A NaN gives NaNs. For configuration time: about 15 square roots.
 template <Real T>
 [[nodiscard]] Xyz<T> eigenvalues(Symmetric<T> S) noexcept {
   const auto annihilate = [](T& pp, T& qq, T& pq, T& pr, T& qr) {

@@ -33,7 +33,7 @@ class Transform {
  public:
   using scalar = T;
 
-  /// The two frames coincide.
+  /// The pose of two frames that coincide.
   constexpr Transform() noexcept = default;
 
   /// @param R_AB  axes of B in A; a rotation to within `tolerance<T>`: see `normalised()`. Not checked: a
@@ -45,11 +45,11 @@ class Transform {
                   "a frame has no pose in itself: name two, or go on from X_AB by X_AB.translated(...), "
                   ".rotated_z(...)");
   }
-  /// From Eigen: `R_AB` 3x3 and `p_AB` 3x1 of scalar `T`, with the requirements above.
+  /// A pose from Eigen: `R_AB` 3x3 and `p_AB` 3x1 of scalar `T`; `R_AB` is a rotation, which is not checked.
   template <VectorExpression M, VectorExpression V>
     requires(std::same_as<typename M::Scalar, T> && std::same_as<typename V::Scalar, T>)
   Transform(const M& R_AB, const V& p_AB) noexcept : Transform(Rotation<T>::from_eigen(R_AB), as_xyz(p_AB)) {}
-  /// From an `Eigen::Isometry3<T>`.
+  /// A pose from an `Eigen::Isometry3<T>`.
   template <int Options>
   explicit Transform(const Eigen::Transform<T, 3, 1, Options>& X_AB) noexcept
       : Transform(X_AB.linear(), X_AB.translation()) {}
@@ -70,35 +70,36 @@ class Transform {
   operator X() const = delete;  // to Eigen: as_eigen(X_AB)
   // clang-format on
 
-  /// From numbers that are a rotation only to within measurement or rounding (a file's six digits): the
-  /// nearest rotation. Throws `ConfigurationError` if `rotation_error(R_AB)` exceeds 0.1 or a number is not
-  /// finite.
+  /// The pose with the rotation nearest to `R_AB`, whose numbers are one only to within measurement or
+  /// rounding (a file's six digits). Throws `ConfigurationError` if `rotation_error(R_AB)` exceeds 0.1 or a
+  /// number is not finite.
   [[nodiscard]] static Transform nearest(const Rotation<T>& R_AB, const Xyz<T>& p_AB) {
     require(rotation_error(R_AB) <= T(0.1), "Transform: |R'R - 1|", double(rotation_error(R_AB)), "<= 0.1");
     require(dot(p_AB, p_AB) <= (std::numeric_limits<T>::max)(), "Transform: |p|^2", double(dot(p_AB, p_AB)),
             "finite m^2");
     return Transform(skinctl::normalised(R_AB), p_AB);
   }
-  /// B is A translated by (x, y, z) [m].
+  /// The pose of B that is A translated by (x, y, z) [m].
   [[nodiscard]] SKINCTL_INLINE static constexpr Transform translation_xyz(const T& x, const T& y,
                                                                           const T& z) noexcept {
     return {Rotation<T>{}, {x, y, z}};
   }
-  /// B is A rotated by `angle` [rad] about their common x axis; NaN for an angle that is not finite.
+  /// The pose of B that is A rotated by `angle` [rad] about their common x axis; NaN for an angle that is not
+  /// finite.
   [[nodiscard]] static Transform rotation_x(const T& angle) noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle), l(1), o(0);
     return turned({{l, o, o}, {o, c, s}, {o, -s, c}});
   }
-  /// B is A rotated by `angle` [rad] about their common y axis.
+  /// The pose of B that is A rotated by `angle` [rad] about their common y axis.
   [[nodiscard]] static Transform rotation_y(const T& angle) noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle), l(1), o(0);
     return turned({{c, o, -s}, {o, l, o}, {s, o, c}});
   }
-  /// B is A rotated by `angle` [rad] about their common z axis.
+  /// The pose of B that is A rotated by `angle` [rad] about their common z axis.
   [[nodiscard]] static Transform rotation_z(const T& angle) noexcept {
     using std::cos;
     using std::sin;
@@ -106,26 +107,26 @@ class Transform {
     return turned({{c, s, o}, {-s, c, o}, {o, o, l}});
   }
 
-  /// B translated by (x, y, z) [m] along its own axes.
+  /// The pose after B is translated by (x, y, z) [m] along its own axes.
   [[nodiscard]] SKINCTL_INLINE constexpr Transform translated(const T& x, const T& y,
                                                               const T& z) const noexcept {
     return trusted(R_, detail::moved(p_, R_, Xyz<T>{x, y, z}));
   }
-  /// B rotated by `angle` [rad] about its own x axis.
+  /// The pose after B is rotated by `angle` [rad] about its own x axis.
   [[nodiscard]] Transform rotated_x(const T& angle) const noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle);
     return trusted({R_.x, c * R_.y + s * R_.z, c * R_.z - s * R_.y}, p_);
   }
-  /// B rotated by `angle` [rad] about its own y axis.
+  /// The pose after B is rotated by `angle` [rad] about its own y axis.
   [[nodiscard]] Transform rotated_y(const T& angle) const noexcept {
     using std::cos;
     using std::sin;
     const T c = cos(angle), s = sin(angle);
     return trusted({c * R_.x - s * R_.z, R_.y, c * R_.z + s * R_.x}, p_);
   }
-  /// B rotated by `angle` [rad] about its own z axis.
+  /// The pose after B is rotated by `angle` [rad] about its own z axis.
   [[nodiscard]] Transform rotated_z(const T& angle) const noexcept {
     using std::cos;
     using std::sin;
@@ -139,7 +140,7 @@ class Transform {
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& axis_z() const noexcept { return R_.z; }
   /// Origin of B in A [m].
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& origin() const noexcept { return p_; }
-  /// The three axes together.
+  /// Axes of B in A, all three.
   [[nodiscard]] SKINCTL_INLINE constexpr const Rotation<T>& axes() const noexcept { return R_; }
 
   /// `R_AB` as an Eigen matrix.
@@ -147,7 +148,7 @@ class Transform {
   /// `p_AB` as an Eigen vector [m].
   [[nodiscard]] Vec3<T> translation() const noexcept { return as_eigen(p_); }
 
-  /// As an `Eigen::Isometry3<T>`; include <Eigen/Geometry> first.
+  /// The pose as an `Eigen::Isometry3<T>`; include <Eigen/Geometry> first.
   [[nodiscard]] friend EigenIsometry<T> as_eigen(const Transform& X_AB) noexcept {
     EigenIsometry<T> X = EigenIsometry<T>::Identity();
     X.linear() = X_AB.rotation();
@@ -155,7 +156,7 @@ class Transform {
     return X;
   }
 
-  /// `X_BA`.
+  /// `X_BA`, the pose of A in B.
   [[nodiscard]] SKINCTL_INLINE constexpr Transform<B, A, T> inverse() const noexcept {
     return Transform<B, A, T>::trusted(R_.transpose(), -turn_back(R_, p_));
   }
@@ -176,8 +177,8 @@ class Transform {
     static_assert(!std::is_same_v<C, D>, "a frame has no pose in itself");
     return Transform<C, D, T>::trusted(R_, p_);
   }
-  /// Without the check of the axes: for algorithms whose axes are orthonormal by construction up to
-  /// accumulated rounding.
+  /// The pose with these axes and this origin, also of a frame in itself: for algorithms whose axes are
+  /// orthonormal by construction up to accumulated rounding.
   [[nodiscard]] SKINCTL_INLINE static constexpr Transform trusted(const Rotation<T>& R_AB,
                                                                   const Xyz<T>& p_AB) noexcept {
     Transform X;

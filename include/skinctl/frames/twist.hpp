@@ -14,7 +14,7 @@ struct Twist {
   Xyz<T> linear{T(0), T(0), T(0)};   ///< velocity of the body's point at the origin of `At` [m/s]
   Xyz<T> angular{T(0), T(0), T(0)};  ///< angular velocity [rad/s]
 
-  /// From an Eigen vector of six numbers, linear part first.
+  /// A twist from an Eigen vector of six numbers, linear part first.
   template <VectorExpression V>
   [[nodiscard]] SKINCTL_INLINE static Twist from_eigen(const V& v) noexcept {
     return detail::from_six<Twist, T>(v);

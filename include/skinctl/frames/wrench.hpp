@@ -15,7 +15,7 @@ struct Wrench {
   Xyz<T> force{T(0), T(0), T(0)};   ///< force on the body [N]
   Xyz<T> moment{T(0), T(0), T(0)};  ///< moment about the origin of `At` [N m]
 
-  /// From an Eigen vector of six numbers, force first.
+  /// A wrench from an Eigen vector of six numbers, force first.
   template <VectorExpression V>
   [[nodiscard]] SKINCTL_INLINE static Wrench from_eigen(const V& v) noexcept {
     return detail::from_six<Wrench, T>(v);

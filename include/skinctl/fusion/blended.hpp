@@ -50,7 +50,8 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
 
   explicit Blended(const Fusion& sum, const BlendSettings& settings = {})
       : Blended(sum, sum.weights(), settings) {}
-  /// @param first  weights to start with, >= 0. Throws `ConfigurationError`.
+  /// @param first  weights to start with, 0 to 1e6, and 1 for gravity. Throws `ConfigurationError` for
+  ///               others.
   Blended(const Fusion& sum, const std::array<double, terms>& first, const BlendSettings& settings = {})
       : Loop(sum, first, Ramp<double>(settings.ramp), ContactDetector(settings.contact)) {
     for (std::size_t i = 0; i < terms; ++i)
@@ -72,7 +73,7 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
   [[nodiscard]] const std::array<double, terms>& first() const noexcept { return first_; }
   [[nodiscard]] Nanoseconds ramp() const noexcept { return ramp_.duration(); }
 
-  /// Begins with the initial weights, without contact.
+  /// The memory with which the blend starts: with the initial weights, without contact.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory start(const K& known) const noexcept {
     Memory memory{};
@@ -85,8 +86,8 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
     return memory;
   }
 
-  /// Requests other weights within `ramp` (0: as configured). Refused if one is negative, not finite, or not
-  /// 1 for gravity.
+  /// The memory after a request for other weights within `ramp` (0: as configured). Refused if one is
+  /// negative, not finite, above 1e6, or not 1 for gravity.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Received<Memory> change(const Memory& memory, const K& known,
                                                      const BlendWeights<terms>& weights,
@@ -104,8 +105,8 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
                                          const BlendWeights<terms>& weights) const noexcept {
     return change(memory, known, weights);
   }
-  /// A goal for the one law that takes goals of this type, or the next sample of a target that it follows;
-  /// refused while that law has no share or fades in.
+  /// The memory after a goal for the one law that takes goals of this type, or after the next sample of a
+  /// target that it follows; refused while that law has no share or fades in.
   template <class K, class G>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known, const G& goal) const noexcept {
     constexpr std::size_t i = Fusion::template taker<G>();
@@ -121,8 +122,8 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
     const auto answer = receive(out.memory, known, *goal.goal);
     return {answer.memory, out.status | answer.status};
   }
-  /// A goal for the `Ix`-th law, or the next sample of a target that it follows; refused while that law has
-  /// no share or fades in.
+  /// The memory after a goal for the `Ix`-th law, or after the next sample of a target that it follows;
+  /// refused while that law has no share or fades in.
   template <std::size_t Ix, class K, class G>
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const G& goal) const noexcept {
@@ -135,7 +136,8 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
     return out;
   }
 
-  /// The reasons of all laws that have a share, an opposition that lasts, and a change of weights.
+  /// The reasons of all laws that have a share, `opposed` while skin and tracking are, and
+  /// `bumpless_transfer` while weights change.
   [[nodiscard]] Status status(const Memory& memory) const noexcept {
     Status out;
     detail::each_index<terms>([&](auto i) {
@@ -146,7 +148,7 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
     if (moves(memory)) out |= Reason::bumpless_transfer;
     return out;
   }
-  /// The weights are constant, and all laws that have a share are settled.
+  /// Whether the weights are constant, and all laws that have a share are settled.
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known,
                              const typename K::scalar& still) const noexcept {
@@ -190,7 +192,7 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
   }
 };
 
-/// The same sum with variable weights, and gates.
+/// `sum` with variable weights, and gates.
 template <Sum P, class... L>
 [[nodiscard]] Blended<Fused<P, L...>> blended(const Fused<P, L...>& sum, const BlendSettings& settings = {}) {
   return Blended<Fused<P, L...>>(sum, settings);

@@ -16,7 +16,8 @@ struct ContactSettings {
   Nanoseconds release_after = 100ms;  ///< time below `off` after which the robot counts as released
 };
 
-/// Touched from `|tau_skin| > on` until `|tau_skin| < off` has held without a break for `release_after`.
+/// Detects contact: from `|tau_skin| > on` until `|tau_skin| < off` has held without a break for
+/// `release_after`.
 class ContactDetector {
  public:
   struct Memory {
@@ -59,14 +60,14 @@ struct Gated : L {
   explicit Gated(const L& law) : L(law) {}
 };
 
-/// `law` while the robot is touched.
+/// `law`, acting only while the robot is touched.
 template <class L>
   requires(detail::law_in_sum<L>::role != LawRole::gravity)
 [[nodiscard]] auto when_touched(const L& law) {
   static_assert(sizeof(detail::Say<detail::fault_in_sum<L>(), L>) > 0);
   return Gated<TouchGate::touched, detail::law_in_sum<L>>(law);
 }
-/// `law` while nothing touches the robot.
+/// `law`, acting only while nothing touches the robot.
 template <class L>
   requires(detail::law_in_sum<L>::role != LawRole::gravity)
 [[nodiscard]] auto when_untouched(const L& law) {

@@ -11,7 +11,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Text of up to 255 characters in place; the remainder is cut off.
+/// Text of up to 255 characters, without allocation; the remainder is cut off.
 class LawText {
  public:
   [[nodiscard]] std::string_view view() const noexcept { return {text_, size_}; }
@@ -22,7 +22,7 @@ class LawText {
       if (size_ + 1 < sizeof text_) text_[size_++] = c;
     return *this;
   }
-  /// Six digits.
+  /// Adds a number with six significant digits.
   LawText& operator<<(double x) noexcept {
     char number[32];
     const auto written = std::to_chars(number, number + sizeof number, x, std::chars_format::general, 6);
@@ -91,7 +91,7 @@ template <LawMembers L>
   detail::describe_to(out, law);
   return out;
 }
-/// A sum with other weights.
+/// The expression of a sum with other weights than its own.
 template <Sum P, class... L>
 [[nodiscard]] LawText describe(const Fused<P, L...>& sum,
                                const std::array<double, sizeof...(L)>& weights) noexcept {

@@ -74,7 +74,7 @@ constexpr bool holds_twice() noexcept {
     return false;
   }
 }
-/// In place of a result, after the error about it: what is a law of both.
+/// In place of a result, after the error about it: the one of both that is a law.
 template <class A, class B>
 auto either_law(const A& a, const B& b) {
   if constexpr (MeantAsLaw<A>) {
@@ -129,13 +129,13 @@ template <class A, class B>
 
 }  // namespace expression
 
-/// The same sum with `Sum::weighted`: feedback with the weights as given, feed-forward with the normalised
-/// ones.
+/// `sum` with the policy `Sum::weighted`: feedback with the weights as given, feed-forward with the
+/// normalised ones.
 template <Sum P, class... L>
 [[nodiscard]] Fused<Sum::weighted, L...> weighted(const Fused<P, L...>& sum) {
   return detail::with_policy<Sum::weighted>(sum);
 }
-/// The same sum with `Sum::plain`, as the paper writes it.
+/// `sum` with the policy `Sum::plain`, as the paper writes it.
 template <Sum P, class... L>
 [[nodiscard]] Fused<Sum::plain, L...> plain(const Fused<P, L...>& sum) {
   return detail::with_policy<Sum::plain>(sum);

@@ -34,7 +34,7 @@ class Fused : public Composable,
  public:
   using Laws = std::tuple<L...>;
   static constexpr std::size_t terms = sizeof...(L);
-  static constexpr std::size_t joints = detail::joints_of_laws<L...>();  ///< 0: of any robot
+  static constexpr std::size_t joints = detail::joints_of_laws<L...>();  ///< number of joints; 0: any
   static constexpr Sum policy = Policy;
   static constexpr std::array<LawRole, terms> roles = {L::role...};
   static constexpr std::size_t gravity_laws = detail::count_role<L...>(LawRole::gravity);
@@ -46,7 +46,7 @@ class Fused : public Composable,
   static_assert(terms > 0 && gravity_laws <= 1, "gravity twice: keep one gravity law");
   static constexpr GravityTerm gravity_term =
       gravity_laws > 0 ? GravityTerm::left_out : GravityTerm::included;
-  /// Without a gravity law, the test for opposition needs G as well.
+  /// The union of the laws' needs; without a gravity law, the test for opposition needs G as well.
   static constexpr Needs needs =
       (Needs{.gravity = gravity_laws == 0 && (watches || ... || LawTable<L>::lacks_gravity)} | ... |
        Needs(L::needs));
@@ -60,7 +60,7 @@ class Fused : public Composable,
   };
   static constexpr bool starts_blank = (LawTable<L>::starts_blank && ...);
 
-  /// @param weights  of the laws in their order: finite, > 0, and 1 for gravity. Throws `ConfigurationError`.
+  /// @param weights  one for each law: > 0, <= 1e6, and 1 for gravity; else throws `ConfigurationError`.
   explicit Fused(const std::tuple<L...>& laws, const std::array<double, terms>& weights,
                  const OppositionDetector& detector = OppositionDetector())
       : laws_(laws), weights_(weights), detector_(detector) {
@@ -87,7 +87,7 @@ class Fused : public Composable,
     return out;
   }
 
-  /// The same sum with other thresholds of opposition.
+  /// This sum with other thresholds of opposition.
   [[nodiscard]] Fused opposed_by(const OppositionSettings& settings) const {
     return Fused(laws_, weights_, OppositionDetector(settings));
   }
@@ -123,7 +123,7 @@ class Fused : public Composable,
     return count == 1 ? found : terms;
   }
 
-  /// Every law starts at the known state.
+  /// The memory with which every law starts at the known state.
   template <class K>
   [[nodiscard]] Memory start(const K& known) const noexcept {
     Memory memory{};
@@ -131,7 +131,7 @@ class Fused : public Composable,
     return memory;
   }
 
-  /// A goal for the one law that takes goals of this type, or the next sample of a target that it follows.
+  /// The memory after a goal, or the next sample of a target, for the one law that takes goals of this type.
   template <class K, class Goal>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {
@@ -139,7 +139,7 @@ class Fused : public Composable,
     static_assert(i < terms, "no law, or more than one, takes such a goal: receive<I>(memory, known, goal)");
     return receive<i>(memory, known, goal);
   }
-  /// A goal for the `Ix`-th law, or the next sample of a target that it follows.
+  /// The memory after a goal for the `Ix`-th law, or after the next sample of a target that it follows.
   template <std::size_t Ix, class K, class Goal>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {
@@ -156,14 +156,14 @@ class Fused : public Composable,
       const Memory& memory, const K& known) const noexcept {
     return evaluate(memory, known, known.dt()).torque;
   }
-  /// The reasons of all of its laws, and an opposition that lasts.
+  /// The reasons of all laws, and `opposed` while skin and tracking are.
   [[nodiscard]] Status status(const Memory& memory) const noexcept {
     Status out;
     each_law(memory, [&](const auto& law, const auto& m) { out |= status_of(law, m); });
     if (memory.opposition.opposed) out |= Reason::opposed;
     return out;
   }
-  /// All of its laws are settled.
+  /// Whether all laws are settled.
   template <class K>
   [[nodiscard]] bool settled(const Memory& memory, const K& known,
                              const typename K::scalar& still) const noexcept {
@@ -171,6 +171,7 @@ class Fused : public Composable,
       return (skinctl::settled(std::get<Ix>(laws_), detail::memory_of<Ix>(memory.laws), known, still) && ...);
     }(std::index_sequence_for<L...>{});
   }
+  /// The memory after `dt` seconds.
   /// @param opposition  `none`: this sum detects it.
   template <class K>
   [[nodiscard]] SKINCTL_INLINE Memory advance(const Memory& memory, const K& known,
@@ -277,7 +278,7 @@ class Fused : public Composable,
     }
   }
 
-  /// The memories from the `Ix`-th law on.
+  /// The memories after `dt` seconds, from the `Ix`-th law on.
   template <std::size_t Ix, class K, class Now>
   [[nodiscard]] SKINCTL_INLINE auto advanced(const Memory& memory, const K& known,
                                              const typename K::scalar& dt, Opposition opposition,

@@ -14,7 +14,7 @@ enum class Keeps : unsigned char { point, pose };
 
 /// Damping of the null space near singularities.
 struct NullSpaceSettings {
-  Keeps keeps = Keeps::pose;  ///< the origin of the link's frame, or its orientation as well
+  Keeps keeps = Keeps::pose;  ///< motion of the first law: link's origin alone, or orientation as well
   /// The largest inertia that the task defends at a singularity [kg], [kg m^2].
   double heaviest = 1000;
   /// Damping sets in where the task's largest inertia, `trace((J M^-1 J')^-1)`, exceeds `heaviest / zone`.
@@ -96,7 +96,7 @@ class NullSpace : public Composable,
     return out;
   }
 
-  /// Of the law that takes such a goal, if it tells.
+  /// The distance from a goal, of the law that takes such a goal.
   template <class K, class G>
     requires(detail::HasDistance<First, K, G> || detail::HasDistance<Second, K, G>)
   [[nodiscard]] auto distance(const K& known, const G& goal) const noexcept {
@@ -137,13 +137,13 @@ class NullSpace : public Composable,
     return status_of(first_, memory.first) | status_of(second_, memory.second);
   }
 
-  /// `N' tau`.
+  /// `N' tau`: the torque `tau` without the part that would accelerate the link.
   template <class T, class K>
   [[nodiscard]] SKINCTL_NOINLINE JointTorque<K::joints, T> projected(
       const K& known, const JointTorque<K::joints, T>& tau) const noexcept;
 
  private:
-  /// l: 0 up to `heaviest / zone`, and `1 / heaviest` at the singularity.
+  /// The damping l: 0 up to the inertia `heaviest / zone` of the task, and `1 / heaviest` at the singularity.
   template <class T>
   [[nodiscard]] T softness(const math::Ldlt<6, T>& mobility, std::size_t rows) const noexcept {
     const T heaviest = static_cast<T>(p_.heaviest);

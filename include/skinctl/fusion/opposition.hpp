@@ -30,9 +30,10 @@ template <class K>
   }
 }
 
-/// Opposed from the moment that `|tau_skin| > on` and `tau_skin . tau_track < 0`, until `|tau_skin| < off`
-/// has held without a break for `release_after`, whatever the rate of the cycle. Norm and product are those
-/// of torques over the largest torque of their joint.
+/// Detects when skin and tracking are opposed: from the moment that `|tau_skin| > on` and
+/// `tau_skin . tau_track < 0`, until `|tau_skin| < off` has held without a break for `release_after`,
+/// whatever the rate of the cycle. Norm and product are those of torques over the largest torque of their
+/// joint.
 class OppositionDetector {
  public:
   struct Memory {
@@ -54,8 +55,10 @@ class OppositionDetector {
   }
   [[nodiscard]] const OppositionSettings& settings() const noexcept { return settings_; }
 
-  /// @param skin   weighted torque of the reactive laws.
-  /// @param track  weighted torque of the tracking laws without gravity.
+  /// The opposition now, and the memory for the next call.
+  ///
+  /// @param skin   weighted torque of the laws that answer the skin [N m].
+  /// @param track  weighted torque of the tracking laws without gravity [N m].
   /// @param scale  the largest torque of each joint [N m], > 0: see `torque_scale`.
   /// @param dt     time until the next call [s].
   /// Torques that are not finite change nothing.

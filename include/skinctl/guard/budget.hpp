@@ -8,11 +8,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+/// Settings of a `TimeBudget`.
 struct BudgetSettings {
   Nanoseconds cycle;          ///< largest time from the receipt of a state until all work is done
-  unsigned skip_after = 1;    ///< overruns in a row, then optional work is left out
-  unsigned stop_after = 5;    ///< overruns in a row, then the guard stops until the user's consent
-  unsigned calm_after = 100;  ///< cycles within the budget in a row, then optional work resumes
+  unsigned skip_after = 1;    ///< overruns in a row after which optional work is left out
+  unsigned stop_after = 5;    ///< overruns in a row after which the guard stops until the user's consent
+  unsigned calm_after = 100;  ///< cycles within the budget in a row after which optional work resumes
 };
 
 /// The memory of a budget. Trivially copyable.

@@ -32,13 +32,13 @@ enum class WayBack : unsigned char {
 /// table lists.
 enum class FaultFinder : unsigned char { loop, skin, law, skills, resolver, governor, guard };
 
-/// A row of the table.
+/// A row of the table of faults.
 struct Fault {
   Reason reason;
   const char* name;  ///< name of the enumerator
   FaultFinder finder;
-  Reaction motion;  ///< position and velocity interfaces
-  Reaction torque;  ///< torque interface
+  Reaction motion;  ///< reaction by position, velocity or impedance
+  Reaction torque;  ///< reaction by torque
   WayBack way_back;
   const char* text;  ///< description for logs
 };
@@ -178,7 +178,7 @@ static_assert(
 [[nodiscard]] constexpr const char* describe(Reason r) noexcept {
   return r < Reason::count ? faults[static_cast<std::size_t>(r)].text : "unknown";
 }
-/// The name of the enumerator.
+/// The name of a reason's enumerator.
 [[nodiscard]] constexpr const char* name(Reason r) noexcept {
   return r < Reason::count ? faults[static_cast<std::size_t>(r)].name : "unknown";
 }
@@ -193,10 +193,11 @@ template <class Test>
 }
 
 namespace detail {
-/// With one of these a cycle has no new state of the robot.
+/// Reasons with which a cycle has no new state of the robot.
 inline constexpr Status no_new_state = Status(Reason::state_not_finite) | Reason::state_out_of_range |
                                        Reason::state_stale | Reason::time_backwards | Reason::interval_empty;
-/// Whether the guard carries out the reaction. The other stages carry out theirs themselves, and report it.
+/// Whether the guard carries out the reaction to a fault of another stage. The other stages carry out theirs
+/// themselves, and report it.
 constexpr bool is_left_to_guard(const Fault& f) noexcept {
   return f.finder == FaultFinder::loop || f.finder == FaultFinder::governor;
 }
@@ -204,7 +205,7 @@ constexpr bool is_left_to_guard(const Fault& f) noexcept {
 inline constexpr Status guard_brakes_on = reasons_of([](const Fault& f) {
   return is_left_to_guard(f) && (f.motion == Reaction::brake || f.motion == Reaction::stop);
 });
-/// After these the guard waits for consent.
+/// Reasons of other stages after which the guard waits for consent.
 inline constexpr Status guard_waits_after =
     reasons_of([](const Fault& f) { return is_left_to_guard(f) && f.way_back == WayBack::on_request; });
 }  // namespace detail

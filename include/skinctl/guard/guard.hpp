@@ -74,7 +74,8 @@ class Guard {
     }
   }
 
-  /// As `JointGuard::start`, for all groups.
+  /// Takes over a robot with the command `command` in the state `measured`: `JointGuard::start` of all
+  /// groups.
   [[nodiscard]] SKINCTL_COLD Memory start(const Command& command,
                                           const State<joints, T>& measured) const noexcept {
     Memory m;
@@ -122,11 +123,11 @@ class Guard {
       return out;
     }
   }
-  /// The user's consent, to all: latched faults end, unless they are still present.
+  /// Takes the user's consent for all groups: latched faults end, unless they are still present.
   void acknowledge(Memory& m) const noexcept {
     each(m, [](auto, const auto& guard, auto& memory) { guard.acknowledge(memory); });
   }
-  /// Whether a command waits for consent.
+  /// Whether the robot waits for the user's consent.
   [[nodiscard]] SKINCTL_INLINE bool waits(const Memory& m) const noexcept {
     bool any = false;
     each(m, [&](auto, const auto& guard, const auto& memory) { any = any || guard.waits(memory); });

@@ -36,7 +36,7 @@ struct GuardSettings {
   /// `state_stale`.
   Status consent = {};
 
-  /// Those of the joints of a subset.
+  /// The settings for the joints of a subset.
   template <class Set>
   [[nodiscard]] GuardSettings<Set::count, T> part() const {
     GuardSettings<Set::count, T> out{.torque_rate = torque_rate,

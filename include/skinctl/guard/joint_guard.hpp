@@ -11,11 +11,12 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Passes a command unchanged if it is finite, if the robot's state is fresh, if no stage found a fault, and
-/// if a motion from the last command to it exists within the limits of acceleration and velocity, after which
-/// the joint can still stop before its end. Otherwise it reacts in the same cycle, as the table `faults`
-/// says: it brakes with the acceleration limit and holds; torques are cut, or ramp to the fallback. A torque
-/// beside positions keeps its limits and its rate, and ramps to zero while it brakes.
+/// The guard of joints with one interface. A command passes unchanged if it is finite, if the robot's state
+/// is fresh, if no stage found a fault, and if a motion from the last command to it exists within the
+/// limits of acceleration and velocity, after which the joint can still stop before its end. Otherwise the
+/// guard reacts in the same cycle, as the table `faults` says: it brakes with the acceleration limit and
+/// holds; torques are cut, or ramp to the fallback. A torque beside positions keeps its limits and its
+/// rate, and ramps to zero while it brakes.
 ///
 /// With `Smooth` the guard brakes as it says, such as `JerkLimits`: a motion that can be stopped within its
 /// jerk keeps it (a governor with the same limits sends no other); for others the limits give way as that
@@ -32,8 +33,8 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 /// - is further than `GuardSettings::lead` from where it was started, or than the dead band if that is beyond
 ///   a position limit;
-/// - has another speed than that of the start, by more than its acceleration changes in T and what counts as
-///   rest (`RobotConfiguration::resting_speed`).
+/// - has another speed than that of the start, by more than the acceleration limit changes it in
+///   delay + lag + period, and `RobotConfiguration::resting_speed`.
 template <Interface Ix, std::size_t N, Real T = double, class Smooth = Abrupt>
 class JointGuard : public detail::GuardReach<Ix, N, T> {
   using Reach = detail::GuardReach<Ix, N, T>;
@@ -152,9 +153,9 @@ class JointGuard : public detail::GuardReach<Ix, N, T> {
     }
   }
 
-  /// The user's consent: latched faults end, unless they are still present.
+  /// Takes the user's consent: latched faults end, unless they are still present.
   void acknowledge(Memory& m) const noexcept { m.latched = {}; }
-  /// Whether the command waits for consent.
+  /// Whether the robot waits for the user's consent.
   [[nodiscard]] static bool waits(const Memory& m) noexcept { return m.latched.any(); }
   /// Whether nothing passes until a guard is started anew.
   [[nodiscard]] static bool refuses_start(const Memory& m) noexcept { return !m.command.valid; }
@@ -242,8 +243,8 @@ class JointGuard : public detail::GuardReach<Ix, N, T> {
     return out;
   }
 
-  /// The torque beside a motion, into `out`: from the last one towards `wish`, within its limits, at most at
-  /// the allowed rate.
+  /// Turns the torque beside a motion, into `out`: from the last one towards `wish`, within its limits, at
+  /// most at the allowed rate.
   SKINCTL_INLINE Status turn_beside(const Row& last, const JointTorque<N, T>& wish,
                                     const State<N, T>& measured, const T& dt,
                                     JointTorque<N, T>& out) const noexcept {
@@ -252,7 +253,7 @@ class JointGuard : public detail::GuardReach<Ix, N, T> {
     given.store(out);
     return any(given != wanted) ? Status(Reason::torque_limited) : Status();
   }
-  /// Towards the given torque or the fallback, at most at the allowed rate.
+  /// Turns the torque towards the given one or the fallback, at most at the allowed rate.
   SKINCTL_INLINE Guarded<N, T> turn_torque(const Memory& m, const JointCommand<N, T>& wish,
                                            const State<N, T>& measured, bool good,
                                            const JointTorque<N, T>& fallback, const T& dt,
@@ -274,7 +275,7 @@ class JointGuard : public detail::GuardReach<Ix, N, T> {
   Nanoseconds stale_after_;
   Settings settings_;
   Distance start_distance_, dead_band_;
-  JointVelocity<N, T> speed_change_;  ///< in T
+  JointVelocity<N, T> speed_change_;  ///< largest change of speed from the start to the first state [rad/s]
   T torque_rate_, beyond_, overspeed_;
   Status acts_on_;  ///< reasons of other stages on which it brakes
   Status consent_;  ///< reasons that wait for `acknowledge`

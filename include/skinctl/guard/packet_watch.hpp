@@ -17,7 +17,7 @@ struct PacketMemory {
   std::uint64_t lost = 0;     ///< number of all lost packets
 };
 
-/// Counts the gaps in the numbers of packets: `packets_lost` while more than `most` of the last 64 are
+/// Counts the gaps in the numbers of packets: `packets_lost` while more than `max_missing` of the last 64 are
 /// missing. The guard then brakes, and goes on by itself once enough have arrived again. Numbers wrap at
 /// 2^32; one that is not newer than the last (a copy, a late packet) changes nothing: its state is refused by
 /// its stamp.
@@ -30,7 +30,7 @@ class PacketWatch {
     require(max_missing <= 63, "PacketWatch: max_missing", max_missing, "0 to 63 of 64 packets");
   }
 
-  /// The newest packet has the number `number`.
+  /// The status after a packet with the number `number` has arrived.
   [[nodiscard]] Status step(Memory& m, std::uint32_t number) const noexcept {
     const std::uint32_t ahead = number - m.last;
     if (!m.started) {

@@ -26,7 +26,7 @@ template <class V, class T>
   return true;
 }
 
-/// `feedback * parts.feedback + feed_forward * parts.feed_forward`, with or without G(q) according to `G`.
+/// The torque of a tracking law, its parts weighted by `share`, with or without G(q) according to `G` [N m].
 template <GravityTerm G, class L, class K>
 [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, typename K::scalar> weighted_torque(
     const L& law, const typename L::Memory& memory, const K& known,
@@ -114,7 +114,7 @@ template <class L, class K>
 }
 
 namespace detail {
-/// By torque, `advance` and status, for a law of one term.
+/// Evaluates a law of one term by its torque, `advance` and status.
 template <class Result, class L, class K>
 [[nodiscard]] SKINCTL_INLINE Result evaluate_apart(const L& law, const typename L::Memory& memory,
                                                    const K& known, const typename K::scalar& dt) noexcept {

@@ -6,9 +6,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// No law of the scene takes goals.
+/// The `Goal` of laws that take none.
 struct NoGoal {};
-/// A law adds nothing to the input of a scene, or to its output.
+/// The addition to input or output of a law that adds nothing.
 struct NothingAdded {};
 
 namespace detail {
@@ -46,22 +46,23 @@ struct ScalarTypeOf<L, T> {
 };
 }  // namespace detail
 
-/// See the table in law/law.hpp; law/evaluate.hpp has what depends on a robot.
+/// The members of the law `L`, or their defaults: see the table in law/law.hpp. Members that depend on a
+/// robot are in law/evaluate.hpp.
 template <class L>
 struct LawTable {
   static constexpr bool takes_goals = detail::HasGoal<L>;
-  /// `NoGoal` if it takes none.
+  /// Type of the law's goals; `NoGoal` if it takes none.
   using Goal = typename detail::GoalTypeOf<L>::type;
   /// The law's addition to the input of a scene, and to its output; `NothingAdded` or another empty type if
   /// nothing.
   using Input = typename detail::InputTypeOf<L>::type;
   using Output = typename detail::OutputTypeOf<L>::type;
-  /// 0: any number.
+  /// Number of joints of the robots for which the law is made; 0: any number.
   static constexpr std::size_t joints = [] {
     if constexpr (detail::HasJoints<L>) return std::size_t(L::joints);
     return std::size_t(0);
   }();
-  /// `T` if it is made for any.
+  /// Scalar for which the law is made; `T` if it is made for any.
   template <class T>
   using scalar_in = typename detail::ScalarTypeOf<L, T>::type;
   static constexpr LawRole role = [] {
@@ -115,7 +116,7 @@ struct LawTable {
   [[nodiscard]] static constexpr LawRole role_of_part(std::size_t i) noexcept {
     return i < terms ? roles[i] : role;
   }
-  /// The roles of its parts, and of a difference that is carried beside them.
+  /// The roles of the law's parts, and of a difference that is carried beside them.
   static constexpr std::array<LawRole, terms + 1> roles_with_carried = [] {
     std::array<LawRole, terms + 1> out{};
     for (std::size_t i = 0; i < terms; ++i) out[i] = roles[i];
@@ -127,7 +128,8 @@ struct LawTable {
     return std::string_view("law");
   }();
 
-  /// @param input  of the whole scene, a base of which is `Input`.
+  /// Lets the law see its scene, if it does.
+  /// @param input  input of the whole scene, a base of which is `Input`.
   template <class Memory, class In, class Seen>
   static SKINCTL_INLINE Status see(const L& law, Memory& memory, const In& input, const Seen& seen) noexcept {
     if constexpr (detail::SeesScene<L, In, Seen>) {

@@ -57,10 +57,10 @@ template <Real T>
 
 /// Speed and separation: the speed of a person, and how the robot stops.
 struct Separation {
-  double body_speed = BodyRegion::unset;          ///< v_H: of the person towards the robot [m/s]
-  Nanoseconds reaction = BodyRegion::unset_time;  ///< T_R: until the robot begins to brake
-  double deceleration = BodyRegion::unset;        ///< smallest deceleration of any point of the robot [m/s^2]
-  double margin = BodyRegion::unset;              ///< C + Z: distance to keep, with all uncertainties [m]
+  double body_speed = BodyRegion::unset;          ///< v_H: speed of the person towards the robot [m/s]
+  Nanoseconds reaction = BodyRegion::unset_time;  ///< T_R: time until the robot begins to brake
+  double deceleration = BodyRegion::unset;  ///< a: smallest deceleration of any point of the robot [m/s^2]
+  double margin = BodyRegion::unset;        ///< C + Z: distance to keep, with all uncertainties [m]
 
   SKINCTL_COLD void check() const {
     require(body_speed >= 0 && body_speed <= 100, "Separation: body speed", body_speed, "0 to 100 m/s");
@@ -73,7 +73,7 @@ struct Separation {
 };
 
 /// The speed from which the robot comes to rest before a person, `distance` away now, is as near as the
-/// margin: `S = v_H (T_R + v/a) + v T_R + v^2/(2 a) + C`. 0 if there is none.
+/// margin: `S = v_H (T_R + v/a) + v T_R + v^2/(2 a) + C`. 0 if there is no such speed.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T speed_of_separation(const Separation& s, const T& distance) noexcept {
   const T a = T(s.deceleration), v = T(s.body_speed), t = seconds<T>(s.reaction);

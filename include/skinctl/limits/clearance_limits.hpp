@@ -14,35 +14,35 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The pairs of `Clearance` by their distances: a limit of speed in a governor, so it holds whatever a law
-/// wants and an energy tank has.
+/// Keeps the pairs of a `Clearance` at least its margin apart: a limit of speed in a governor, so it holds
+/// whatever a law wants and an energy tank has.
 ///
-/// A velocity is kept only if the robot can stop from it with all clearances above the margin, either along the
-/// way on which all joints brake alike, at the rate of the weakest, if they stop before their ends, or along the
-/// one on which each joint brakes as it likes. The distances are computed at `looks` places of that way, x
-/// apart, and must exceed the margin there by what they can fall short in between: `SummedMotion::bend` of the
-/// joints between the two. What is nearer than the margin may only get farther.
+/// A velocity is kept only if the robot can stop from it with all clearances above the margin, either along
+/// the way on which all joints brake alike, at the rate of the weakest, if they stop before their ends, or
+/// along the one on which each joint brakes as it likes. The distances are computed at `looks` positions of
+/// it, and must exceed the margin there by what they can fall short in between: `SummedMotion::bend` of the
+/// joints between the two bodies. A pair nearer than the margin may only get farther.
 ///
-/// A velocity that would come too close loses the part that closes, and at the margin gains a little that opens; what is
-/// left, mixed with braking as far as needed, is kept. So an arm slides along, and whatever leads away passes.
+/// A velocity that would come too close loses the part that closes, and at the margin gains a little that
+/// opens; the rest, mixed with braking as far as needed, is kept. So an arm slides along.
 ///
-/// **With obstacles** (`ClearanceAround`, `Around` of them at most) the same holds for them. On a way that lasts t an
-/// obstacle comes closer by `approach (age + late + t)`: straight towards what stands still, with T the time until braking
-/// begins, that is `v <= sqrt(a^2 T^2 + 2 a (d - d0)) - a T`. Two robots of which each keeps clear of what the other one
-/// `occupied` until it stands, and that decide one after the other, may always go on braking within what the other one
-/// left free; so what a robot may fill stays clear of that of the other by a quarter of the margin, and it slows down
-/// beside it. Where the two volumes are nearer already, only coming nearer is refused.
+/// **With obstacles** (`ClearanceAround`, `Around` of them at most) the same holds for them. On a way of t
+/// seconds one comes closer by `approach (age + late + t)`: straight towards one that stands at the distance
+/// d, that is `v <= sqrt(a^2 T^2 + 2 a (d - d0)) - a T`, with the margin d0, the deceleration a, and T until
+/// braking begins. Two robots of which each keeps clear of the space `occupied` by the other until it stands,
+/// and that decide in turn, may always go on braking within what the other left free; so the space that a
+/// robot may fill stays clear of that of the other by a quarter of the margin, and it slows down beside it.
+/// Where the two are nearer already, only coming nearer is refused.
 ///
-/// **A robot that does not follow**, because something holds or pushes it, stands off its commands (`stand_off`). The same
-/// then holds twice: for where it was told to be, and for where it is. What its points move by is ignored up to a tenth of
-/// the margin.
+/// **A robot that does not follow**, because something holds or pushes it, stands off its commands
+/// (`stand_off`). Then the same holds for both positions; deviations up to a tenth of the margin are ignored.
 template <RobotModel M, Real T = double, std::size_t Around = 0>
 class ClearanceLimits {
  public:
   static constexpr std::size_t joints = M::joints, around = Around;
   using scalar = T;
   static constexpr std::size_t max_pairs = Clearances<M, T, Around>::max_pairs;
-  static constexpr int looks = 6;  ///< number of positions that are looked at along a way to stop
+  static constexpr int looks = 6;  ///< number of positions that are checked along a way to stop
   using Kind = Clearance;
   static constexpr Precedence precedence = Precedence::clearance;
   static constexpr Reason reason = Reason::clearance_kept;
@@ -53,7 +53,7 @@ class ClearanceLimits {
   using Here = detail::ClearanceWays<ClearanceLimits>;  ///< the distances at a position, for several queries
   /// The robot's deviation from its commands. Trivially copyable.
   struct Beside {
-    Position off{};
+    Position off{};       ///< measured less expected position [rad]
     bool is_off = false;  ///< `off` is large enough to count
   };
   /// A `Beside`, and the obstacles around the robot, from the input.
@@ -72,7 +72,7 @@ class ClearanceLimits {
         limits_(limits),
         margin_(T(given.margin + spare)),
         reach_(T(given.reach)) {}
-  /// With obstacles from the input. Throws also for a `late` or `max_age` out of its range.
+  /// Also keeps clear of obstacles from the input. Throws also for a `late` or `max_age` out of its range.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits,
                                const ClearanceAround<Around>& given)
     requires(Around > 0)
@@ -89,8 +89,8 @@ class ClearanceLimits {
   }
   [[nodiscard]] const M& model() const noexcept { return clearances_.model(); }
 
-  /// Takes what is around at `now` a robot at `measured`. What is too old, too much or no number makes `m` blind:
-  /// nothing may move then.
+  /// Takes the obstacles `near`, and the position at which the robot is `measured`. Obstacles that at `now`
+  /// are too old, or too many or not finite, make `m` blind: nothing may move then.
   SKINCTL_INLINE void see(Memory& m, const Near& near, const Position& measured,
                           Nanoseconds now) const noexcept
     requires(Around > 0)
@@ -108,13 +108,13 @@ class ClearanceLimits {
                 !(o.approach <= T(100));
     }
   }
-  /// As a limit of a scene, from the input of a cycle.
+  /// Takes the obstacles from the input of a cycle, as a limit of a scene.
   template <class In>
     requires(Around > 0)
   SKINCTL_INLINE void see(Memory& m, const In& in, const Position& measured, Nanoseconds now) const noexcept {
     see(m, in.around, measured, now);
   }
-  /// The robot is `off` its commands: measured less expected positions. No number counts as nothing.
+  /// Takes the robot's deviation `off` from its commands: measured less expected positions. NaN counts as 0.
   SKINCTL_INLINE void stand_off(Memory& m, const Position& off) const noexcept {
     Sum sum;
     for (std::size_t i = 0; i < joints; ++i) sum.add(i, off[i]);
@@ -122,8 +122,8 @@ class ClearanceLimits {
     m.off = off;
     m.is_off = way > T(off_from) * margin_ && way - way == T(0);
   }
-  /// The space that exposed capsules may fill from now until the robot stands, if it brakes: from `measured`
-  /// to the last command, and on to where all joints are at rest, however they brake together.
+  /// The space in the base frame that exposed capsules may fill until a robot that brakes now stands: from
+  /// `measured` to the last command, and on to where all joints are at rest, however they brake together.
   [[nodiscard]] Surroundings<max_exposed_capsules, Base, T> occupied(
       const JointCommand<joints, T>& last, const State<joints, T>& measured) const noexcept {
     const Box joints_box = until_rest(measured.q, last.position, last.velocity);
@@ -142,8 +142,8 @@ class ClearanceLimits {
   /// The distances at `q` beside the obstacles in `seen`, which must outlive the result.
   [[nodiscard]] Here at(const Memory& seen, const Position& q) const noexcept { return Here(*this, seen, q); }
   using Kept = KeptVelocity<joints, T>;
-  /// As a limit of a scene: motion as far as there is a way to stop, torques as far as they can brake in time. Joints by
-  /// torque follow their torques later than the others their commands, so beside them motion is slowed first.
+  /// The allowed velocity: motion as far as there is a way to stop, torques as far as they brake in time.
+  /// Joints by torque follow later than the others: beside them motion is slowed first.
   template <class Going, class Also>
   [[nodiscard]] SKINCTL_INLINE Kept within(const Memory& seen, const Going& going, const Velocity& u,
                                            const Also& also) const noexcept {
@@ -166,8 +166,8 @@ class ClearanceLimits {
                                           const Position& moved) const noexcept {
     return keeps(seen, going.q, u, moved, going.room);
   }
-  /// The step from `u0` to `u1` over `h` seconds, as far as the clearances and `also(u)` are kept: `u1` if so. What is
-  /// left of it goes along the margin if it `slides`, otherwise straight on, so that it ends there.
+  /// The step from `u0` to `u1` over `h` seconds as far as it keeps the clearances and `also(u)`: `u1` if so.
+  /// Otherwise it turns along the margin if it `slides`, or else keeps its direction and ends at the margin.
   template <class Also>
   [[nodiscard]] SKINCTL_NOINLINE Kept within(const Memory& seen, const Position& q,
                                              const JointRoom<joints, T>& room, const Velocity& u0,
@@ -201,13 +201,13 @@ class ClearanceLimits {
       brake = limits_.move(room, u0, Velocity(), h).velocity;
     return {detail::towards(brake, wish, keeps), true};
   }
-  /// Whether the motion that ends at `u` after `moved` keeps the clearances.
+  /// Whether the motion that ends at the velocity `u` after the displacement `moved` keeps the clearances.
   [[nodiscard]] SKINCTL_NOINLINE bool keeps(const Memory& seen, const Position& q, const Velocity& u,
                                             const Position& moved,
                                             const JointRoom<joints, T>& room) const noexcept {
     return at(seen, q).keeps(u, moved, room);
   }
-  /// `u` without what closes, and of that the share from which the robot can stop after `time` seconds at it.
+  /// `u` if the robot can stop after `time` seconds at it; else without what closes, scaled until it can.
   [[nodiscard]] Kept braked(const Memory& seen, const Position& q, const Velocity& u,
                             const T& time) const noexcept {
     if (share(seen, q, u, time) == T(1)) [[likely]]
@@ -231,14 +231,14 @@ class ClearanceLimits {
  private:
   friend Here;
   static constexpr double spare = 1e-4;  ///< distance kept beyond the margin: braking is planned in steps [m]
-  static constexpr double off_from = 0.1;  ///< share of the margin by which robot and command differ at most
-  static constexpr int halvings = 12;      ///< questions for a share of a motion: known to 2^-12
+  static constexpr double off_from = 0.1;  ///< share of the margin up to which a deviation is ignored
+  static constexpr int halvings = 12;      ///< steps of the bisection for a share of a motion: known to 2^-12
 
-  /// The rate of braking that is planned, a little less than that of braking itself, for rounding.
+  /// The deceleration of joint `i` in plans [rad/s^2]: a little less than it brakes with, for rounding.
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
   }
-  /// How long the slowest joint brakes from `u` [s].
+  /// The time in which all joints come to rest from `u` [s].
   [[nodiscard]] SKINCTL_INLINE T time_to_rest(const Velocity& u) const noexcept {
     T longest(0);
     for (std::size_t i = 0; i < joints; ++i) {
@@ -251,7 +251,8 @@ class ClearanceLimits {
   struct Box {
     Position middle, half;
   };
-  /// All from `was` by way of `q` to where the robot stands that brakes from `u` there, however its joints brake together.
+  /// The joint positions from `was` by way of `q` to rest, for a robot that brakes from the velocity `u` at
+  /// `q`, however its joints brake together.
   [[nodiscard]] Box until_rest(const Position& was, const Position& q, const Velocity& u) const noexcept {
     const T longest = time_to_rest(u);
     Box box;
@@ -266,12 +267,12 @@ class ClearanceLimits {
 
   Clearances<M, T, Around> clearances_;
   JointLimits<joints, T> limits_;
-  T margin_, reach_;  ///< the margin with what is kept beyond [m]
+  T margin_, reach_;  ///< the margin with `spare`, and the reach of `Clearance` [m]
   T late_ = T(0);
   Nanoseconds max_age_{0};
 };
 
-/// The limit of a robot that it makes.
+/// The `ClearanceLimits` that `clearance` makes of a robot.
 template <RobotModel M, std::size_t N, Real T>
 [[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits, const Clearance& clearance) {
   return ClearanceLimits<M, T>(model, limits, clearance);
@@ -282,8 +283,8 @@ template <RobotModel M, std::size_t N, Real T, std::size_t Most>
   return ClearanceLimits<M, T, Most>(model, limits, clearance);
 }
 
-/// The space that the exposed capsules of a robot may fill from now on until it stands, if it brakes now: for
-/// others that keep clear of it. It is at `X_WB` in the world.
+/// The space in the world that the exposed capsules of a robot at `X_WB` may fill from now on until it
+/// stands, if it brakes now: for others that keep clear of it.
 /// @param scene  a `Cycle` with a `Clearance`.
 template <class Scene, Real T>
 [[nodiscard]] Surroundings<max_exposed_capsules, World, T> occupied(

@@ -26,8 +26,8 @@ struct ContactMemory {
 template <Real T>
 struct ContactVerdict {
   T scale = T(1);
-  Status status;   ///< `contact_slowed`; `contact_force`, `contact_power`: stop
-  T force = T(0);  ///< the strongest contact [N]
+  Status status;   ///< `contact_slowed`; `contact_force` or `contact_power`, at which the guard stops
+  T force = T(0);  ///< the largest force of a contact [N]
   T power = T(0);  ///< the largest power of a contact [W]
   T blow = T(0);   ///< upper bound of the transient force of the commanded motion [N]
 };
@@ -39,11 +39,12 @@ inline constexpr bool distinct_links =
 }  // namespace detail
 
 /// Limits of contact for some links of a robot: power and force, and separation, in the form of ISO/TS 15066
-/// with the user's own numbers. **Not a safety-rated function**: see `BodyRegion`.
+/// with the user's own numbers. **Not a safety-rated function**: see `BodyRegion`, with F_t, F_q, k, m_H, P.
 ///
 /// For each of these links, with the commanded joint velocities u:
-/// - **Before a contact.** No point of the link is faster than `v = |v_o| + |w| reach`, and no impact, in any
-///   direction, has more than the robot's energy `e = u'Mu` (m_n v_n^2 <= e, Cauchy-Schwarz). So no transient
+/// - **Before a contact.** No point of the link is faster than `v = |v_o| + |w| reach`, v_o of its origin,
+///   and no impact, in any direction n, has more energy than the robot: m_n v_n^2 <= e = u'Mu. So no
+/// transient
 ///   force exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin detects
 ///   nobody, the speed of separation is allowed if it is higher. With `cells` it is the largest `v_n sqrt(k
 ///   mu)` of the cells that move outwards with v_n, mu reduced from the mass felt at the cell, `1/(u'J M^-1
@@ -93,7 +94,7 @@ class ContactLimits {
     return d;
   }
 
-  /// As a limit of a scene.
+  /// The allowed share of the joint velocities `u`, as a limit of a scene.
   template <class Going, class Seen>
   [[nodiscard]] SKINCTL_INLINE SpeedShare<T> share(Memory& memory, const Going& going, const Seen& seen,
                                                    const JointVelocity<joints, T>& u) const noexcept {
@@ -102,7 +103,7 @@ class ContactLimits {
     return {verdict.scale, verdict.status};
   }
 
-  /// The allowed share of the joint velocities `u`.
+  /// The allowed share of the joint velocities `u`, and the contacts found.
   ///
   /// @param measured  the robot's state, for the contacts and their power.
   /// @param touch     the pressed areas, or wrenches on the links; a link without skin does not compile.
@@ -209,7 +210,7 @@ class ContactLimits {
   }
   static SKINCTL_INLINE T least(const T& x, const T& y) noexcept { return y < x ? y : x; }
 
-  /// Before a contact at up to `v`, whose collision has twice the energy `hit`.
+  /// Judges a link before a contact at up to the speed `v`; `hit` is twice the energy of the collision [J].
   static SKINCTL_INLINE void before(const Link& link, const T& v, const T& hit, const T& distance,
                                     Verdict& out) noexcept {
     using std::sqrt;
@@ -234,7 +235,7 @@ class ContactLimits {
     out.scale = least(out.scale, scale);
   }
 
-  /// The strongest contact of the link has been `F`, for `dt` more.
+  /// Judges a link whose strongest contact has had the force `F` [N] for `dt` more seconds.
   static SKINCTL_INLINE void lasting(const Link& link, T& above, const T& F, const T& dt,
                                      Verdict& out) noexcept {
     const auto& r = link.region;
@@ -243,7 +244,7 @@ class ContactLimits {
     if (!(F <= T(r.blow)) || above > seconds<T>(r.first)) out.status |= Reason::contact_force;
   }
 
-  /// During a contact with `F` > 0, which gives `tau` at the joints.
+  /// Judges a link during a contact with the force `F` > 0 [N], which gives the torque `tau` at the joints.
   static SKINCTL_INLINE void during(const Link& link, const T& F, const JointTorque<joints, T>& tau,
                                     const MassFactors<M, T>& mass, const JointVelocity<joints, T>& u,
                                     const JointVelocity<joints, T>& dq, Verdict& out) noexcept {
@@ -290,7 +291,7 @@ template <Real T = double, RobotModel M, std::size_t... Ix>
   if constexpr (detail::distinct_links<Ix...>) return ContactLimits<M, T, Ix...>(model, link...);
 }
 
-/// The limit of a robot that contacts of links make together.
+/// The `ContactLimits` that the contacts of all links make together.
 template <RobotModel M, std::size_t N, Real T, std::size_t... Ix>
 [[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>&, const LinkContact<Ix>&... link) {
   return contact_limits<T>(model, link...);

@@ -16,9 +16,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// The kind of `FeltPlaces`, for `Cycle::without`.
 struct FeltPlacesLimit {};
 
-/// For `Cycle::with`: a place that feels badly meets nobody fast. Somebody notices a push on the middle of
-/// cell i from the force `F_s` on: the cell, its neighbours, a wrist sensor, the motors. A body of stiffness
-/// k that the place meets at the speed v along its outward normal is pressed, until the robot has stopped, by
+/// For `Cycle::with`: a limit on the speed of places on the skin, by how well they feel. A push on the middle
+/// of cell i is noticed from the force `F_s` on: by the cell, its neighbours, a wrist sensor or the motors. A
+/// body of stiffness k that the place meets at the speed v along its outward normal is pressed, until the
+/// robot has stopped, by
 ///
 ///     F_s + k v T + k v^2 / (2 a),
 ///
@@ -39,8 +40,8 @@ struct FeltPlaces {
   std::vector<CellPlace> places;  ///< places of the touch's cells, in their order
   double force = 65;              ///< greatest force on a body that a place meets [N]
   double stiffness = 0;           ///< k, stiffness of the body with the skin's cover [N/m]; 0: not declared
-  /// Speed of a place that notices the lightest push, where no stiffness is declared [m/s]; of others v goes
-  /// with `force` less F_s.
+  /// Largest speed of a place with F_s = 0, where no stiffness is declared [m/s]; of others it goes with
+  /// `force` less F_s.
   double speed = 0.25;
   double deceleration = 5;       ///< a, deceleration of a place along its normal [m/s^2]
   Nanoseconds reaction = 40ms;   ///< T, time from the push to the beginning of braking
@@ -67,7 +68,7 @@ class PlaceSpeed {
 
   /// Trivially copyable; `Memory{}` has judged nothing, and feels nothing.
   struct Memory {
-    std::array<float, Cells> speed{};  ///< greatest along the normal of each place, but for the motors [m/s]
+    std::array<float, Cells> speed{};  ///< largest speed of each place, by cells and wrist sensor [m/s]
     std::size_t next = 0;              ///< place that is judged next
     bool touched = false;              ///< a push is felt: the robot gives way
   };
@@ -102,7 +103,7 @@ class PlaceSpeed {
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
-  /// The greatest speed of a place along its normal whose pushes are noticed from `noticed` on [N], in m/s.
+  /// The largest speed along its normal of a place where a push is noticed from `noticed` newtons on [m/s].
   [[nodiscard]] double speed(double noticed) const noexcept {
     if (!(noticed < s_.force)) return 0;
     const double left = s_.force - noticed, time = seconds<double>(s_.reaction);
@@ -128,7 +129,7 @@ class PlaceSpeed {
     return {};
   }
 
-  /// The share of `u` with which every place keeps its speed.
+  /// The share in [0, 1] of `u` at which no place exceeds its largest speed.
   template <class Going, class Seen>
   [[nodiscard]] SKINCTL_NOINLINE SpeedShare<T> share(const Memory& m, const Going& going, const Seen&,
                                                      const JointVelocity<joints, T>& u) const noexcept {
@@ -165,7 +166,8 @@ class PlaceSpeed {
     std::size_t link;
     bool behind_wrist;
   };
-  /// The velocity of each link about its origin, of each joint's part and of all, along the link's axes.
+  /// The velocities of the links at their origins, along their own axes: by all joints, and by each joint at
+  /// 1 rad/s.
   class Motion {
    public:
     SKINCTL_INLINE Motion(const M& model, const JointPosition<joints, T>& q,
@@ -177,7 +179,7 @@ class PlaceSpeed {
     [[nodiscard]] SKINCTL_INLINE T along(const Row& row) const noexcept {
       return product(velocity_[row.link], row);
     }
-    /// Of joint `j` at 1 rad/s: the torque of one newton against the normal.
+    /// The lever arm of joint `j` for a force along the normal of a place: N m per N.
     [[nodiscard]] T lever(const Row& row, std::size_t j) const noexcept {
       return product(column_[row.link][j], row);
     }
@@ -202,7 +204,7 @@ class PlaceSpeed {
     std::array<Six, joints> velocity_{};
     std::array<std::array<Six, joints>, joints> column_{};
   };
-  /// The greatest speed of place `i` along its normal.
+  /// The largest speed of place `i` along its normal [m/s].
   [[nodiscard]] T allowed(const Memory& m, const Motion& motion, std::size_t i) const noexcept {
     T most(m.speed[i]);
     if (!s_.motors.empty())
@@ -218,7 +220,7 @@ class PlaceSpeed {
     }
     return least;
   }
-  /// A link, and those that it carries.
+  /// The mask of a link and of the links that it carries.
   [[nodiscard]] static LinkMask carried_by(std::size_t link) noexcept {
     return [&]<std::size_t... K>(std::index_sequence<K...>) {
       return ((K == link ? subtree<M>(K) : LinkMask(0)) | ...);
@@ -230,7 +232,7 @@ class PlaceSpeed {
   std::vector<Row> rows_;
 };
 
-/// The limit of a robot that it makes.
+/// The `PlaceSpeed` limit that `felt` makes of a robot.
 template <RobotModel M, std::size_t N, Real T, std::size_t Cells>
 [[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>&, const FeltPlaces<Cells>& felt) {
   return PlaceSpeed<M, Cells, T>(model, felt);

@@ -51,7 +51,7 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   using Output = Governed<joints, T>;
   using Base::Base;
 
-  /// The command in place of `wish`.
+  /// The command that the limits leave of `wish`.
   ///
   /// @param hold  the torque that holds the joints by torque: gravity compensation, with friction if it has
   ///               some; without what brakes them.
@@ -81,7 +81,7 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   }
 
  private:
-  /// Steps between a wish and the quickest stop: a share to 4e-3.
+  /// Steps of a bisection between a wish and the quickest stop: a share to 4e-3.
   static constexpr int sharing_steps = 8;
   using Base::each_group;
   using Base::each_limit;
@@ -106,7 +106,8 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
     return wish.valid && detail::is_plausible(wish) && in.dt > T(0) && (!has_motion || in.span > T(0)) &&
            (!has_motion || in.last.valid) && (!has_driven || detail::is_finite(hold));
   }
-  /// The velocity of a command that limits judge: of smooth joints that to which they go on by themselves.
+  /// The velocity of a command that limits judge: of joints with a limit of jerk the one that their
+  /// acceleration still leads to.
   [[nodiscard]] SKINCTL_INLINE Velocity leads_to(const Command& wish) const noexcept {
     Velocity u = wish.velocity;
     if constexpr (smooth)
@@ -117,7 +118,7 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
       });
     return u;
   }
-  /// The command of the joints by position and velocity.
+  /// Slows the command of the joints by position and velocity as far as the limits need it.
   SKINCTL_INLINE void move(Memory& m, const Input& in, const Going& going, const Slowed& left,
                            Output& out) const noexcept {
     const Position moved = out.command.position - in.last.position;
@@ -185,7 +186,7 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
     }(std::make_index_sequence<groups>{});
   }
 
-  /// The same with joints by torque.
+  /// `step` of a robot with joints by torque.
   template <class Seen>
   SKINCTL_NOINLINE void with_driven(Memory& m, const Input& in, const JointTorque<joints, T>& hold,
                                     const Seen& seen, Output& out) const noexcept {
@@ -221,8 +222,8 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
     }
     if (out.altered) out.command.torque = drive.with(out.command.torque, braked);
   }
-  /// What the limits leave of the velocity to which the torques lead, and the torque that leads there; false
-  /// if that cannot be predicted.
+  /// Finds what the limits leave of the velocity to which the torques lead, and the torque that leads there.
+  /// Returns false if that velocity cannot be predicted.
   template <class Seen>
   SKINCTL_INLINE bool slow(Memory& m, const Input& in, const Going& going, const Drive& drive,
                            const JointTorque<joints, T>& hold, const Seen& seen,

@@ -8,8 +8,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The motion of joints over one step within limits of jerk: `acceleration` is that at its end, for the next
-/// step.
+/// The motion of joints over one step within limits of jerk; `velocity` and `acceleration` are those at its
+/// end.
 template <std::size_t N, Real T = double>
 struct SmoothMotion {
   JointPosition<N, T> displacement;
@@ -18,7 +18,8 @@ struct SmoothMotion {
   Status status;
   std::uint64_t braked = 0;  ///< bit i: joint i was slowed because its room was too small
 };
-/// The part `share` of `b`, and the rest of `a`: within limits that both keep, where they begin alike.
+/// The interpolation from motion `a` (`share` 0) to `b` (1), without their status: within the limits that
+/// both keep, if they begin alike.
 template <std::size_t N, Real T>
 [[nodiscard]] SmoothMotion<N, T> mixed(const SmoothMotion<N, T>& a, const SmoothMotion<N, T>& b,
                                        const T& share) noexcept {
@@ -91,8 +92,8 @@ class JerkLimits {
     return any(magnitude(change) > most + rounding) ? Status(Reason::jerk_exceeded) : Status();
   }
 
-  /// The velocity that joints reach by themselves from `u` on, until an acceleration `a` in its direction is
-  /// brought to zero, `u + a |a| / (2 J)`: what other limits have to judge.
+  /// The velocity that joints reach from `u` while an acceleration `a` in its direction is brought to zero at
+  /// the largest jerk J, `u + a |a| / (2 J)`: the velocity that other limits judge.
   [[nodiscard]] SKINCTL_INLINE JointVelocity<N, T> leads_to(const JointVelocity<N, T>& u,
                                                             const JointAcceleration<N, T>& a) const noexcept {
     JointVelocity<N, T> out = u;
@@ -126,10 +127,10 @@ class JerkLimits {
     });
   }
   /// Changes a motion that these limits made from `u0` and `a0` such that its rest points are inside `leash`,
-  /// as far as they allow: a joint whose quickest stop ends beyond comes back as hard as they do, if
+  /// as far as they allow: a joint whose quickest stop ends beyond comes back as hard as they allow, if
   /// `comes_back`. Returns the joints whose motion it changed.
   ///
-  /// @param leash  distances from the beginning of the motion; negative beyond an end.
+  /// @param leash  distances from the beginning of the motion to the leash's ends [rad]; negative beyond.
   [[nodiscard]] SKINCTL_INLINE std::uint64_t hold_back(SmoothMotion<N, T>& motion,
                                                        const JointRoom<N, T>& room,
                                                        const JointRoom<N, T>& leash,
@@ -218,7 +219,7 @@ struct MaxJerk {
 template <std::size_t N, Real T>
 MaxJerk(const JointJerk<N, T>&) -> MaxJerk<N, T>;
 
-/// The limit of a robot that it makes.
+/// The `JerkLimits` that `max` makes of a robot's joint limits.
 template <class M, std::size_t J, Real S, std::size_t N, Real T>
 [[nodiscard]] auto part_for(const M&, const JointLimits<J, S>& limits, const MaxJerk<N, T>& max) {
   static_assert(N == J, "MaxJerk: of a robot with another number of joints");

@@ -24,47 +24,46 @@ struct Going {
       q;  ///< the position that was commanded last; of joints by torque the measured one [rad]
   JointVelocity<N, T>
       from;  ///< the velocity that was commanded last; of joints by torque the measured one [rad/s]
-  JointRoom<N, T> room;         ///< distances from `q` to the ends of the joints [rad]
+  JointRoom<N, T> room;         ///< distances from `q` to the position limits of the joints [rad]
   const State<N, T>& measured;  ///< the last good state of the robot
-  T dt;                         ///< time to the end of the command [s], > 0
+  T dt;                         ///< duration of the command [s], > 0
   T passed;                     ///< time since the last cycle [s], > 0
-  T ahead;                      ///< time in which joints by torque brake [s]
-  bool slides;                  ///< whether a motion that would end may turn aside: no stop was requested
+  T ahead;                      ///< time of prediction, in which joints by torque brake [s]
+  bool slides;                  ///< whether a motion may turn aside where it would end: no stop was requested
 
-  /// The displacement on the way from `from` to the velocity `to` [rad].
+  /// The displacement while the velocity changes steadily from `from` to `to` in `dt` seconds [rad].
   [[nodiscard]] SKINCTL_INLINE JointPosition<N, T> half_way(const JointVelocity<N, T>& to) const noexcept {
     return integrate(JointPosition<N, T>(), from + to, T(T(0.5) * dt));
   }
 };
 
-/// The share in [0, 1] that a limit leaves of all joint velocities, and why.
+/// The factor in [0, 1] by which a limit scales all joint velocities, and the reasons.
 template <Real T>
 struct SpeedShare {
   T scale = T(1);
   Status status;
 };
 
-/// The velocity that a limit leaves, and whether it acted.
+/// The joint velocity [rad/s] that a limit leaves of the one asked for, and whether the limit acted.
 template <std::size_t N, Real T>
 struct KeptVelocity {
   JointVelocity<N, T> velocity;
   bool limited = false;
 };
 
-/// The place of a limit among the others: they act in this order, and where they conflict, the later one
-/// wins.
+/// The order in which the limits of a scene act; where they conflict, the later one wins.
 enum class Precedence : unsigned char {
-  moves,       ///< motion of the joints: it gives way to all others
+  moves,       ///< motion of the joints within limits of jerk: it gives way to all others
   contact,     ///< force and power of contacts
-  coverage,    ///< share of the skin that feels
-  places,      ///< speed of places, by what they feel
-  free,        ///< limits of users
+  coverage,    ///< cells of the skin that report
+  places,      ///< speed of places on the skin, by the force from which on they notice a push
+  free,        ///< limits of the user's own
   tool_speed,  ///< speed of a point of the robot
   clearance,   ///< distance from bodies
   torque       ///< position and speed of joints by torque
 };
 
-/// In place of what a limit adds to the input of a cycle.
+/// The `Input` of a limit that adds nothing to the input of a cycle.
 struct NoInput {};
 
 // A limit is made of its settings, an argument of `Cycle::with`, by `part_for(model, limits, settings)`
@@ -74,16 +73,16 @@ struct NoInput {};
 // | member of a limit                        |                                                              | without it |
 // | `Kind`                                   | a type: a scene has one part of each kind; its settings have the same | - |
 // | `Memory`                                 | trivially copyable; `Memory{}` at the start                  | -         |
-// | `precedence`                             | its place                                                    | -         |
+// | `precedence`                             | a `Precedence`                                               | -         |
 // | `share(m, going, seen, u) -> SpeedShare` | slows all joints alike from the velocity `u`: give the share that leads to a speed, a constant one compounds; or: | - |
 // | `within(m, going, u, also) -> KeptVelocity` | another velocity, reached from `going.from`; `also(v)`: whether earlier limits keep v | - |
 // | `reason`                                 | status where `within` acts                                   | -         |
 // | `keeps(m, going, v, moved) -> bool`      | whether a motion that ends at v, by `moved`, keeps it: else a smooth motion gives way | true |
-// | `of_the_drive`                           | by torque it judges what the drive does, not what the world adds | false |
+// | `of_the_drive`                           | by torque it judges motion by the motors, not by external forces | false |
 // | `look(m, seen, dt) -> Status`            | before the laws, `dt` seconds since the last cycle           | nothing   |
 // | `stays(m) -> bool`                       | whether the robot is to brake and hold                       | false     |
 // | `Input`, `see(m, input, q, now)`         | what it adds to the input of a cycle, and takes from it      | nothing   |
-// | `stand_off(m, off)`                      | the robot stands off its commands by `off`                   | nothing   |
+// | `stand_off(m, off)`                      | learns `off`: measured less expected positions               | nothing   |
 // | `links`                                  | links whose touch it reads: the scene's skin covers them     | none      |
 // | `reads_coverage`                         | whether it asks what cells feel: how much, and how well      | false     |
 // | `check(resolver)`                        | throws for a robot that it does not suit                     | nothing   |

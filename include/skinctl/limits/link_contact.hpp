@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The contacts of all links are one limit.
+/// The kind of the limit that the `LinkContact`s of all links make together.
 struct LinkContacts {};
 
 /// The body region that link `Ix` may touch, and how a contact is measured.

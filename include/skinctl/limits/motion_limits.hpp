@@ -28,7 +28,7 @@ struct MotionByTorque {};
 /// `nearest_in_box`. So the joints of a light finger do not turn each other, and beyond an end, and above the
 /// limit, a joint is only braked. External forces beyond the joints' torques prevail.
 ///
-/// r is what resisted the motion in the last cycles, the least of `tau - M ddq - C dq - G`: friction, or an
+/// r is the torque that resisted in the last cycles, the least of `tau - M ddq - C dq - G`: friction, or an
 /// object in the hand. A joint that moves freely stays below its speed, one that holds something has its
 /// whole torque. What pushes a joint on counts only above its limit: a touch is not resisted before. An
 /// object that breaks sets free what r counted: the joint then exceeds its speed until its torque, turned
@@ -50,7 +50,7 @@ class MotionLimits {
   struct Memory {
     JointVelocity<n, T> dq;  ///< joint velocity in the last cycle [rad/s]
     Torque resists[3];       ///< r of the last cycles, newest first
-    bool known = false;      ///< the above are valid
+    bool known = false;      ///< whether `dq` is the velocity in the last cycle
     detail::ActedTorque<n, T> sent;
   };
   /// The torque that keeps the limits, the velocity to which it leads, and the limits that acted.
@@ -64,9 +64,9 @@ class MotionLimits {
   explicit MotionLimits(const M& model) : model_(model) {}
   [[nodiscard]] const M& model() const noexcept { return model_; }
 
-  /// Takes down, once a cycle, what has resisted the torque that acted; the parameters are those of `within`.
+  /// Records, once a cycle, the torque that resisted the motors' torque; other parameters as of `within`.
   ///
-  /// @param delay  from a torque that is sent until it acts [s].
+  /// @param delay  time from sending a torque until it acts [s].
   SKINCTL_INLINE void observe(Memory& m, const MassMatrix<joints, T>& mass,
                               const JointTorque<joints, T>& bias, const State<joints, T>& measured,
                               const Torque& last, const T& delay, const T& dt) const noexcept {
@@ -84,7 +84,8 @@ class MotionLimits {
   }
   /// Forgets the torques that resisted: a state was missing.
   static SKINCTL_INLINE void forget(Memory& m) noexcept { m.known = false; }
-  /// r: the least of the last cycles that resists or pushes, 0 if it did both.
+  /// r of each joint [N m]: the smallest in magnitude of the last three cycles, 0 where its sign changed. Its
+  /// sign is that of the motors' torque which it resists.
   [[nodiscard]] SKINCTL_INLINE Torque resistance(const Memory& m) const noexcept {
     Torque r;
     for (std::size_t i = 0; i < n; ++i) {
@@ -94,13 +95,13 @@ class MotionLimits {
     return r;
   }
 
-  /// The largest speeds to either side, and whether each is given by a joint's end (else by its velocity
-  /// limit).
+  /// The bounds of the joints' velocities [rad/s]; `by_position[0]` and `[1]`: whether the lower and the
+  /// upper one come from the joint's end, else from its velocity limit.
   struct Box {
     JointVelocity<n, T> lower, upper;
     bool by_position[2][n];
   };
-  /// For a torque that leads to a velocity `ahead` seconds later.
+  /// The bounds of the velocities to which torques lead `ahead` seconds later.
   [[nodiscard]] SKINCTL_INLINE Box box(const JointLimits<joints, T>& limits, const State<joints, T>& measured,
                                        const T& ahead) const noexcept {
     // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without
@@ -125,7 +126,7 @@ class MotionLimits {
   /// @param mass   M(q) of all joints; if it is not positive definite (a link without inertia, a NaN), the
   ///               motion cannot be predicted and the torque passes.
   /// @param bias   `C dq + G` of all joints.
-  /// @param last   the torque that acted since the last cycle. `observe` has been told.
+  /// @param last   the torque that acted since the last cycle; `observe` comes first.
   /// @param ahead  the time t of the prediction [s].
   /// @param dt     seconds since the last cycle, > 0.
   /// @param rate   fastest change of a torque that the guard allows, in units of its limit per second. A
@@ -196,7 +197,7 @@ class MotionLimits {
  private:
   static constexpr double slowest = 1.0 / 128;  ///< share of the velocity limit over which resistance sets in
   static constexpr double past_end =
-      1e-3;  ///< way behind an end that resistance bears, over the speed limit [s]
+      1e-3;  ///< distance beyond an end up to which resistance counts, over the velocity limit [s]
 
   [[nodiscard]] static SKINCTL_INLINE JointVelocity<joints, T> whole(
       const JointVelocity<n, T>& part) noexcept {
@@ -207,7 +208,8 @@ class MotionLimits {
   struct Spread {
     T least, most;
   };
-  /// Of the last cycles' r of a joint towards the side `to`.
+  /// The smallest and largest `to` r of joint `i` in the last cycles; > 0 resists motion to the side `to`,
+  /// 1 or -1.
   [[nodiscard]] static SKINCTL_INLINE Spread spread(const Memory& m, std::size_t i, const T& to) noexcept {
     Spread out{T(to * m.resists[0][i]), T(to * m.resists[0][i])};
     for (int k = 1; k < 3; ++k) {
@@ -217,14 +219,15 @@ class MotionLimits {
     }
     return out;
   }
-  /// What resistance leaves of the drive `d` > 0 of a joint to the side `to`: it can stop it, not turn it.
+  /// The drive `d` > 0 of joint `i` to the side `to` less the torque that resists it, at least 0 [N m]; of a
+  /// joint that is too fast and pushed on, with the torque that pushes it.
   ///
   /// Resistance is taken to grow with speed: of a joint that is too fast only the part counts that it would
   /// have at `may`, or the joint would push on through friction beyond its end; and none of it `deepest`
   /// behind the end.
   ///
-  /// @param may     the largest speed to that side, `v` the present one, `V` the limit.
-  /// @param beyond  the distance behind the end; negative before it.
+  /// @param may     the largest speed to that side, `v` the present one, `V` the velocity limit [rad/s].
+  /// @param beyond  the distance beyond the end [rad]; negative before it.
   [[nodiscard]] static SKINCTL_INLINE T left(const Memory& m, std::size_t i, const T& to, const T& d,
                                              const T& may, const T& v, const T& V, const T& beyond) noexcept {
     const T excess = v - may, creep = T(slowest) * V, deepest = T(past_end) * V;

@@ -20,22 +20,22 @@ enum class SkinReaction : unsigned char {
   stop     ///< brakes and holds; goes on after `CycleRequest::resume`
 };
 
-/// For `Cycle::with`: a blind skin is no untouched one. In one of three states a scene reacts as declared;
-/// with the defaults it does not move before its skin is heard, and stops when a patch falls silent. What
-/// single cells cannot feel is a matter of their places: see `FeltPlaces`.
+/// For `Cycle::with`: the reactions of a scene to cells that do not report, in three states of the skin; a
+/// blind skin is no untouched one. With the defaults the robot does not move before its skin is heard, and
+/// stops when a patch falls silent. `FeltPlaces` limits the speed of places that feel badly.
 ///
 /// A cell counts while its newest sample is younger than `SkinSettings::max_age` and nothing masks it. The
 /// reasons are those of the state (`skin_unheard`, `skin_blind`, `skin_incomplete`) and of what is done
 /// (`skin_held`, `skin_stopped`). Holding and stopping brake as `CycleRequest::stop` does. Way back: the
 /// state must have been over for `settle`.
 ///
-/// Without this part a scene takes no notice, at no cost.
+/// A scene without this part takes no notice of such cells, at no cost.
 struct SkinWatch {
   using Kind = SkinWatch;
   SkinReaction unheard = SkinReaction::hold;       ///< reaction from the start until each patch was heard
   SkinReaction blind = SkinReaction::stop;         ///< reaction later, while no cell of a patch counts
   SkinReaction incomplete = SkinReaction::report;  ///< reaction while each patch is heard, but not every cell
-  Nanoseconds settle = 500ms;
+  Nanoseconds settle = 500ms;                      ///< time after which a state that is over no longer counts
 };
 
 /// A `SkinWatch` over the skin of a scene, as a limit of it.
@@ -86,7 +86,7 @@ class CoverageLimits {
   SKINCTL_INLINE Status look(Memory& m, const Seen& seen, const T& dt) const noexcept {
     return look(m, seen.coverage(), dt);
   }
-  /// Whether the robot is to brake and hold by this.
+  /// Whether the robot is to brake and hold because of its skin.
   [[nodiscard]] static bool stays(const Memory& m) noexcept { return m.reaction >= SkinReaction::hold; }
 
  private:
@@ -94,7 +94,7 @@ class CoverageLimits {
   T settle_;
 };
 
-/// The limit of a robot that it makes.
+/// The `CoverageLimits` that `watch` makes.
 template <class M, std::size_t N, Real T>
 [[nodiscard]] auto part_for(const M&, const JointLimits<N, T>&, const SkinWatch& watch) {
   return CoverageLimits<T>(watch);

@@ -15,13 +15,13 @@ SKINCTL_BEGIN_NAMESPACE
 /// The kind of `MaxToolSpeed`, for `Cycle::without`.
 struct ToolSpeedLimit {};
 
-/// The largest speed [m/s] of a point fixed to link `Ix`.
+/// A limit on the speed [m/s] of a point fixed to link `Ix`.
 ///
 /// At constant joint velocities the point gets faster as the arm stretches, and a joint that brakes for its
 /// end no longer cancels the motion of the others. So a state keeps the limit only if it has a way to stop
 /// along which the point stays below it and every joint stops before its end:
-/// - either each joint brakes as it likes: `sum |u_i| |J_i|`, with columns that grow on the way, is below the
-///   limit;
+/// - either each joint brakes as it likes: `sum |u_i| |J_i|`, with columns of the point's Jacobian that grow
+///   on the way, is below the limit;
 /// - or all joints brake alike, at the rate of the weakest. With `v = |J u|`, growth `K = R w^2 + 2 w s` of
 ///   the joints that turn by w in sum and those that slide by s (`SummedMotion`), and rate `a = min A_i
 ///   / |u_i|` the largest speed is v if `K <= a v`, else at most `2/3 v + K/(3 a)`, and joint i covers `|u_i|
@@ -60,18 +60,18 @@ class ToolSpeed {
 
   using Kept = KeptVelocity<joints, T>;
 
-  /// The point's velocity per joint velocity at `q`, for several queries.
+  /// The point's Jacobian at a joint position, for several queries.
   class At {
    public:
-    /// `|J u|` [m/s].
+    /// The point's speed at the joint velocity `u`, `|J u|` [m/s].
     [[nodiscard]] SKINCTL_INLINE T speed(const JointVelocity<joints, T>& u) const noexcept {
       using std::sqrt;
       Xyz<T> v{T(0), T(0), T(0)};
       for (std::size_t i = 0; i < joints; ++i) v = v + u[i] * column_[i];
       return sqrt(dot(v, v));
     }
-    /// Whether there is a way to stop from the velocity `u`, reached over `moved`, that keeps the limit
-    /// within `room`, the joints' distances to their ends before the motion. False for NaN.
+    /// Whether there is a way to stop from the velocity `u`, reached by the displacement `moved`, that keeps
+    /// the limit within `room`, the joints' distances to their ends before the motion. False for NaN.
     [[nodiscard]] SKINCTL_INLINE bool keeps(const JointVelocity<joints, T>& u,
                                             const JointPosition<joints, T>& moved,
                                             const JointRoom<joints, T>& room) const noexcept {
@@ -92,7 +92,8 @@ class ToolSpeed {
       if (!(growth <= rate * v ? v <= most : T(2) * v + growth / rate <= T(3) * most)) return false;
       return stops_inside(u, moved, room, T(T(1) / rate));
     }
-    /// Whether every joint stops within `room` if all brake alike for `time` seconds.
+    /// Whether every joint stops within `room` if all, after `moved`, brake alike from `u` for `time`
+    /// seconds.
     [[nodiscard]] SKINCTL_INLINE bool stops_inside(const JointVelocity<joints, T>& u,
                                                    const JointPosition<joints, T>& moved,
                                                    const JointRoom<joints, T>& room,
@@ -136,7 +137,8 @@ class ToolSpeed {
     return s > T(0) ? s : T(0);
   }
 
-  /// Whether the motion that ends at the velocity `u` after `moved` keeps the limit; see `At::keeps`.
+  /// Whether the motion that ends at the velocity `u` after the displacement `moved` keeps the limit; see
+  /// `At::keeps`.
   [[nodiscard]] SKINCTL_NOINLINE bool keeps(const JointPosition<joints, T>& q,
                                             const JointVelocity<joints, T>& u,
                                             const JointPosition<joints, T>& moved,
@@ -178,8 +180,8 @@ class ToolSpeed {
     return {detail::towards(brake, wish, keeps), true};
   }
 
-  /// As a limit of a scene: motion as far as the way to stop keeps the limit, torques as far as the next
-  /// `going.ahead` seconds do.
+  /// The allowed velocity, as a limit of a scene: motion as far as the way to stop keeps the limit, torques
+  /// as far as the next `going.ahead` seconds do.
   template <class Going, class Also>
   [[nodiscard]] SKINCTL_INLINE Kept within(const Memory&, const Going& going,
                                            const JointVelocity<joints, T>& u, const Also&) const noexcept {
@@ -198,7 +200,7 @@ class ToolSpeed {
   }
 
  private:
-  /// The rate of braking that is planned; a little less than that of braking itself, for rounding.
+  /// The deceleration of joint `i` in plans [rad/s^2]: a little less than it brakes with, for rounding.
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
   }
@@ -244,7 +246,7 @@ struct MaxToolSpeed {
   T reach;                            ///< largest distance of the point from any axis that turns it [m]
 };
 
-/// The limit of a robot that it makes.
+/// The `ToolSpeed` limit that `max` makes of a robot.
 template <RobotModel M, std::size_t N, std::size_t Ix, Real T>
 [[nodiscard]] auto part_for(const M& model, const JointLimits<N, T>& limits, const MaxToolSpeed<Ix, T>& max) {
   return ToolSpeed<M, Ix, T>(model, limits, {max.speed, max.point, max.reach});

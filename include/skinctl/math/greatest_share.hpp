@@ -7,9 +7,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
 
-/// The greatest share in [0, 1), in steps of 2^-`halvings`, for which `keeps(share)` holds, if that holds for
-/// all below the one that is looked for. 0 is not asked for, and returned where nothing else holds.
-/// `halvings` calls.
+/// The greatest share in [0, 1), in steps of 2^-`halvings`, for which `keeps(share)` holds, if that holds
+/// for all smaller ones. 0 is not asked for, and returned where nothing else holds. `halvings` calls.
 template <int halvings, class T, class Keeps>
 [[nodiscard]] SKINCTL_INLINE T greatest_share(const Keeps& keeps) noexcept {
   T share(0), part(0.5);

@@ -7,9 +7,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math {
 
-/// The default: polynomials on lanes. Each function documents its error and range.
+/// The default policy: polynomials on lanes. Each function documents its error and range.
 struct Fast {};
-/// The standard library's function, number by number: more accurate, at several times the cost.
+/// The policy of the standard library's function, number by number: more accurate, at several times the cost.
 struct Libm {};
 
 }  // namespace math

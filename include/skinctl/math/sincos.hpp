@@ -159,7 +159,7 @@ SKINCTL_INLINE void sincos(const skinctl::detail::Row<N, T>& x, T* sin, T* cos) 
   }
 }
 
-/// Of two rows at once: where the last blocks are half full, one register takes both.
+/// Sines and cosines of two rows at once: where the last blocks are half full, one register takes both.
 template <std::size_t N, Real T>
 SKINCTL_INLINE void sincos(const skinctl::detail::Row<N, T>& x, T* sin_x, T* cos_x,
                            const skinctl::detail::Row<N, T>& y, T* sin_y, T* cos_y) noexcept {

@@ -22,7 +22,7 @@ struct ContactEnvironment {
   T force_gain = T(1);       ///< w_f: newtons at the law per newton at the cell, > 0
   Nanoseconds skin_delay{};  ///< t_skin: age of a push when a cycle uses it, >= 0
 
-  /// `k_env k_skin / (k_env + k_skin)` [N/m].
+  /// Stiffness of contact and cover in series, `k_env k_skin / (k_env + k_skin)` [N/m].
   [[nodiscard]] T series() const noexcept {
     return cover > T(0) ? T(stiffness * cover / (stiffness + cover)) : stiffness;
   }
@@ -43,8 +43,8 @@ SKINCTL_COLD void check(const ContactEnvironment<T>& e) {
 ///
 ///     g(s) = w_f n'J (M s^2 + B s)^-1 J'n (1 + T_lead s) exp(-s t_skin) H
 ///
-/// with H the robot as cycles see it, delay, lag, hold and samples, and T_lead the force lead
-/// (`detail::ContactPath`). M and B are the configured inertia and friction, of joints and of the tool
+/// with H the robot as cycles see it, delay, lag, hold and samples, T_lead the force lead, and t_skin the age
+/// of a push (`detail::ContactPath`). M and B are the configured inertia and friction, of joints and the tool
 /// (`Tool`, as in the resolver). A contact of stiffness k before a wall is stable up to where `k g`
 /// passes -1; before a free body of mass m, up to where `1/k + 1/(m s^2) + g` passes 0: a light body gives
 /// way with the robot. Simulated over predicted stiffness of a wall: within 2 %. A contact is given by its
@@ -65,14 +65,15 @@ class ContactStability {
     skinctl::check(e);
   }
 
-  /// The delay of the loop for slow motion [s], T_d + t_skin + tau + dt/2 or a little more.
+  /// The delay of the loop for slow motion [s]: declared delay, age of a push, lag and half a period, or a
+  /// little more.
   [[nodiscard]] T total_delay() const noexcept { return path_.total_delay(); }
   [[nodiscard]] const detail::ContactPath<T>& path() const noexcept { return path_; }
 
   /// Inertia and friction of the virtual robot at a pose.
   struct Felt {
-    MassMatrix<joints, T> inertia;   ///< M_v
-    MassMatrix<joints, T> friction;  ///< B
+    MassMatrix<joints, T> inertia;   ///< M_v, mass matrix of the virtual robot
+    MassMatrix<joints, T> friction;  ///< B, friction matrix [N m s/rad]
   };
   [[nodiscard]] Felt felt(const JointPosition<joints, T>& q) const {
     Felt out{mass_matrix(model_, q), {}};
@@ -93,7 +94,8 @@ class ContactStability {
     return {robot.inertia, robot.friction};
   }
 
-  /// `g(i w)` [m/N] of a contact, `row` in [m/rad].
+  /// The loop's response `g(i w)` [m/N] for a contact with the row `row` [m/rad], at the frequency `w`
+  /// [rad/s].
   [[nodiscard]] std::complex<T> response(const Modes& robot, const Row& row, const T& w) const {
     T mode[joints];
     robot.row(row, mode);

@@ -41,7 +41,7 @@ class EnergyTank {
   struct Settings {
     T start = T(1);      ///< initial energy [J], >= 0
     T max = T(5);        ///< capacity [J], >= start
-    T port_gain = T(1);  ///< weight with which the law takes the contacts' torque; another one is active
+    T port_gain = T(1);  ///< weight of the contacts' torque in the law; what differs from it is active
     /// Damping of a robot by torque, in proportion to its mass, times the share that the tank lacks [1/s].
     T damping = T(2);
   };
@@ -56,7 +56,7 @@ class EnergyTank {
   struct Memory {
     T energy = T(0);
     T kinetic = T(0);          ///< kinetic energy at the last sub-step [J]
-    T explained = T(0);        ///< part of its change since that is work or friction [J]
+    T explained = T(0);        ///< part of the change of kinetic energy that is work or friction [J]
     JointTorque<N, T> port;    ///< torque of the port in the last sub-step [N m]
     JointTorque<N, T> active;  ///< part of the active torque that was paid for [N m]
     MassMatrix<N, T> mass;     ///< mass matrix of the last sub-step
@@ -64,14 +64,14 @@ class EnergyTank {
     bool paid = false;         ///< a sub-step is to be charged
     Foresight<N> foresight;
   };
-  /// For a torque interface: the torque that was sent, by its parts.
+  /// The memory for a torque interface: the torque that was sent, by its parts.
   template <std::size_t N>
   struct Held {
     T energy = T(0);
-    JointTorque<N, T> passive;  ///< the part without cost: port, gravity, friction
+    JointTorque<N, T> passive;  ///< part of the torque without cost: port, gravity, friction [N m]
     JointTorque<N, T> port;     ///< contacts' part of the passive torque [N m]
     JointTorque<N, T> gravity;
-    JointTorque<N, T> active;  ///< the remainder
+    JointTorque<N, T> active;  ///< remainder of the torque, for which the tank pays [N m]
     bool counts = false;       ///< the values above are valid
     Foresight<N> foresight;
     detail::ActedTorque<N, T> passives, actives;  ///< torques of the last cycles, of which one acts now
@@ -95,8 +95,8 @@ class EnergyTank {
     return m;
   }
 
-  /// A sub-step begins with mass matrix `m` (virtual inertia included) and velocity `v`: an unexplained gain
-  /// of kinetic energy is charged.
+  /// Charges an unexplained gain of kinetic energy, at the beginning of a sub-step with the mass matrix `m`
+  /// (virtual inertia included) and the velocity `v`.
   template <std::size_t N>
   SKINCTL_INLINE void charge(Memory<N>& memory, const MassMatrix<N, T>& m,
                              const JointVelocity<N, T>& v) const noexcept {
@@ -112,9 +112,10 @@ class EnergyTank {
     memory.mass = m;
   }
 
-  /// The share of the law's active part that is paid for, given the velocity after the sub-step with all of
-  /// it. `without()` gives the velocity with none, and is called only if the tank does not hold enough. The
-  /// displacement is that of the mean velocity: `w1 = h tau_a . (v + v0)/2`, `w2 = h tau_a . (v1 - v0)/2`.
+  /// The share of the law's active part that is paid for. `v1` is the velocity after the sub-step with all of
+  /// that part, and becomes that with the share; `without()` gives the velocity v0 with none, and is called
+  /// only if the tank does not hold enough. The displacement is that of the mean velocity:
+  /// `w1 = h tau_a . (v + v0)/2`, `w2 = h tau_a . (v1 - v0)/2`.
   ///
   /// @param port    tau_contact, the contacts' own torque [N m].
   /// @param active  the law's torque less G(q) and less `port_gain * port`.
@@ -132,8 +133,9 @@ class EnergyTank {
     return share;
   }
 
-  /// The virtual robot moved by `dq` in `h` seconds: charges the work of the ports and of the friction. Where
-  /// no law drove it, the kinetic energy is computed anew.
+  /// Books a motion of the virtual robot by `dq` in `h` seconds: charges the work of the active torque, and
+  /// notes that of port and friction as explained. Where no law drove it, the kinetic energy is computed
+  /// anew.
   template <std::size_t N>
   SKINCTL_INLINE void book(Memory<N>& memory, const JointPosition<N, T>& dq,
                            const VirtualDynamics<N, T>& shape, const T& h) const noexcept {
@@ -162,11 +164,11 @@ class EnergyTank {
     return m;
   }
 
-  /// The real robot moved by `dq` in `dt` seconds under the torque that acted, to a position with the torques
-  /// `gravity` and `port`: charges the work of its active part, and that work of its passive part which is
-  /// none of port, gravity or friction (they changed since it was sent).
+  /// Books a motion of the real robot by `dq` in `dt` seconds under the torque that acted, to a position with
+  /// the torques `gravity` and `port`: charges the work of its active part, and that work of its passive part
+  /// which is none of port, gravity or friction (they changed since it was sent).
   ///
-  /// @param delay  from a torque that is sent until it acts [s].
+  /// @param delay  time from sending a torque until it acts [s].
   template <std::size_t N>
   SKINCTL_INLINE void book(Held<N>& memory, const JointPosition<N, T>& dq, const JointTorque<N, T>& port,
                            const JointTorque<N, T>& gravity, const T& dt, const T& delay) const noexcept {
@@ -208,7 +210,7 @@ class EnergyTank {
     foresee(memory.foresight, v, v1, h, all);
     return share;
   }
-  /// The torque that is sent, after limits and guard.
+  /// Takes the torque that is sent, after limits and guard, with its parts.
   template <std::size_t N>
   SKINCTL_INLINE void sent(Held<N>& memory, const JointTorque<N, T>& torque, const JointTorque<N, T>& passive,
                            const JointTorque<N, T>& port, const JointTorque<N, T>& gravity) const noexcept {
@@ -218,7 +220,7 @@ class EnergyTank {
     memory.active = torque - passive;
     memory.counts = true;
   }
-  /// Another torque was sent instead: what it moves was not predicted.
+  /// Takes another torque that was sent instead: the motion by it was not predicted.
   template <std::size_t N>
   SKINCTL_INLINE void sent(Held<N>& memory, const JointTorque<N, T>& torque) const noexcept {
     memory.active = torque - memory.passive;
@@ -229,8 +231,8 @@ class EnergyTank {
  private:
   static constexpr T fading = T(0.998), headroom = T(2), reserve = T(1e-3);
 
-  /// The joints moved by `dq` under the torque `active`: how far beyond what was predicted, along that
-  /// torque.
+  /// Learns from a motion by `dq` under the torque `active` how far joints went beyond the predicted motion,
+  /// along that torque.
   template <std::size_t N>
   static SKINCTL_INLINE void learn(Foresight<N>& foresight, const JointTorque<N, T>& active,
                                    const JointPosition<N, T>& dq) noexcept {
@@ -243,14 +245,14 @@ class EnergyTank {
     }
   }
 
-  /// `h` seconds of a motion that goes from `v` to `v1` in `all` seconds.
+  /// Predicts the displacement in `h` seconds of a motion that goes from `v` to `v1` in `all` seconds.
   template <std::size_t N>
   static SKINCTL_INLINE void foresee(Foresight<N>& foresight, const JointVelocity<N, T>& v,
                                      const JointVelocity<N, T>& v1, const T& h, const T& all) noexcept {
     for (std::size_t i = 0; i < N; ++i) foresight.ahead[i] = h * (v[i] + T(0.5) * (h / all) * (v1[i] - v[i]));
     foresight.valid = true;
   }
-  /// What `active` costs at joint `i` while it goes from `v` to `v1` in `h` seconds, surprises included [J].
+  /// The cost of `active` at joint `i` while it goes from `v` to `v1` in `h` seconds, surprises included [J].
   template <std::size_t N>
   static SKINCTL_INLINE T cost_of(const Foresight<N>& foresight, std::size_t i, const T& active, const T& v,
                                   const T& v1, const T& h) noexcept {
@@ -269,7 +271,7 @@ class EnergyTank {
   /// The share of `drives` for which the tank pays beside all of `brakes`, and the velocity to which both
   /// lead in place of `v1`, to which all of it leads.
   ///
-  /// @param v0  to which `brakes` leads alone.
+  /// @param v0  the velocity to which `brakes` leads alone.
   template <class Of, std::size_t N>
   SKINCTL_INLINE T share_of(const Of& memory, const JointTorque<N, T>& brakes,
                             const JointTorque<N, T>& drives, const JointVelocity<N, T>& v,

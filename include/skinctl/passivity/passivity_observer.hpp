@@ -33,7 +33,7 @@ class PassivityObserver {
   using RobotPart = detail::PassivityPart;
   static constexpr bool of_virtual_robot = true;
   struct Settings {
-    T start = T(1);        ///< E_0 [J], >= 0
+    T start = T(1);        ///< E_0: energy at the start [J], >= 0
     T max = T(5);          ///< energy beyond this is discarded [J], >= start
     T stiffness = T(3e4);  ///< k_max: stiffest contact, the skin's cover in series [N/m], > 0
     /// Longest lever of each joint to a point that may be touched [m]; the last one applies to all further
@@ -81,8 +81,8 @@ class PassivityObserver {
     return m;
   }
 
-  /// A cycle's contacts and measured position. `each_pending(f)` calls `f(dq)` for every command under way,
-  /// dq the displacement from the measured position to the commanded one.
+  /// Books a cycle's contacts and measured position. `each_pending(f)` calls `f(dq)` for every command under
+  /// way, dq the displacement from the measured position to the commanded one.
   ///
   /// @param cycles  number of cycles for which a command is under way: a growing push is extrapolated by
   ///                them.
@@ -162,7 +162,7 @@ class PassivityObserver {
 
  private:
   static constexpr double creeping = 1.0 / 16;  ///< share of the reserve for motions without energy
-  static constexpr double outward_by = 1.001;  ///< for rounding: a motion that leaves a contact does leave it
+  static constexpr double outward_by = 1.001;   ///< factor for rounding: what leaves a contact does leave it
 
   template <std::size_t N, class Q>
   static SKINCTL_INLINE T along(const T (&row)[N], const Q& dq) noexcept {

@@ -31,8 +31,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// What a robot with a delay lacks is felt mass: as heavy as what touches it, it answers in time. The refusal
 /// says by which factor the virtual robot has to be heavier; force gains, virtual damping and viscous
 /// friction divided by it give that mass, and the friction that is felt stays. A heavy robot with little
-/// friction is at rest on a wall, but bounces on it for long: there a force lead of 2 T damps. A factor of
-/// hundreds is that of a light joint, such as a flange that turns: it needs virtual inertia of its own.
+/// friction is at rest on a wall, but bounces on it for long: there a force lead of twice the total delay
+/// damps. A factor of hundreds is that of a light joint, such as a flange that turns: it needs virtual
+/// inertia of its own.
 struct StiffestContact {
   using RobotPart = detail::StiffestContactPart;
   static constexpr bool of_virtual_robot = true;
@@ -43,14 +44,14 @@ struct StiffestContact {
   /// Loss factor of the cover and of what it touches, the tangent of the loss angle, 0 to 1: rubber and foam
   /// 0.1, tissue more. Default: 0.1 before a body, 0 before a wall.
   std::optional<double> loss = {};
-  double newtons = 0;        ///< newtons at a cell per unit of its force readings; 0: the law takes what acts
+  double newtons = 0;        ///< newtons at a cell per unit of its readings; 0: the law gets the force itself
   Nanoseconds skin_delay{};  ///< age of a push when a cycle uses it, >= 0
   /// Required gain margin of one contact, >= 1. Default: 2 before a wall; 1 before a body, where the loop
   /// errs on the safe side.
   std::optional<double> margin = {};
   /// Required gain margin of two contacts at once, >= 1. Default: 1.5 before walls, 1 before bodies.
   std::optional<double> margin_of_two = {};
-  int poses = 8;  ///< 1 to 10 000
+  int poses = 8;  ///< number of poses, 1 to 10 000
 
   /// The factor by which the virtual robot has to be felt heavier, so that all contacts have the required
   /// margins; less than 1 where it may be lighter. At least 1/64.
@@ -80,7 +81,7 @@ struct StiffestContact {
     return mobility > 0 ? 1 / mobility : std::numeric_limits<double>::infinity();
   }
 
-  /// Empty if all contacts rest; otherwise what is lacking.
+  /// The text of a refusal, with the factor by which felt mass is lacking; empty if all contacts rest.
   template <DescribedRobot R, class Skin>
   [[nodiscard]] SKINCTL_COLD std::string warning(const R& robot, const Skin& skin) const {
     static_assert(R::interface != Interface::torque,
@@ -104,14 +105,14 @@ struct StiffestContact {
  private:
   static constexpr double min_mass = 1.0 / 64;  ///< lightest mass of the search, over the felt one
   static constexpr double max_mass = 1e6;       ///< heaviest mass of the search, over the felt one
-  static constexpr int halvings = 10;           ///< of the ratio of two masses: known to 0.1 %
+  static constexpr int halvings = 10;           ///< steps of the search for a mass: known to 0.1 %
 
   /// The contacts at one pose.
   template <std::size_t N>
   struct Pose {
     detail::ContactModes<N, double> robot;
-    std::vector<std::array<double, N>> rows;  ///< in modes
-    std::vector<double> gains;
+    std::vector<std::array<double, N>> rows;  ///< rows of the contacts in modes
+    std::vector<double> gains;                ///< force gains of the contacts
   };
   template <std::size_t N>
   struct AllContacts {
@@ -184,7 +185,7 @@ struct StiffestContact {
     return out;
   }
 
-  /// Calls `f(tau, w_f)` for contacts all over the robot, tau the torque of one newton.
+  /// Calls `f(tau, w_f)` for contacts all over the robot: tau the joint torque of one newton, w_f the gain.
   template <class M, std::size_t N, class T, class Skin, class F>
   void each_contact(const M& model, const JointPosition<N, T>& q, const Skin& skin, F&& f) const {
     constexpr LinkMask all = all_links(N);
@@ -227,7 +228,7 @@ struct StiffestContact {
       return NoToolShape{};
     }
   }
-  /// Of the `i`-th prime, 0 to 1.
+  /// The `n`-th number of the Halton sequence of the `i`-th prime, 0 to 1.
   [[nodiscard]] static double halton(unsigned n, std::size_t i) {
     constexpr unsigned primes[16] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
     const unsigned base = primes[i % 16];
@@ -236,7 +237,7 @@ struct StiffestContact {
     return x;
   }
 
-  /// How many times too stiff contacts are for a virtual robot that is felt `factor` times heavier.
+  /// The factor by which contacts are too stiff for a virtual robot that is felt `factor` times heavier.
   template <std::size_t N>
   [[nodiscard]] double lack(const AllContacts<N>& all, std::size_t pose, std::size_t one, std::size_t two,
                             double factor) const {

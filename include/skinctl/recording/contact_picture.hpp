@@ -20,7 +20,7 @@ class ContactPicture {
   static constexpr std::size_t max_cells = 8192, most = 64;
 
   /// @param skin     cells on the links whose places `find` is told.
-  /// @param newtons  of a sum of readings of 1.
+  /// @param newtons  force at which a cell's readings add up to 1 [N].
   /// Throws `ConfigurationError` for more than 8192 cells, or another number of ids.
   ContactPicture(const PressedCells& skin, double newtons)
       : finder_(skin.places, CellGraph(skin.places)),
@@ -42,7 +42,7 @@ class ContactPicture {
     if (n < rest) rest = n;
     push_[found->second] = n - rest;
   }
-  /// The contacts where the links are at `links`, in the base; at most 64.
+  /// The contacts in the base, with the links at `links`; at most 64.
   [[nodiscard]] std::span<const ContactPoint> find(Nanoseconds now, const std::vector<LinkPlace>& links) {
     struct {
       void add(const PressedArea<double>&) noexcept {}

@@ -56,10 +56,10 @@ class CycleBytes {
         input.sensed, [&](const auto& samples) { size += 4 + samples.size() * taxel_size(samples); });
     return size;
   }
-  /// And of a beginning.
+  /// A bound on the bytes of a beginning.
   static constexpr std::size_t fixed_size = sizeof(Input) + sizeof(Command) + 64;
 
-  /// Writes a cycle into `out`, which has room for `most(input)` bytes.
+  /// Writes a cycle into `out`, which has room for `max_size(input)` bytes.
   template <class Out>
   static void write(Out& out, const Input& input, const Command& command) noexcept {
     out.put(input.now.count());

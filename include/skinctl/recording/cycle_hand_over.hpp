@@ -39,13 +39,13 @@ class CycleHandOver {
   /// A ring of `bytes`, a power of two from 4 KiB to 1 GiB, else `ConfigurationError`.
   explicit CycleHandOver(std::size_t bytes = std::size_t(16) << 20) : ring_(bytes) {}
 
-  /// The scene starts at `measured`.
+  /// Hands over the start of the scene at `measured`.
   void start(const typename Format::State& measured) noexcept { put_start(measured, nullptr); }
-  /// The scene starts with a robot at `measured` that was told to be at `told`.
+  /// Hands over the start of the scene with a robot at `measured` that was told to be at `told`.
   void start(const typename Format::State& measured, const typename Format::Position& told) noexcept {
     put_start(measured, &told);
   }
-  /// A cycle. `watch[stage]` gives the times; a `NoStopwatch` gives zeros.
+  /// Hands over a cycle. `watch[stage]` gives the times; a `NoStopwatch` gives zeros.
   template <class Watch>
   void operator()(const Input& input, const Output& out, const Watch& watch) noexcept {
     const auto number = number_++;
@@ -92,7 +92,7 @@ class CycleHandOver {
   }
   /// Share of the ring that is not given back yet; for the loop's thread.
   [[nodiscard]] double used() const noexcept { return double(ring_.used()) / double(ring_.bytes()); }
-  /// Cycles that found no room.
+  /// Number of cycles that found no room.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return ring_.dropped(); }
 
  private:

@@ -80,7 +80,7 @@ class CycleRing {
     }
     return records;
   }
-  /// Records that found no room. Any thread.
+  /// Number of records that found no room; for any thread.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
   /// Producer: bytes that the consumer has not given back yet.
   [[nodiscard]] std::size_t used() const noexcept {

@@ -19,10 +19,10 @@ class CycleConsumer {
  public:
   using Beginning = typename CycleBytes<C>::Beginning;
   virtual ~CycleConsumer() = default;
-  /// The scene starts. `bytes` are those of `CycleBytes`.
+  /// Takes the start of the scene. `bytes` are those of `CycleBytes`.
   virtual void start(const Beginning& begin, std::span<const unsigned char> bytes) = 0;
   virtual void cycle(const CycleRecord<C>& record) = 0;
-  /// All cycles so far were handed out; about every 2 ms. `dropped` found no room.
+  /// Called about every 2 ms, when all cycles so far have been handed out; `dropped` cycles found no room.
   virtual void pause(std::uint64_t dropped) { static_cast<void>(dropped); }
 };
 
@@ -41,12 +41,12 @@ class CycleThread {
   CycleThread(const CycleThread&) = delete;
   CycleThread& operator=(const CycleThread&) = delete;
 
-  /// The loop: the scene starts at `measured`, perhaps told to be elsewhere.
+  /// For the loop: hands over the start of the scene at `measured`, perhaps told to be elsewhere.
   template <class... Told>
   void start(const typename Format::State& measured, const Told&... told) noexcept {
     hand_over_.start(measured, told...);
   }
-  /// The loop: a cycle.
+  /// For the loop: hands over a cycle.
   template <class Watch>
   void operator()(const typename C::Input& input, const typename C::Output& out,
                   const Watch& watch) noexcept {
@@ -56,7 +56,7 @@ class CycleThread {
   void wait() const {
     while (hand_over_.used() > 0.5) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  /// After the loop: what is still in the ring is handed out, the thread ends.
+  /// Ends the thread, after the loop: what is still in the ring is handed out.
   void finish() {
     ending_.store(true, std::memory_order_release);
     if (thread_.joinable()) thread_.join();

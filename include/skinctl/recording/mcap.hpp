@@ -35,10 +35,10 @@ struct McapChannel {
 /// Writes an MCAP file (profile `ros2`): uncompressed chunks with CRC, their message indexes, a summary at
 /// the end.
 ///
-/// A chunk is closed when it holds 1 MiB, or spans 1 s: that much is lost if the program is killed. Schemas
-/// and channels stand in the first chunk that uses them, so that a file without its end can still be read.
-/// Where the sink refuses a chunk (a full disk), its messages are counted in `lost()` and the next chunk is
-/// tried. Not for the loop: it allocates.
+/// A chunk is closed when it holds 1 MiB, or spans 1 s (`McapOptions`): that much is lost if the program is
+/// killed. Schemas and channels stand in the first chunk that uses them, so that a file without its end can
+/// still be read. Where the sink refuses a chunk (a full disk), its messages are counted in `lost()` and
+/// the next chunk is tried. Not for the loop: it allocates.
 template <McapSink Sink>
 class McapWriter {
  public:
@@ -53,7 +53,7 @@ class McapWriter {
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
 
-  /// A topic with messages of a ROS 2 type, in CDR. Throws `ConfigurationError` beyond 65 000 topics.
+  /// Adds a topic with messages of a ROS 2 type, in CDR. Throws `ConfigurationError` beyond 65 000 topics.
   [[nodiscard]] McapChannel channel(const std::string& topic, const MessageType& type) {
     const auto known = std::find_if(summary_.schemas.begin(), summary_.schemas.end(),
                                     [&](const auto& s) { return s.name == type.name; });
@@ -66,12 +66,12 @@ class McapWriter {
     }
     return add({0, id, topic, "cdr", {{"topic_type_hash", type.hash}}});
   }
-  /// A topic whose messages have no schema, in an encoding of its own.
+  /// Adds a topic whose messages have no schema, in an encoding of its own.
   [[nodiscard]] McapChannel channel(const std::string& topic, const std::string& encoding) {
     return add({0, 0, topic, encoding});
   }
-  /// Facts about the file, by name. They stand where they are written, between chunks. False if the sink
-  /// refused.
+  /// Writes facts about the file, by name. They stand where they are written, between chunks. False if the
+  /// sink refused.
   bool metadata(const std::string& name, const std::map<std::string, std::string>& facts) {
     using namespace detail::mcap;
     if (!flush()) return false;
@@ -83,11 +83,12 @@ class McapWriter {
     summary_.metadata_names.push_back(name);
     return true;
   }
-  /// A message, numbered from 0 in its topic. Times before 1970 count as 0. False if a chunk was refused.
+  /// Writes a message, numbered from 0 in its topic. Times before 1970 count as 0. False if a chunk was
+  /// refused.
   bool write(McapChannel channel, Nanoseconds time, std::span<const unsigned char> bytes) {
     return write(channel, time, bytes, sequence_[channel.id - 1u]);
   }
-  /// A message with a sequence number of the caller's: a gap says that messages are missing.
+  /// Writes a message with a sequence number of the caller's: a gap says that messages are missing.
   bool write(McapChannel channel, Nanoseconds time, std::span<const unsigned char> bytes,
              std::uint32_t sequence) {
     using namespace detail::mcap;
@@ -138,11 +139,11 @@ class McapWriter {
     ready();
     return append(summary_.close(at_)) && flushed;
   }
-  /// Messages in chunks that the sink refused.
+  /// Number of messages in chunks that the sink refused.
   [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
-  /// Messages that the sink took.
+  /// Number of messages that the sink took.
   [[nodiscard]] std::uint64_t written() const { return summary_.messages(); }
-  /// Bytes that the sink took.
+  /// Number of bytes that the sink took.
   [[nodiscard]] std::uint64_t size() const noexcept { return at_; }
 
  private:
@@ -154,7 +155,7 @@ class McapWriter {
     sequence_.push_back(0);
     return {summary_.channels.back().id};
   }
-  /// The schema and the channel stand before the first message; if that chunk is lost, in the next one again.
+  /// Writes schema and channel before the first message; if that chunk is lost, in the next one again.
   void announce(McapChannel c) {
     const auto& channel = summary_.channels[c.id - 1u];
     if (announced_[c.id]) return;
@@ -163,7 +164,7 @@ class McapWriter {
     announced_[c.id] = true;
     announced_now_.push_back(c.id);
   }
-  /// The head of the file is there; one that was refused is tried again, before anything else.
+  /// Whether the head of the file is there; one that was refused is tried again, before anything else.
   bool ready() {
     if (!begun_ && sink_.write(head_)) begun_ = true, at_ = head_.size();
     return begun_;

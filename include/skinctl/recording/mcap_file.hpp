@@ -45,7 +45,7 @@ class FileSink {
     size_ += bytes.size();
     return true;
   }
-  /// Writes that did not fit.
+  /// Number of writes that did not fit.
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 
  private:
@@ -86,7 +86,7 @@ class MappedFile {
 
 /// The result of `recover`.
 struct Recovered {
-  bool was_whole = false;  ///< nothing was to be done
+  bool was_whole = false;  ///< whether the file was whole, and is not touched
   std::uint64_t messages = 0;
   std::uint64_t cut = 0;  ///< bytes removed behind the last whole chunk
   std::string left_out;   ///< messages that were not counted, in words: they stay; empty: none

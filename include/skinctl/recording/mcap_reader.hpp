@@ -11,7 +11,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A message of a file; it lies there.
+/// A message of a file; its bytes lie in the file's.
 struct McapMessage {
   const detail::mcap::Channel& channel;
   Nanoseconds time{};
@@ -27,10 +27,10 @@ struct McapContents {
   detail::mcap::Summary summary;  ///< summary of the records that were read, not the file's own
   std::map<std::string, detail::mcap::Texts> metadata;
   std::uint64_t data_end = 0;  ///< end of the data's last whole record, in bytes from the file's beginning
-  /// Behind the last whole record that is no message index; indexes from here to `data_end` belong to the
-  /// last chunk.
+  /// End of the last whole record that is no message index, in bytes from the file's beginning; indexes from
+  /// here to `data_end` belong to the last chunk.
   std::uint64_t last_unit_end = 0;
-  std::uint64_t damaged = 0;     ///< chunks whose CRC is wrong, or whose records are none
+  std::uint64_t damaged = 0;     ///< chunks whose CRC is wrong, or whose records are not valid
   std::uint64_t compressed = 0;  ///< whole chunks in a compression: not read
   std::string compression;       ///< name of the compression, as in the file
   std::uint64_t unknown = 0;     ///< messages outside of chunks whose channel was not announced
@@ -218,8 +218,8 @@ class FrontToBack {
     }
     return true;
   }
-  /// A schema, channel or message. Messages are numbered by their channel: one that is not announced before
-  /// is damage.
+  /// Takes a schema, channel or message. A message names its channel by number: one that is not announced
+  /// before is damage.
   Taken take_plain(const Record& r, std::uint64_t first, std::uint64_t last, std::uint16_t& id,
                    std::uint64_t& time) {
     Cursor c(r.content);
@@ -253,7 +253,7 @@ class FrontToBack {
   McapContents& out_;
   Each& each_;
   std::map<std::uint16_t, Channel> channels_;
-  std::vector<bool> schemas_ = std::vector<bool>(65536);  ///< which ids there are
+  std::vector<bool> schemas_ = std::vector<bool>(65536);  ///< whether there is a schema of each id
 };
 
 }  // namespace detail::mcap

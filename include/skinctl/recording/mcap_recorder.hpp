@@ -14,9 +14,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The consumer that writes a file: every cycle as it is replayed, joint states and torque shares of every
-/// cycle, cells, contacts and frames at 30 Hz, the status at 10 Hz, robot and skin once. A full disk costs
-/// messages, which are counted.
+/// The consumer that writes an MCAP file: every cycle as it is replayed, joint states and torque shares of
+/// every cycle, cells, contacts and frames at 30 Hz, the status at 10 Hz, robot and skin once. A full disk
+/// costs messages, which are counted.
 template <class C>
 class McapRecorder : public CycleConsumer<C> {
  public:
@@ -31,14 +31,15 @@ class McapRecorder : public CycleConsumer<C> {
     file_.start(begin.measured.time, bytes);
   }
   void cycle(const CycleRecord<C>& r) override { file_.cycle(numbers_(r)); }
-  /// A loop that stands closes its chunk too.
+  /// Closes the chunk of a loop that stands, too.
   void pause(std::uint64_t dropped) override { file_.pause(dropped); }
-  /// After the thread's end: writes the summary. False if anything was lost on the way; see `report`.
+  /// Writes the summary, after the thread's end. False if a message or a cycle was lost on the way; see
+  /// `lost`.
   bool finish() { return file_.finish(); }
   [[nodiscard]] std::uint64_t cycles() const noexcept { return file_.cycles(); }
-  /// Messages that a full disk refused.
+  /// Number of messages that a full disk refused.
   [[nodiscard]] std::uint64_t lost() const noexcept { return file_.lost(); }
-  /// Bytes of the file.
+  /// Size of the file [bytes].
   [[nodiscard]] std::uint64_t size() const noexcept { return file_.size(); }
 
  private:

@@ -29,9 +29,9 @@ class Recording {
   /// Room for `bytes` bytes; a cycle of a six-joint arm takes about 400 and a sample 44.
   explicit Recording(std::size_t bytes = std::size_t(64) << 20) : bytes_(bytes) {}
 
-  /// The scene starts at `measured`. Discards the earlier recording.
+  /// Begins with a scene that starts at `measured`. Discards the earlier recording.
   void start(const State& measured) noexcept { start(measured, nullptr); }
-  /// The scene starts with a robot at `measured` that was told to be at `told`.
+  /// Begins with a scene whose robot is at `measured` and was told to be at `told`.
   void start(const State& measured, const Position& told) noexcept { start(measured, &told); }
   /// Adds a cycle; nothing is allocated. Without enough room the cycle and all following ones are dropped:
   /// see `full()`.
@@ -46,8 +46,8 @@ class Recording {
   void operator()(const Input& input, const Output& output, const Watch&) noexcept {
     add(input, output.planned);
   }
-  /// The start from bytes that `CycleBytes` wrote. Discards the earlier recording; false, and nothing is left
-  /// of it, for bytes that are no start.
+  /// Begins with a start from bytes that `CycleBytes` wrote. Discards the earlier recording; false, and
+  /// nothing is left of it, for bytes that are no start.
   bool start(std::span<const unsigned char> bytes) {
     detail::ByteReader reader(bytes);
     static_cast<void>(Format::read_beginning(reader));
@@ -147,7 +147,8 @@ class Recording {
     if (seen != cycles_ || reader.short_of_bytes() || reader.left() != 0)
       SKINCTL_THROW("skinctl: the recording " + path + " is damaged or cut short");
   }
-  /// Eight letters, the last of which is the version; what must agree; number of cycles last.
+  /// The head of a file: eight letters, the last of which is the version; `CycleBytes::kind`, which must
+  /// agree; the number of cycles.
   static std::vector<unsigned char> header(std::uint64_t cycles) {
     detail::ByteWriter w(64);
     for (const char c : {'S', 'K', 'I', 'N', 'R', 'E', 'C', '6'}) w.put(c);

@@ -35,9 +35,9 @@ struct PressedCells {
 
 /// A run in words and places, the same for a file, a stream and DDS. Only the joints are needed.
 struct RunDescription {
-  std::vector<std::string> joints{};  ///< names, one for each joint
-  std::vector<std::string> laws{};    ///< one for each torque share; missing ones are numbered
-  std::string urdf{};                 ///< `/robot_description`; empty: none is sent
+  std::vector<std::string> joints{};  ///< names of the joints, one for each
+  std::vector<std::string> laws{};    ///< names of the laws, one for each torque; missing ones are numbered
+  std::string urdf{};                 ///< text of `/robot_description`; empty: none is sent
   std::string layout{};               ///< `/skin/layout`, a skin file in JSON; empty: none is sent
   std::string base = "base_link";
   std::vector<RunFrame> frames{};  ///< frames of `/tf`; empty: none is sent
@@ -46,7 +46,7 @@ struct RunDescription {
   std::vector<SkinCloud::Cell> cells{};  ///< cells of `/skin/cells`; their links are indices into the places
   PressedCells pressed{};                ///< cells of `/skin/contacts`; empty: none is sent
   float newtons = 1;                     ///< force for which a cell's readings add up to 1 [N]
-  Nanoseconds max_age = 100ms;           ///< older cells are marked as stale
+  Nanoseconds max_age = 100ms;           ///< age of a reading above which its cell is marked as stale
 };
 
 /// The links of `D` that move, as frames.

@@ -21,7 +21,7 @@ struct CycleTopic {
   static constexpr const char* cycle_encoding = "x-skinctl-cycle";
 };
 
-/// Writes what `McapRecorder` says of a run.
+/// The MCAP file that `McapRecorder` writes of a run.
 class RunFile {
  public:
   /// Opens `path`, in place of an existing file, and writes `facts` (see `RunIdentity`). `joints` and `laws`
@@ -33,19 +33,19 @@ class RunFile {
   RunFile& operator=(const RunFile&) = delete;
   ~RunFile();
 
-  /// The beginning of a run, by which it replays; robot and skin for those who look at it.
+  /// Writes the beginning of a run, by which it replays; robot and skin for those who look at it.
   void start(Nanoseconds now, std::span<const unsigned char> bytes);
-  /// One cycle, and what is due with it.
+  /// Writes one cycle, and the pictures and the status that are due with it.
   void cycle(const CycleNumbers& numbers);
   /// Closes the chunk after a second; `dropped`: cycles that found no room so far.
   void pause(std::uint64_t dropped);
   /// Writes the summary. False if anything was lost on the way.
   bool finish();
-  /// Cycles that were written.
+  /// Number of cycles that were written.
   [[nodiscard]] std::uint64_t cycles() const noexcept;
-  /// Messages that a full disk refused.
+  /// Number of messages that a full disk refused.
   [[nodiscard]] std::uint64_t lost() const noexcept;
-  /// Bytes of the file.
+  /// Size of the file [bytes].
   [[nodiscard]] std::uint64_t size() const noexcept;
 
  private:

@@ -45,7 +45,7 @@ struct RunIdentity {
   /// The name of the metadata in a file.
   static constexpr const char* name = "skinctl";
 
-  /// As metadata of a file that records `C`.
+  /// The identity as metadata of a file that records `C`.
   template <class C>
   [[nodiscard]] std::map<std::string, std::string> facts() const {
     return {{"scene", scene}, {"build", build}, {"inputs", inputs<C>()}};

@@ -103,7 +103,7 @@ class RunMessages {
     text += "},\"dropped\":" + std::to_string(dropped) + "}";
     return encoded(ros::String{text});
   }
-  /// Any message; it lies in this object until the next one.
+  /// The bytes of any message; they lie in this object until the next one.
   template <class M>
   [[nodiscard]] Bytes encoded(const M& message) {
     for (;;) {

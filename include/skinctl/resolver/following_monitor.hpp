@@ -26,8 +26,8 @@ struct Following {
 /// `sin(w d)/w`. It reports, and proposes a configuration; it does not steer.
 ///
 /// Only a robot that follows counts: cycles in which a joint is beside its commands by more than the dead
-/// band and does not move with them are left out, and so are those up to 10 T before, in which it may have
-/// met an obstacle already. A lag of which the robot shows nothing (it does not move) is not known:
+/// band and does not move with them are left out, and so are those up to ten total delays before, in which it
+/// may have met an obstacle already. A lag of which the robot shows nothing (it does not move) is not known:
 /// `lag_deviation` says so.
 ///
 /// ```
@@ -62,8 +62,8 @@ class FollowingMonitor {
     Part part[3];  ///< sums that count, and the two newest parts, which may still be refused
     JointPosition<N, T> expected, measured, residual;
     Nanoseconds time{};
-    T settling = T(0);     ///< time since the first cycle [s], up to 5 T
-    bool follows = false;  ///< so did the last cycle
+    T settling = T(0);     ///< time since the first cycle [s], up to 5 total delays
+    bool follows = false;  ///< whether the robot followed in the last cycle
   };
 
   /// Throws `ConfigurationError` for a forgetting time out of its range.
@@ -78,7 +78,7 @@ class FollowingMonitor {
     require(forgets >= 1s && forgets <= 3600s, "forgetting time", seconds<double>(forgets), "1 to 3600 s");
   }
 
-  /// After a cycle: `robot` is its resolver's memory.
+  /// Takes the cycle that has just run; `robot` is the group's memory in that of the resolver.
   template <std::size_t History, class UnderWay>
   SKINCTL_INLINE void step(Memory& m,
                            const VirtualJointsMemory<N, T, History, UnderWay>& robot) const noexcept {
@@ -111,7 +111,7 @@ class FollowingMonitor {
     m.follows = follows;
   }
 
-  /// The estimate by now.
+  /// The estimates from the cycles so far; deviations are infinite where too little is known.
   [[nodiscard]] SKINCTL_COLD Following<N, T> estimate(const Memory& m) const noexcept {
     using std::sqrt;
     const Part& all = m.part[0];
@@ -146,8 +146,8 @@ class FollowingMonitor {
     return out;
   }
 
-  /// The description with the lag that was found, if that is known to `certain`; otherwise as it was. Less
-  /// than nothing is taken off the delay.
+  /// The configuration with the lag that was found, if its deviation is at most `certain`; otherwise `now`. A
+  /// negative lag is taken off the delay.
   [[nodiscard]] SKINCTL_COLD RobotConfiguration<N, T> proposed(const RobotConfiguration<N, T>& now,
                                                                const Memory& m,
                                                                Nanoseconds certain = 2ms) const {
@@ -164,7 +164,7 @@ class FollowingMonitor {
   }
 
  private:
-  static constexpr double delays = 5;           ///< total delays in a part that is refused as a whole
+  static constexpr double delays = 5;           ///< length of a part that counts or not, in total delays
   static constexpr double follows_from = 0.25;  ///< share of the expected speed from which on a joint follows
   static constexpr double moving = 1e-3;  ///< mean squared speed above the noise of encoders [rad^2/s^2]
 

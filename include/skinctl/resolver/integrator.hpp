@@ -18,7 +18,8 @@ struct CrankNicolson {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.middle = true};
   static constexpr bool midpoint = true;
-  /// Of numbers, or of rows of joints: `b = h B` >= 0, `m` = M > 0. With one division: it is waited for.
+  /// The weight of the new velocity in the friction, for numbers or rows of joints, by `b = h B` >= 0 and the
+  /// mass `m` > 0. With one division: it is waited for.
   template <class Z>
   static SKINCTL_INLINE Z weight(const Z& b, const Z& m) noexcept {
     return (b * (b + Z(2) * m) + Z(3) * (m * m)) / (b * (b + Z(3) * m) + Z(6) * (m * m));
@@ -32,6 +33,7 @@ struct SemiImplicitEuler {
   using RobotPart = detail::IntegratorPart;
   static constexpr Needs needs{.angles = true};
   static constexpr bool midpoint = false;
+  /// The weight of the new velocity in the friction: 0, or `1 - m/b` where `b = h B` is above the mass `m`.
   template <class Z>
   static SKINCTL_INLINE Z weight(const Z& b, const Z& m) noexcept {
     const auto fast = b > m;

@@ -16,13 +16,13 @@ struct Interval {
   Status status;
   /// Time of the cycle, `to` unless the clock went back.
   Nanoseconds seen{};
-  /// The clock had leapt and is back: what has a stamp is to be moved by `from` minus the last cycle's time.
+  /// Whether the clock had leapt and is back: stamps are to be moved by `from` minus the last cycle's time.
   bool clock_set = false;
-  /// Time by which earlier cycles came too soon: the servo has it still to give.
+  /// Time by which earlier cycles came too soon, up to a period: left to the servo for this command.
   Nanoseconds carried{};
 
-  /// The time in which a robot with this period carries the cycle's command out: a period, however late the
-  /// cycle is.
+  /// The time in which a robot with this period carries the cycle's command out: at most a period, however
+  /// late the cycle is.
   [[nodiscard]] constexpr Nanoseconds given(Nanoseconds period) const noexcept {
     const Nanoseconds all = to - from + carried;
     return all < period ? all : period;
@@ -38,7 +38,7 @@ struct Interval {
 
 namespace detail {
 
-/// No time: the clock has not gone back.
+/// The time in place of a refused one: the clock has not gone back.
 inline constexpr Nanoseconds no_time = Nanoseconds::min();
 
 /// The interval from `last` to `now`, sub-steps not yet chosen. A clock that goes back is not believed once,
@@ -56,13 +56,13 @@ inline constexpr Nanoseconds no_time = Nanoseconds::min();
   if (now - last > longest) return {now - longest, now, 0, Reason::interval_too_long, now};
   return {last, now, 0, {}, now};
 }
-/// What a cycle that integrates nothing remembers of its time.
+/// The time that a cycle without an interval remembers: its own where the clock went back, else `no_time`.
 [[nodiscard]] SKINCTL_INLINE Nanoseconds odd_time_of(const Interval& interval) noexcept {
   return interval.status.has(Reason::time_backwards) && is_plausible(interval.seen) ? interval.seen : no_time;
 }
 
-/// Takes the length of an interval. A hundred in a row below a hundredth of the period: the clock counts in
-/// another unit (microseconds, milliseconds), or the robot's hardly runs.
+/// Counts in `in_a_row` the intervals below a hundredth of the period; from a hundred in a row on
+/// `interval_too_short`: the clock counts in another unit (microseconds, milliseconds), or hardly runs.
 [[nodiscard]] SKINCTL_INLINE Status note_length(std::uint8_t& in_a_row, const Interval& interval,
                                                 Nanoseconds period) noexcept {
   constexpr int of_period = 100;

@@ -17,7 +17,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The virtual robot's joints, the commands under way, the last good measurement. Trivially copyable; a
 /// default value has not been started and gives no valid command.
-/// @tparam UnderWay  memory of their servo.
+/// @tparam UnderWay  memory of the joints' servo.
 template <std::size_t N, Real T, std::size_t History, class UnderWay = CommandsUnderWay<N, T, History>>
 struct VirtualJointsMemory {
   bool started = false;
@@ -25,7 +25,7 @@ struct VirtualJointsMemory {
   bool displaced = false;     ///< a gap beyond the largest one, which waits for consent
   bool brakes = false;        ///< the robot brakes: a stop, no measurement of the real robot, or displaced
   bool seen = false;          ///< the robot has been measured since the first command
-  bool gap_told = false;      ///< g began as the gap to where the robot says that it was told to be
+  bool gap_told = false;      ///< whether g began as the gap to the position that the robot was told last
   std::uint64_t returns = 0;  ///< bit i: the leash pulls joint i back
   std::uint64_t cut = 0;      ///< bit i: the leash held joint i back since the last measurement
   Nanoseconds time{};         ///< time of the virtual state
@@ -35,9 +35,9 @@ struct VirtualJointsMemory {
   JointAcceleration<N, T> last;     ///< dv/dt of the last sub-step; with limits of jerk at its end [rad/s^2]
   State<N, T> measured;             ///< the last good measurement, less the gap and what contacts deflect
   JointPosition<N, T> residual;  ///< r: measured position less the position that the commands brought [rad]
-  JointPosition<N, T> gap;       ///< g: way of the robot away from its commands, by itself [rad]
-  JointPosition<N, T> farthest;  ///< measured place from which a way on the side of r is such [rad]
-  T held_for[N] = {};            ///< time for which the leash has held back a joint that rests, up to 5 T [s]
+  JointPosition<N, T> gap;       ///< g: distance that the robot moved away from its commands, by itself [rad]
+  JointPosition<N, T> farthest;  ///< farthest measured position: motion beyond it may be a gap [rad]
+  T held_for[N] = {};  ///< time for which the leash has held back a joint at rest, up to 5 total delays [s]
   detail::RunningPosition<N, T> sent;    ///< velocity interface: the integral of the sent velocities [rad]
   detail::RunningPosition<N, T> offset;  ///< velocity interface: corrections of q^ without motion [rad]
   UnderWay under_way;
@@ -56,7 +56,7 @@ struct VirtualGroups<T, History, std::tuple<Groups...>> {
   using Memory = PlainTuple<VirtualJointsMemory<Groups::count, T, History, UnderWay<Groups>>...>;
 };
 
-/// What joints by torque remember beside their measurement.
+/// Memory of joints by torque, beside their measurement.
 template <std::size_t N, Real T, bool HasTank>
 struct DrivenMemory {
   struct NoTank {};
@@ -99,7 +99,7 @@ struct ResolverMemory {
   [[no_unique_address]] std::conditional_t<one_group, detail::HeldByGroup, detail::WholeRobot<N, T>> whole;
   [[no_unique_address]] typename PassivityParts::template Memory<N> passivity;
 
-  /// The virtual joints of the stiff group `K`.
+  /// The virtual joints of the stiff group `K`, which takes positions or velocities.
   template <std::size_t K = 0>
   [[nodiscard]] SKINCTL_INLINE auto& group() noexcept {
     return detail::element<K>(stiff);

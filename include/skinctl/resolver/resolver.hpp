@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Joints of all groups move within their own limits alone.
+/// In place of a governor's movers: the joints of all groups move within their own limits alone.
 struct AllAbrupt {
   static constexpr bool smooth = false;
   template <std::size_t>
@@ -19,8 +19,8 @@ struct AllAbrupt {
 };
 
 /// The result of one cycle of a resolver: the command, its status, the torque of each part of the law in its
-/// last evaluation, the torque that holds the driven joints, friction included, and that which brakes and
-/// holds them if the guard refuses the command.
+/// last evaluation, the torque that holds the joints by torque, friction included, and the torque that brakes
+/// and holds them if the guard refuses the command.
 template <std::size_t N, Real T, std::size_t Terms>
 struct Resolved {
   JointCommand<N, T> command;
@@ -35,7 +35,7 @@ struct Resolved {
 };
 
 /// The torque resolver of the paper's section 4.5: one robot, one law, one fused torque, and joints in
-/// groups. Stiff joints take positions or velocities, driven joints take torques.
+/// groups. Stiff joints take positions or velocities, the others, by torque, take torques.
 ///
 /// **Stiff joints.** A virtual robot with the model's M, C, G and the configured friction carries the fused
 /// torque: `M dv = tau - (C + B) v - G - tau_c(v)`, `dq^ = v`, sub-stepped over the interval just passed. All
@@ -47,10 +47,10 @@ struct Resolved {
 ///   `JointLimits::move`;
 /// - the leash: `E = B0 + A d (tau + d/2) + (d + tau + t_u) |dq|` about the measured position q,
 ///   less the gap, and ahead the way to stop, `u^2 / 2A`, from the speed u that is both measured and
-///   commanded; with d = delay + period, the lag tau, the undeclared lag t_u that is borne, and the dead band
-///   B0. The second term fades within 5 T of a joint that rests although it is pushed. A robot that follows
-///   as declared gets as fast as its limits. One that is held fast pulls the command back (`lead_limited`);
-///   laws do not count on after 5 T (`blocked`).
+///   commanded; with d = delay + period, the lag tau, the undeclared lag t_u that is borne, the dead band B0
+///   and the acceleration limit A. The second term fades within 5 (d + tau) of a joint that rests although it
+///   is pushed. A robot that follows as declared gets as fast as its limits. One that is held fast pulls the
+///   command back (`lead_limited`); laws do not count on after 5 (d + tau) (`blocked`).
 /// - Who moves away pays: p is the position that the sent commands should have brought, by declared delay and
 ///   lag of each group. Of a residual r = q - p beyond B0 the gap takes what the robot moved beyond its
 ///   farthest place. A gap beyond `largest_gap` is displaced: it brakes until `resume`.
@@ -65,24 +65,24 @@ struct Resolved {
 /// - A stop, or no good measurement for `stale_after`: the quickest stop; the law's memory does not change. A
 ///   group that brakes holds the other stiff groups too.
 ///
-/// **Driven joints.** `tau = law(state) - B dq`, cut to the limits of torque and power; the law is evaluated
-/// at the end of the cycle, at the newest measurement of these joints, for one period from now. Of the
-/// configuration they use the limits of torque, period, longest interval, stale age, and of the virtual
-/// dynamics the viscous friction, which they show in addition to their own, and, where all joints are driven,
-/// the inertia: that of the motors. A torque acts the loop's delay D late, so friction that would stop a
-/// motion in less time would shake it: it is `(B^-1 + D M^-1)^-1 dq`. Positions and velocities are not
-/// limited here. During a stop, and if the law's torque is not finite, gravity is compensated, and friction
-/// brakes with `0.3 M dq / D` at least; while the state is stale gravity only, as the velocity is unknown.
+/// **Joints by torque.** `tau = law(state) - B dq`, cut to the limits of torque and power; the law is
+/// evaluated at the end of the cycle, at the newest measurement of these joints, for one period from now. Of
+/// the configuration they use the limits of torque, period, longest interval, stale age, and of the virtual
+/// dynamics the viscous friction, which they show in addition to their own, and, where all are such, the
+/// inertia: that of the motors. A torque acts the loop's delay D late, so friction that would stop a motion
+/// in less time would shake it: it is `(B^-1 + D M^-1)^-1 dq`. Positions and velocities are not limited here.
+/// During a stop, and if the law's torque is not finite, gravity is compensated, and friction brakes with
+/// `0.3 M dq / D` at least; while the state is stale gravity only, as the velocity is unknown.
 ///
-/// To the virtual robot the driven joints are a load that moves as measured:
+/// To the virtual robot (s) the joints by torque (d) are a load that moves as measured:
 /// `M_ss dv = tau_s - (C v)_s - G_s - B v - M_sd ddq_d`, with v of all joints, and `ddq_d` the change of the
 /// measured velocities since the last cycle: the arm takes the recoil of a finger that starts or stops.
 ///
 /// - A measurement is taken for all joints or for none: one number that is not finite refuses all of it.
 /// - `PassivityParts` names parts that watch over energy and contacts: see `Passivity`. One tank pays for
-///   both, at the virtual port of the stiff joints and the real one of the driven ones, whose recoil is a
+///   both, at the virtual port of the stiff joints and the real one of those by torque, whose recoil is a
 ///   port of the stiff ones; the passivity observer watches over the stiff joints, whose commands run ahead.
-/// - `Tool`: virtual inertia and friction at the tool, on a link that no driven joint moves; see `ToolShape`.
+/// - `Tool`: virtual inertia and friction at a tool that no joint by torque moves; see `ToolShape`.
 ///
 /// A command has all kinds: `stiff(command)` and `torque(command)` are the parts for the devices, and
 /// cannot be mixed up, as their types differ; `part_of<Set>(command)` is that of one group.
@@ -119,7 +119,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
       : Base(model, those<detail::IsStiffGroup>(groups), those<detail::IsDrivenGroup>(groups), passivity,
              tool) {}
 
-  /// Of a robot that is one group of joints.
+  /// For a robot whose joints are one group.
   Resolver(const M& model, const RobotConfiguration<joints, T>& configuration,
            const PassivityParts& passivity = PassivityParts(), const Tool& tool = Tool())
     requires Base::is_one_group
@@ -127,13 +127,13 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
                  passivity, tool) {}
 
   using Sent = typename Base::Sent;
-  /// The command of the stiff joints.
+  /// The command of the stiff joints, which take positions or velocities.
   [[nodiscard]] static auto stiff(const Sent& c) noexcept {
     typename detail::CommandOf<Stiff::count, T, typename Sets::StiffGroups>::type out;
     detail::take_part<Stiff>(c, out);
     return out;
   }
-  /// The command of the driven joints [N m].
+  /// The commanded torques of the joints by torque [N m].
   [[nodiscard]] static JointTorque<Driven::count, T> torque(const Sent& c) noexcept
     requires has_driven
   {
@@ -217,7 +217,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
 
   /// The joint torque by which two configurations of one scene differ: for the stiff joints that which
   /// accelerates the virtual robot under `next` in the coming sub-step as under `before`, less that of
-  /// `next`; for the driven ones the torque of `before` less that of `next` at the measured state, friction
+  /// `next`; for those by torque the torque of `before` less that of `next` at the measured state, friction
   /// included. Zero where no law acts. Evaluates both laws, and the integrator for each stiff joint, without
   /// limits.
   template <class L, class Touch, class Check>
@@ -265,7 +265,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     return std::apply([](const auto&... g) { return detail::those_of<Kind>(g...); }, groups);
   }
 
-  /// `h` seconds of the stiff joints, from `at` on.
+  /// Moves the stiff joints for `h` seconds, from `at` on.
   template <class L, class Began, class Touch, class Movers, class Out>
   SKINCTL_INLINE void move(Memory& m, const L& law, typename L::Memory& law_memory, const Began& begun,
                            Nanoseconds at, const T& h, const Touch& touch, const LawTouch<Touch>* change,

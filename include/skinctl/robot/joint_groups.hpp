@@ -18,7 +18,7 @@ struct JointGroup {
   static constexpr LinkMask set = Set;
   static constexpr std::size_t count = static_cast<std::size_t>(std::popcount(Set));
   using scalar = T;
-  /// What answers its commands, up to `History` of them under way.
+  /// The servo that answers the group's commands, up to `History` of them under way.
   template <std::size_t History>
   using Servo = ServoOf<Ix, count, T, History>;
   RobotConfiguration<count, T> configuration;
@@ -77,9 +77,9 @@ struct JointGroups {
   static_assert((all & ~named) == 0, "a joint is in no group: each takes positions, velocities or torques");
 
   using Driven = JointSubset<N, by_torque>;  ///< joints by torque
-  using Stiff = typename Driven::Others;     ///< joints by position or velocity
+  using Stiff = typename Driven::Others;     ///< joints by position, velocity or impedance
   using All = std::tuple<Groups...>;
-  /// The groups of the stiff joints, and those of the driven ones, in tuples.
+  /// The groups of the stiff joints, in a tuple; below, those of the joints by torque.
   using StiffGroups = decltype(detail::those_of<detail::IsStiffGroup>(std::declval<const Groups&>()...));
   using DrivenGroups = decltype(detail::those_of<detail::IsDrivenGroup>(std::declval<const Groups&>()...));
 };
@@ -109,7 +109,7 @@ SKINCTL_INLINE void put_part(const JointCommand<Subset::count, T>& from, JointCo
 }
 
 namespace detail {
-/// The command of joints in groups: their interfaces, each once, in one order.
+/// The type of the command of joints in groups: it has each of their interfaces once, in one order.
 template <std::size_t N, Real T, class Groups>
 struct CommandOf;
 template <std::size_t N, Real T, class... Groups>
@@ -128,7 +128,7 @@ struct CommandOf<N, T, std::tuple<Groups...>> {
   }
   using type = decltype(command<0>(List<>()));
 };
-/// The numbers of the interfaces `Ix` of the joints of `Subset`.
+/// Copies from `whole` the numbers of the interfaces `Ix` of the joints of `Subset`.
 template <class Subset, std::size_t N, Real T, Interface... J, Interface... Ix>
 SKINCTL_INLINE void take_part(const RobotCommand<N, T, J...>& whole,
                               RobotCommand<Subset::count, T, Ix...>& out) noexcept {
@@ -147,24 +147,24 @@ template <class Subset, std::size_t N, Real T, Interface... Ix>
   return out;
 }
 
-/// The joints `Set` take positions.
+/// A group of the joints `Set`, which take positions.
 template <LinkMask Set, Real T = double>
 [[nodiscard]] JointGroup<Interface::position, Set, T> position_joints(detail::GroupConfiguration<Set, T> c) {
   return {c};
 }
-/// The joints `Set` take velocities.
+/// A group of the joints `Set`, which take velocities.
 template <LinkMask Set, Real T = double>
 [[nodiscard]] JointGroup<Interface::velocity, Set, T> velocity_joints(detail::GroupConfiguration<Set, T> c) {
   return {c};
 }
-/// The joints `Set` take torques.
+/// A group of the joints `Set`, which take torques.
 template <LinkMask Set, Real T = double>
 [[nodiscard]] JointGroup<Interface::torque, Set, T> torque_joints(detail::GroupConfiguration<Set, T> c) {
   return {c};
 }
 
-/// A model, groups that hold each of its joints once, and optional parts as in `RobotDescription`. Made by
-/// `by_groups`; immutable.
+/// The description of a robot in groups: a model, groups that hold each of its joints once, and optional
+/// parts as in `RobotDescription`. Made by `by_groups`; immutable.
 template <RobotModel M, Real T, class Groups, class... Parts>
 class GroupsDescription;
 template <RobotModel M, Real T, class... Groups, class... Parts>
@@ -204,13 +204,13 @@ class GroupsDescription<M, T, std::tuple<Groups...>, Parts...> {
   [[nodiscard]] Nanoseconds period() const noexcept { return first_stiff().period; }
   /// The longest time between two evaluations of a law in cycles on time.
   [[nodiscard]] Nanoseconds dt() const noexcept { return planned_substep(period(), first_stiff().substep); }
-  /// The same in the latest cycles that the description allows.
+  /// The longest time between two evaluations of a law in the latest cycles that the description allows.
   [[nodiscard]] Nanoseconds longest_dt() const noexcept {
     const Nanoseconds late = first_stiff().longest() / max_substeps;
     return Sets::Stiff::count > 0 && late > dt() ? late : dt();
   }
-  /// D of the slowest loop, see `RobotDescription::loop_delay`: delay, lag and 1.5 periods of joints by
-  /// torque.
+  /// The delay D of the slowest loop, see `RobotDescription::loop_delay`: delay, lag and 1.5 periods of
+  /// joints by torque.
   [[nodiscard]] Nanoseconds loop_delay() const noexcept {
     Nanoseconds longest = longest_dt();
     each([&]<class G>(const G& g) {
@@ -220,8 +220,8 @@ class GroupsDescription<M, T, std::tuple<Groups...>, Parts...> {
     });
     return longest;
   }
-  /// Of the joints by position and velocity: friction added to joints by torque is not compensated by laws,
-  /// as they give less of it where their delay is long.
+  /// Virtual dynamics of the joints that take no torques, zero for the others: friction added to joints by
+  /// torque is not compensated by laws, as they give less of it where their delay is long.
   [[nodiscard]] VirtualDynamics<joints, T> virtual_dynamics() const noexcept {
     VirtualDynamics<joints, T> out;
     each([&]<class G>(const G& g) {
@@ -268,8 +268,8 @@ template <Real T, RobotModel M, class... Groups, class... Parts>
 
 /// A robot whose joints have several interfaces, in any mixture and order:
 /// `by_groups(model, position_joints<0b000011>({...}), velocity_joints<0b000100>({...}),
-/// torque_joints<0b111000>({...}), EnergyTank{...})`. The parts of a description follow the groups. Gains that
-/// suit the slowest of its loops: `tracking_settings(robot)` of tracking/group_settings.hpp.
+/// torque_joints<0b111000>({...}), EnergyTank{...})`. The parts of a description follow the groups. Gains
+/// that suit the slowest of its loops: `tracking_settings(robot)` of tracking/group_settings.hpp.
 template <RobotModel M, detail::IsJointGroup First, class... Others>
 [[nodiscard]] auto by_groups(const M& model, const First& first, const Others&... others) {
   const auto groups = detail::those_of<detail::IsGroup>(first, others...);

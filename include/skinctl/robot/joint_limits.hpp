@@ -32,7 +32,7 @@ template <Real T>
 template <Real T>
 inline const T braking_share = T(1) - T(1024) * std::numeric_limits<T>::epsilon();
 
-/// Distances to the lower and upper position limits; negative beyond a limit.
+/// Distances to the lower and upper position limits [rad]; negative beyond a limit.
 template <std::size_t N, Real T = double>
 struct JointRoom {
   JointPosition<N, T> below;
@@ -54,17 +54,17 @@ template <std::size_t N, Real T = double>
 class JointLimits {
  public:
   struct Values {
-    JointPosition<N, T> lower;             ///< [rad], [m]; -infinity for a joint without end
-    JointPosition<N, T> upper;             ///< [rad], [m]; above `lower`; infinity for a joint without end
-    JointVelocity<N, T> velocity;          ///< magnitude [rad/s], > 0
-    JointAcceleration<N, T> acceleration;  ///< magnitude [rad/s^2], > 0, also available for braking
-    JointTorque<N, T> torque;              ///< magnitude [N m], > 0
+    JointPosition<N, T> lower;             ///< lowest position [rad], [m]; -infinity: no end
+    JointPosition<N, T> upper;             ///< highest position [rad], [m], above `lower`; infinity: no end
+    JointVelocity<N, T> velocity;          ///< largest speed [rad/s], > 0
+    JointAcceleration<N, T> acceleration;  ///< largest acceleration, also for braking [rad/s^2], > 0
+    JointTorque<N, T> torque;              ///< largest torque [N m], > 0
     /// Maximum driving power of a joint, `tau dq` [W], > 0; braking is not limited. Infinity by default.
     JointPower<N, T> power = JointPower<N, T>::constant(std::numeric_limits<T>::infinity());
   };
 
   /// Throws `ConfigurationError` for a number out of its range.
-  /// @param robot  see `robot()`.
+  /// @param robot  see `robot_identity()`.
   SKINCTL_COLD explicit JointLimits(const Values& values, const void* robot = nullptr)
       : values_(values), robot_(robot) {
     const T big = std::numeric_limits<T>::max();
@@ -105,9 +105,10 @@ class JointLimits {
   [[nodiscard]] SKINCTL_INLINE const JointTorque<N, T>& torque() const noexcept { return values_.torque; }
   [[nodiscard]] SKINCTL_INLINE const JointPower<N, T>& power() const noexcept { return values_.power; }
   [[nodiscard]] const Values& values() const noexcept { return values_; }
-  /// The description that they were taken from, by `limits_of`: the address of its `robot_mark`; else null.
+  /// The description that the limits were taken from, by `limits_of`: the address of its `robot_mark`; else
+  /// null.
   [[nodiscard]] const void* robot_identity() const noexcept { return robot_; }
-  /// Those of the joints of a subset.
+  /// The limits of the joints of a subset.
   template <class Set>
   [[nodiscard]] SKINCTL_COLD JointLimits<Set::count, T> part() const {
     const Values& v = values_;
@@ -249,7 +250,7 @@ class JointLimits {
 
   Values values_;
   JointAcceleration<N, T>
-      stop_per_square_;  ///< 1 / (2 a) [s^2/rad]: of a speed, to the distance in which it stops
+      stop_per_square_;  ///< 1 / (2 a): distance in which a joint stops, over its squared speed [s^2/rad]
   bool has_power_ = false;
   const void* robot_ = nullptr;
 };
@@ -272,7 +273,7 @@ template <class Numbers>
     return numbers[i];
   }
 }
-/// Its address tells whose limits these are.
+/// A byte whose address tells of which robot limits are.
 template <class Description>
 inline constexpr char robot_mark{};
 }  // namespace detail

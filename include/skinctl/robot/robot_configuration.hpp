@@ -37,8 +37,8 @@ struct RobotConfiguration {
   /// by torque.
   JointTorque<N, T> viscous_friction = {};
   JointTorque<N, T> coulomb_friction = {};  ///< Coulomb friction of the virtual robot, per joint [N m]
-  /// Added to each joint [kg m^2]: of the virtual robot, or by torque that of the real motors behind their
-  /// gears.
+  /// Inertia added to each joint [kg m^2]: of the virtual robot, or by torque that of the real motors behind
+  /// their gears.
   JointTorque<N, T> virtual_inertia = {};
   /// B0: distance [rad] by which a command may be from a robot at rest, > 0, <= 1. It holds the friction of
   /// the servo, the gap of encoders that are off, and noise. Friction that needs more holds the joint for
@@ -46,9 +46,10 @@ struct RobotConfiguration {
   JointPosition<N, T> dead_band = JointPosition<N, T>::constant(T(0.02));
   /// t_u: lag beyond the declared one that is borne, 0 to 1 s. A robot that is later than that is slowed.
   Nanoseconds undeclared_lag = 50ms;
-  /// Time by which a law gets a touch ahead, see `TouchChange`: 0 to 2 T; 0 for none. Default: the delay of a
-  /// contact's loop, delay + lag + 1.5 periods: one until a measurement shows the motion, half of one that a
-  /// command is held. More damps stiff walls better, and the grip of light hands less well.
+  /// Time by which a law gets a touch ahead, see `TouchChange`: 0 to 2 (delay + lag + period); 0 for none.
+  /// Default: the delay of a contact's loop, delay + lag + 1.5 periods: one until a measurement shows the
+  /// motion, half of one that a command is held. More damps stiff walls better, and the grip of light hands
+  /// less well.
   std::optional<Nanoseconds> force_lead = {};
   /// Velocity interface only: rate at which the virtual robot's position converges to the measured one
   /// without moving the robot [1/s], 0 to 0.3/(delay + lag + period). A joint that is held is pushed with
@@ -60,7 +61,8 @@ struct RobotConfiguration {
   /// periods. The velocity interface keeps a distance for this time at the present speed before every
   /// position limit.
   std::optional<Nanoseconds> longest_interval = {};
-  /// Age of the last good measurement at which the robot brakes: resolver and guard alike. Default: 5 T.
+  /// Age of the last good measurement at which the robot brakes: resolver and guard alike. Default:
+  /// 5 (delay + lag + period), at most 10 s.
   std::optional<Nanoseconds> stale_after = {};
   /// The largest rate of the torque that laws ask for by themselves, in torque limits per second; torques
   /// that answer touch are not delayed.
@@ -69,7 +71,7 @@ struct RobotConfiguration {
   /// 0 to 0.5. A robot with a larger one is displaced: it holds until it has been mended.
   T largest_gap = T(0.15);
 
-  /// The virtual inertia, damping and friction together.
+  /// The virtual inertia, damping and friction together; 0 for a damping that is left out.
   [[nodiscard]] VirtualDynamics<N, T> virtual_dynamics() const noexcept {
     return {viscous_friction, coulomb_friction, virtual_inertia, virtual_damping.value_or(T(0))};
   }
@@ -88,12 +90,13 @@ struct RobotConfiguration {
   [[nodiscard]] constexpr Nanoseconds longest() const noexcept {
     return longest_interval.value_or(5 * period);
   }
-  /// After how long without a state the robot brakes: `stale_after`, or five times T, 10 s at most.
+  /// Age of the last good measurement at which the robot brakes: `stale_after`, or five times
+  /// `total_delay()`, 10 s at most.
   [[nodiscard]] constexpr Nanoseconds stale() const noexcept {
     const Nanoseconds usual = 5 * total_delay();
     return stale_after.value_or(usual < Nanoseconds(10s) ? usual : Nanoseconds(10s));
   }
-  /// Time by which a robot may be behind its commands: T, and what is borne beyond it.
+  /// Time by which a robot may be behind its commands: `total_delay()` and the undeclared lag that is borne.
   [[nodiscard]] constexpr Nanoseconds latest() const noexcept { return total_delay() + undeclared_lag; }
   /// A d (tau + d/2) [rad] with d = delay + period and the lag tau: by what a command that starts or stops at
   /// its acceleration limit is ahead of a robot that its speed does not show yet.
@@ -134,8 +137,8 @@ SKINCTL_COLD void refuse_springs(const RobotConfiguration<N, T>& c) {
   require(!c.spring_lag, "spring lag", milliseconds(c.spring_lag.value_or(0ns)), none);
 }
 
-/// Throws `ConfigurationError` with number and range for an invalid configuration. What concerns the
-/// virtual robot is not read for a robot by torque.
+/// Throws `ConfigurationError` with number and range for an invalid configuration. A robot by torque, without
+/// a virtual robot, may leave out the virtual damping, and has no springs.
 template <std::size_t N, Real T>
 SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robot = true) {
   const auto number = [](const T& x) { return static_cast<double>(x); };

@@ -82,7 +82,7 @@ template <class Part, class... Parts>
 inline constexpr bool is_one_of = (std::is_same_v<Part, Parts> || ...);
 template <class Part, class... Parts>
 inline constexpr bool is_once = (std::size_t(std::is_same_v<Part, Parts>) + ...) == 1 || RepeatedPart<Part>;
-/// A part that is about a virtual robot, which runs ahead of the real one.
+/// A part of a description for a virtual robot, which runs ahead of the real one.
 template <class P>
 concept PartOfVirtualRobot = requires { requires P::of_virtual_robot; };
 // As variables, so that an error is one line.
@@ -94,9 +94,10 @@ template <Interface Ix, class... Parts>
 inline constexpr bool fit_interface = Ix != Interface::torque || !(PartOfVirtualRobot<Parts> || ...);
 }  // namespace detail
 
-/// A model, the interface of its joints, a configuration, and optional parts: an energy tank, a passivity
-/// observer, the stiffest contact (`passivity/`), a tool shape, an integrator (`resolver/`), compensation of
-/// gravity and friction. Made by `by_position`, `by_velocity` or `by_torque`; immutable.
+/// The description of a robot: a model, the interface of its joints, a configuration, and optional parts: an
+/// energy tank, a passivity observer, the stiffest contact (`passivity/`), a tool shape, an integrator
+/// (`resolver/`), compensation of gravity and friction. Made by `by_position`, `by_velocity`, `by_impedance`
+/// or `by_torque`; immutable.
 template <Interface Ix, RobotModel M, Real T, class... Parts>
 class RobotDescription {
  public:
@@ -140,9 +141,8 @@ class RobotDescription {
     return Ix != Interface::torque && late > dt() ? late : dt();
   }
   /// D: the mean time from a state that a law reads until its torque acts. By torque the declared delay and
-  /// lag, and
-  /// 1.5 periods: one until the next state, half of the next, for which the torque is held. A virtual robot
-  /// answers within a sub-step, so there it is `longest_dt()`.
+  /// lag, and 1.5 periods: one until the next state, half of the next, for which the torque is held. A
+  /// virtual robot answers within a sub-step, so there it is `longest_dt()`.
   [[nodiscard]] Nanoseconds loop_delay() const noexcept {
     if constexpr (Ix != Interface::torque) return longest_dt();
     return configuration_.delay + configuration_.lag + 3 * period() / 2;
@@ -176,7 +176,7 @@ auto if_it_fits(const P& given_part) {
     return std::tuple<>();
   }
 }
-/// The description. Its callers assert that the parts fit: said there, an error names the user's line at
+/// Makes a description. Its callers assert that the parts fit: said there, an error names the user's line at
 /// once.
 template <Interface Ix, class T, class M, class... Parts>
 auto describe_robot(const M& model, const RobotConfiguration<M::joints, T>& c, const Parts&... parts) {
@@ -247,19 +247,20 @@ template <std::size_t N, Real T>
 struct LawTerms {
   Nanoseconds dt;                          ///< longest time between two evaluations, in late cycles too
   VirtualDynamics<N, T> virtual_dynamics;  ///< dynamics of the virtual robot, or of the robot by torque
-  Nanoseconds loop_delay = dt;             ///< D: see `RobotDescription::loop_delay`
+  Nanoseconds loop_delay = dt;             ///< D: mean time from a state that a law reads until it acts
   T mass_ratio = T(1);    ///< largest factor by which the robot of another configuration is lighter
   T gravity_rate = T(0);  ///< rate of the gravity by which configurations differ, see `gravity_rate` [1/s^2]
 };
-/// What a limit of jerk asks of the laws in its scene; joints by torque have none.
+/// The numbers of joints with a limit of jerk that the laws of a scene are checked against; 0 without one.
 template <std::size_t N, Real T>
 struct JerkTerms {
-  std::array<T, N> rise{};      ///< times in which joints bring up their acceleration, A/J [s]
+  std::array<T, N> rise{};      ///< times from rest to the acceleration limit A at the jerk J, A/J [s]
   std::array<T, N> friction{};  ///< largest rates at which viscous friction slows joints [1/s]
 };
-/// The terms of joints with these accelerations, 0 for joints without a limit of jerk. A joint with the
-/// viscous friction b, which the integrator takes at the end of a sub-step of `h` seconds, is slowed at the
-/// rate `b / (M_ii + b h)`. Throws `ConfigurationError` for a jerk that is not above 0.
+/// The `JerkTerms` of joints with the limits `acceleration` (0 for joints without a limit of jerk) and
+/// `jerk`. A joint with the viscous friction b, which the integrator takes at the end of a sub-step of `h`
+/// seconds, is slowed at the rate `b / (M_ii + b h)`. Throws `ConfigurationError` for a jerk that is not
+/// above 0.
 template <RobotModel M, Real T>
 [[nodiscard]] SKINCTL_COLD JerkTerms<M::joints, T> jerk_terms(
     const M& model, const VirtualDynamics<M::joints, T>& dynamics,

@@ -59,7 +59,8 @@ class DelayLag {
     return m;
   }
 
-  /// A command was sent. If there is no room for it, the oldest one under way counts as carried out.
+  /// Takes a command that was sent. If there is no room for it, the oldest one under way counts as carried
+  /// out.
   SKINCTL_INLINE void send(Memory& m, Nanoseconds time, const JointPosition<N, T>& value,
                            const JointVelocity<N, T>& slope) const noexcept {
     if (m.count == Capacity) drop(m);
@@ -78,7 +79,8 @@ class DelayLag {
     m.slope[k] = slope;
   }
 
-  /// The clock leapt, or was set: at `time` the newest command is being carried out, all others are done.
+  /// Starts again after a clock that leapt, or was set: at `time` the newest command is being carried out,
+  /// all others are done.
   SKINCTL_COLD void restart(Memory& m, Nanoseconds time) const noexcept {
     m.first = last(m);
     m.count = 1;

@@ -6,14 +6,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// The servo of joints that are held by springs: `DelayLag`, and what contacts deflect it by,
+/// The servo of joints that are held by springs: `DelayLag` plus the deflection d by contacts,
 /// `spring_lag * dd/dt = pushed / stiffness - d`. A push of 40 N m deflects 500 N m/rad by 80 mrad; one that
 /// is told wrong by 20 % leaves a difference of 16 mrad, which belongs into the dead band.
 ///
 /// Quasi-static: of the swing of the links on their springs no more than that time constant is predicted.
 /// Without one a push that grows by p [N m/s] shows a difference of `p * damping / stiffness^2` meanwhile;
-/// with it a push that comes at once shows a quarter of its deflection. What nobody feels deflects unseen, as
-/// a payload that the robot was not told of: it is a gap.
+/// with it a push that comes at once shows a quarter of its deflection. A force that no sensor feels, as of a
+/// payload that the robot was not told of, deflects unseen: it is a gap.
 template <std::size_t N, Real T, std::size_t Capacity>
 class Spring {
   using Commands = DelayLag<N, T, Capacity>;
@@ -55,7 +55,7 @@ class Spring {
     commands_.restart(m.commands, time);
   }
 
-  /// As `DelayLag`: positions without what contacts deflect.
+  /// Calls `f(position)` as `DelayLag` does: positions without the deflection by contacts.
   template <class F>
   SKINCTL_INLINE void each_under_way(const Memory& m, F&& f) const noexcept {
     commands_.each_under_way(m.commands, f);
@@ -87,9 +87,9 @@ class Spring {
 
  private:
   Commands commands_;
-  T lag_;  ///< of the deflection [s]
+  T lag_;  ///< time constant of the deflection [s]
   JointTorque<N, T> max_torque_;
-  T compliance_[N];  ///< [rad/(N m)]
+  T compliance_[N];  ///< compliance of the springs [rad/(N m)]
 };
 
 namespace detail {
@@ -109,7 +109,7 @@ struct ServoBy<Interface::impedance, N, T, Capacity> {
 ///   without it the springs would bend for each acceleration. It holds no weight and answers no contact;
 ///   joints by torque in other groups are taken to move steadily. The guard keeps it within the limits of
 ///   torque and of its rate, and lets it fade while it brakes.
-/// - A robot whose damping acts on its speed d, not on the difference of speeds, lags by d over stiffness:
+/// - A robot whose damping d acts on its speed, not on the difference of speeds, lags by d over stiffness:
 ///   declare it.
 /// - Position limits hold for the commands: springs let the robot be pushed beyond them.
 /// - It starts untouched, or where its controller was told to be, with whatever leans on it as a gap.
@@ -121,7 +121,7 @@ template <Real T = double, RobotModel M, class... Parts>
                 "a part of a robot's description is given twice: one EnergyTank, one ToolShape, ...");
   return detail::describe_robot<Interface::impedance, T>(model, configuration, parts...);
 }
-/// The joints `Set` take positions with springs about them, as `by_impedance`.
+/// A group of the joints `Set`, which take positions with springs about them, as `by_impedance`.
 template <LinkMask Set, Real T = double>
 [[nodiscard]] JointGroup<Interface::impedance, Set, T> impedance_joints(
     const detail::GroupConfiguration<Set, T>& c) {

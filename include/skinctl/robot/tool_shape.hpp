@@ -22,12 +22,12 @@ template <std::size_t N, std::size_t Rows, Real T>
 struct ToolTerms {
   using Matrix = MassMatrix<N, T>;
   T J[Rows][N];                               ///< Jacobian of the tool, base axes
-  Matrix mass{typename Matrix::Unset{}};      ///< M_v
+  Matrix mass{typename Matrix::Unset{}};      ///< M_v, the mass matrix of the virtual robot
   Matrix rest{typename Matrix::Unset{}};      ///< M_rest, the part of M_v without effect on the tool
   Matrix friction{typename Matrix::Unset{}};  ///< J' D J + rest_decay M_rest
   Matrix implicit{
       typename Matrix::Unset{}};  ///< h times the share of `friction` that acts on the new velocity
-  JointTorque<N, T> coriolis;     ///< C_v v
+  JointTorque<N, T> coriolis;     ///< C_v v, the Coriolis torque of the virtual robot [N m]
 };
 
 namespace detail {
@@ -78,7 +78,7 @@ class ToolShape {
     T lightest = T(0.15);                   ///< minimum ratio of M_v to M_0 in any direction, 0.01 to 0.3
   };
 
-  /// The diagonal matrix of these numbers.
+  /// The diagonal matrix of `values`, for `Settings`.
   [[nodiscard]] static Matrix diagonal(const std::array<T, Rows>& values) noexcept {
     Matrix m{};
     for (std::size_t i = 0; i < Rows; ++i) m[i][i] = values[i];
@@ -207,7 +207,8 @@ class ToolShape {
     total.store(out.coriolis);
     return true;
   }
-  /// M_v and the friction matrix at `q`, for inspection; `inertia` is the virtual inertia of the joints.
+  /// The terms at `q` and at rest, for inspection; `inertia` is the virtual inertia of the joints. Zeros if
+  /// the mass matrix could not be factorised.
   template <class M, std::size_t N>
   [[nodiscard]] SKINCTL_COLD ToolTerms<N, Rows, T> at(const M& model, const JointPosition<N, T>& q,
                                                       const JointTorque<N, T>& inertia = {}) const noexcept {
@@ -270,7 +271,7 @@ class ToolShape {
   Settings s_;
   Matrix root_;       ///< S, `S S' = Lambda`
   T a_ = T(0);        ///< ratio at which the joint-space inertia takes over
-  T fastest_ = T(0);  ///< rate of the friction [1/s]
+  T fastest_ = T(0);  ///< largest decay rate by the friction, of `Lambda^-1 D` [1/s]
 };
 
 SKINCTL_END_NAMESPACE

@@ -14,7 +14,7 @@ struct VirtualDynamics {
   JointTorque<N, T> viscous;  ///< viscous friction per joint [N m s/rad], >= 0
   JointTorque<N, T> coulomb;  ///< Coulomb friction per joint [N m], >= 0
   JointTorque<N, T> inertia;  ///< inertia per joint, like a rotor's [kg m^2], >= 0
-  T damping = T(0);           ///< [1/s], >= 0: free motion dies out as exp(-damping t) in every direction
+  T damping = T(0);           ///< decay rate of free motion, exp(-damping t), in every direction [1/s], >= 0
 };
 
 SKINCTL_END_NAMESPACE

@@ -41,12 +41,12 @@ class RealMass {
   using Limits = JointLimits<N, T>;
   static constexpr bool is_virtual = false;
   static constexpr bool carries_bias = false;
-  /// Both must outlive this object.
+  /// Keeps references: both must outlive this object.
   /// @param motors  inertia of the motors, seen at the joints [kg m^2], >= 0.
   SKINCTL_INLINE RealMass(const JointLimits<N, T>& limits, const JointTorque<N, T>& motors) noexcept
       : limits_(limits), motors_(motors) {}
   [[nodiscard]] SKINCTL_INLINE const JointLimits<N, T>& limits() const noexcept { return limits_; }
-  /// M of links and motors in place of the links' `m`.
+  /// Adds the motors' inertia to the mass matrix `m` of the links.
   template <class M, class Angles>
   SKINCTL_INLINE void add_to(MassMatrix<N, T>& m, const M&, const Angles&) const noexcept {
     for (std::size_t i = 0; i < N; ++i) m(i, i) = m(i, i) + motors_[i];
@@ -72,16 +72,16 @@ class VirtualMass {
   static constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
   static constexpr bool carries_bias = Carries;
   using Beside = detail::BiasBeside<N, T>;
-  /// All must outlive this object.
-  /// @param inertia  of the joints [kg m^2], >= 0.
-  /// @param beside   null: nobody asks for the bias.
+  /// Keeps references: all must outlive this object.
+  /// @param inertia  virtual inertia of the joints [kg m^2], >= 0.
+  /// @param beside   the bias that laws compute beside their own recursion; null: nobody asks for it.
   SKINCTL_INLINE VirtualMass(const JointLimits<N, T>& limits, const JointTorque<N, T>& inertia,
                              const Tool& tool, Beside* beside = nullptr) noexcept
       : limits_(limits), inertia_(inertia), tool_(tool), beside_(beside) {}
   [[nodiscard]] SKINCTL_INLINE Beside* bias_beside() const noexcept { return beside_; }
   [[nodiscard]] SKINCTL_INLINE const JointLimits<N, T>& limits() const noexcept { return limits_; }
 
-  /// M_v in place of the model's `m` at `angles`.
+  /// Turns the model's mass matrix `m` at `angles` into that of the virtual robot, M_v.
   template <class M, class Angles>
   SKINCTL_INLINE void add_to(MassMatrix<N, T>& m, [[maybe_unused]] const M& model,
                              [[maybe_unused]] const Angles& angles) const noexcept {

@@ -23,8 +23,8 @@ struct Tree {
   static constexpr auto kinds = all_of_kind<16>(JointKind::revolute);
 };
 
-/// One finger. The constants that all four fingers share are typed, so that four fingers compute side by side
-/// in lanes.
+/// One finger of four joints. The constants that all four fingers share are typed, so that four fingers
+/// compute side by side in lanes.
 struct Finger : Chain<4> {
   template <std::size_t Ix, LinkParameter P>
   static constexpr auto known() noexcept {
@@ -56,7 +56,7 @@ inline constexpr Rotation<double> minus_x_to_z{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}
 inline constexpr Rotation<double> x_to_z{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}};
 inline constexpr Rotation<double> minus_z_to_z{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
 
-/// A joint as printed in the URDF, and the rotation that makes its axis z.
+/// A joint as printed in the URDF, and the rotation `turn` that makes its axis z.
 struct Row {
   Rotation<double> turn, R;
   double p[3];
@@ -130,7 +130,7 @@ inline std::array<PlacedLink, 4> finger_links(std::size_t f, Side side = Side::r
   return links;
 }
 
-/// A whole hand as one tree.
+/// The model of a whole hand as one tree of 16 joints.
 template <Scalar T = double>
 [[nodiscard]] CalibratedModel<Tree, T> hand(Side side) {
   typename CalibratedModel<Tree, T>::Links links;
@@ -187,8 +187,8 @@ SKINCTL_INLINE L lane_of(const T* x, std::index_sequence<K...>) noexcept {
 }
 }  // namespace detail
 
-/// Numbers of the hand's 16 joints as lanes of the fingers `first` to `first + W - 1`, without a detour
-/// through memory.
+/// The numbers of the fingers `first` to `first + W - 1`, of those of the hand's 16 joints, as lanes, without
+/// a detour through memory.
 template <std::size_t W, class Kind, Real T>
 [[nodiscard]] SKINCTL_INLINE JointVector<Kind, 4, Lane<T, W>> to_lanes(const JointVector<Kind, 16, T>& v,
                                                                        std::size_t first = 0) noexcept {

@@ -31,8 +31,8 @@ struct UniversalRobot : Chain<6> {
                                                   -6.283185307179586, -6.283185307179586, -6.283185307179586};
   static constexpr std::array<double, 6> upper = {6.283185307179586, 6.283185307179586, 3.141592653589793,
                                                   6.283185307179586, 6.283185307179586, 6.283185307179586};
-  static constexpr std::array<double, 6> max_velocity = Table::max_velocity;  ///< [rad/s]
-  static constexpr std::array<double, 6> max_torque = Table::max_torque;      ///< [N m]
+  static constexpr std::array<double, 6> max_velocity = Table::max_velocity;  ///< largest speeds [rad/s]
+  static constexpr std::array<double, 6> max_torque = Table::max_torque;      ///< largest torques [N m]
 
   static constexpr const std::array<DhRow, 6>& rows = Table::rows;
   static constexpr const std::array<LinkInertia, 6>& inertias = Table::inertias;
@@ -163,7 +163,7 @@ struct Ur10eTable {
 };
 }  // namespace detail
 
-/// UR3 (CB3).
+/// Universal Robots' UR3 (CB3).
 namespace ur3 {
 using Description = UniversalRobot<detail::Ur3Table>;
 using Model = StaticModel<Description>;
@@ -171,7 +171,7 @@ template <Scalar T = double>
 using Calibrated = CalibratedModel<Description, T>;
 }  // namespace ur3
 
-/// UR10 (CB3).
+/// Universal Robots' UR10 (CB3).
 namespace ur10 {
 using Description = UniversalRobot<detail::Ur10Table>;
 using Model = StaticModel<Description>;
@@ -179,7 +179,7 @@ template <Scalar T = double>
 using Calibrated = CalibratedModel<Description, T>;
 }  // namespace ur10
 
-/// UR3e.
+/// Universal Robots' UR3e.
 namespace ur3e {
 using Description = UniversalRobot<detail::Ur3eTable>;
 using Model = StaticModel<Description>;
@@ -187,7 +187,7 @@ template <Scalar T = double>
 using Calibrated = CalibratedModel<Description, T>;
 }  // namespace ur3e
 
-/// UR5e.
+/// Universal Robots' UR5e.
 namespace ur5e {
 using Description = UniversalRobot<detail::Ur5eTable>;
 using Model = StaticModel<Description>;
@@ -195,7 +195,7 @@ template <Scalar T = double>
 using Calibrated = CalibratedModel<Description, T>;
 }  // namespace ur5e
 
-/// UR10e.
+/// Universal Robots' UR10e.
 namespace ur10e {
 using Description = UniversalRobot<detail::Ur10eTable>;
 using Model = StaticModel<Description>;

@@ -46,8 +46,8 @@ struct Description {
                                                   -6.283185307179586, -6.283185307179586, -6.283185307179586};
   static constexpr std::array<double, 6> upper = {6.283185307179586, 6.283185307179586, 3.141592653589793,
                                                   6.283185307179586, 6.283185307179586, 6.283185307179586};
-  static constexpr double max_velocity = 3.141592653589793;                         ///< every joint [rad/s]
-  static constexpr std::array<double, 6> max_torque = {150, 150, 150, 28, 28, 28};  ///< [N m]
+  static constexpr double max_velocity = 3.141592653589793;  ///< largest speed of every joint [rad/s]
+  static constexpr std::array<double, 6> max_torque = {150, 150, 150, 28, 28, 28};  ///< largest torques [N m]
 };
 
 using Model = StaticModel<Description>;

@@ -69,7 +69,7 @@ inline Transform<skinctl::detail::AnyLink, Surface> tube_pose(const Tube& t) noe
 }
 }  // namespace detail
 
-/// The cylinder of link `Ix`.
+/// The cylinder that cells cover on link `Ix`.
 template <std::size_t Ix>
 [[nodiscard]] constexpr CylinderSurface surface() noexcept {
   return {tubes[Ix].radius, detail::length(tubes[Ix])};
@@ -100,10 +100,11 @@ struct SkinType<M, T, Cells, std::index_sequence<Ix...>> {
 };
 }  // namespace detail
 
-/// One patch per link, as a tuple; ids count from 1. Up to 383 cells have TUM's size (pitch 27.8 mm). Most of
-/// 1260 cells have 0.53 to 0.61 of it, most of 10 000 have 0.20 to 0.22 (pitch 5.5 mm), in one layer.
-/// `largest_cell(surface<Ix>(), skin_cells<Cells>[Ix])` gives the exact size.
-/// @param gains  of each link's cells: lower gains where the skin has a long lever keep the contact calm.
+/// The patches of a skin for a UR5, one per link, as a tuple; ids count from 1. Up to 383 cells have TUM's
+/// size (pitch 27.8 mm). Most of 1260 cells have 0.53 to 0.61 of it, most of 10 000 have 0.20 to 0.22
+/// (pitch 5.5 mm), in one layer. `largest_cell(surface<Ix>(), skin_cells<Cells>[Ix])` gives the exact size.
+/// @param gains  gains of each link's cells: lower ones where the skin has a long lever keep the contact
+///               calm.
 template <std::size_t Cells>
 [[nodiscard]] auto skin_patches(const std::same_as<std::array<CellGains, 6>> auto& gains) {
   return [&]<std::size_t... Ix>(std::index_sequence<Ix...>) {
@@ -121,7 +122,8 @@ template <std::size_t Cells>
 template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
 using Ur5Skin = typename ur5::detail::SkinType<M, T, Cells, std::make_index_sequence<6>>::type;
 
-/// `ur5_skin<260>()`: see `ur5::skin_patches`; `gains` for all links, or an array of six.
+/// Makes a skin of `Cells` cells on a UR5, as `ur5_skin<260>()`: see `ur5::skin_patches`; `gains` for all
+/// links, or an array of six.
 template <std::size_t Cells, Real T = double, Topology M = ur5::Model>
 [[nodiscard]] Ur5Skin<Cells, T, M> ur5_skin(const std::same_as<std::array<CellGains, 6>> auto& gains,
                                             const SkinSettings& settings = {}) {

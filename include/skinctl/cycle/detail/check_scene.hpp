@@ -27,7 +27,7 @@ struct WrongSkin {
   [[nodiscard]] Wrenches wrenches(const Memory&) const noexcept { return {}; }
 };
 
-/// Faults of a touch for a robot.
+/// Faults of a skin for the robot of a scene.
 enum class SkinFault { none, other_scalar, other_joints, other_model };
 template <SkinFault F, class Skin>
 struct SaySkin {
@@ -82,8 +82,8 @@ struct Scene {
   using Finding = decltype(find_in_scene<Robot, GivenLaw, Skin>());
   static constexpr LawFault law_fault = Finding::fault;
   using Law = std::conditional_t<law_fault == LawFault::none, GivenLaw, WrongLaw<GivenLaw>>;
-  /// How the constructor of a scene takes its law: a wrong one as the type that raises its error. (Clang adds
-  /// lines where the type does not depend on a parameter of the constructor.)
+  /// The type in which the constructor of a scene takes its law: of a wrong law the type that raises its
+  /// error. (Clang adds lines where the type does not depend on a parameter of the constructor.)
   template <class>
   struct Argument {
     using type = std::conditional_t<law_fault == LawFault::none, const GivenLaw&,

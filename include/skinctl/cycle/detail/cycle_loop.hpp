@@ -35,7 +35,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   using Touch = typename Parts::Touch;
   using Memory = typename Parts::Memory;
 
-  /// See `Cycle::start`.
+  /// Starts a memory in place: see `Cycle::start`.
   SKINCTL_COLD void start(Memory& m, const State<joints, scalar>& measured) const noexcept {
     m.robot = resolver_.start(measured);
     start_rest(m, measured);
@@ -63,12 +63,13 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   using Governor = typename Parts::Governor;
   static constexpr bool changes_touch = !std::is_empty_v<typename Parts::Change::Memory>;
   static constexpr bool takes_goals = LawTable<L>::takes_goals;
-  /// Whether a law, a limit or the passivity observer takes what the skin feels, or nothing does feel.
+  /// Whether a law, a limit or the passivity observer takes the touch of the scene, or it has none.
   template <class Seen>
   static constexpr bool answers_touch = Needs(L::needs).touch || sees<L, Input, Seen> ||
                                         Parts::watches_contacts || !std::equality_comparable<Wrenches>;
 
-  /// @param change  the configuration of the last cycle, or `NoChange`.
+  /// One cycle in place: see `Cycle::step`.
+  /// @param change  the change from the configuration of the last cycle, or `NoChange`.
   template <class Watch, class Change>
   SKINCTL_INLINE Output run(Memory& m, const Input& input, Watch& watch,
                             const Change& change) const noexcept {
@@ -162,7 +163,8 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
   template <class, class>
   friend struct ChangeFrom;
 
-  /// One function for all stopwatches and for changes of the configuration: it is most of a cycle's code.
+  /// Steps the resolver. One function for all stopwatches and for changes of the configuration: it is most of
+  /// a cycle's code.
   template <class Pressed>
   SKINCTL_NOINLINE auto resolve(Memory& m, const State<joints, scalar>& measured, const Interval& interval,
                                 std::span<const Touch> felt, [[maybe_unused]] const Pressed& pressed,
@@ -176,7 +178,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     }
   }
 
-  /// All but the robot.
+  /// Starts all parts of a memory but the robot's.
   SKINCTL_COLD void start_rest(Memory& m, const State<joints, scalar>& measured) const noexcept {
     m.mark = mark_;
     m.skin = skin_.start(measured.time);
@@ -191,7 +193,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
       m.law = law_.start(resolver_.template known<L>(state, period(), touch));
     }
   }
-  /// A command that must not be sent moves nothing if it is sent all the same.
+  /// Changes a command that must not be sent into one that moves nothing if it is sent all the same.
   SKINCTL_COLD void keep_still(typename Resolver::Sent& command,
                                const State<joints, scalar>& measured) const noexcept {
     using Position = JointPosition<joints, scalar>;
@@ -208,14 +210,15 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
         },
         command);
   }
-  /// Of another scene: it tells where another robot was told to be. It becomes one whose start was refused.
+  /// Turns a memory of another scene, which holds commands of another robot, into one whose start was
+  /// refused.
   SKINCTL_COLD Status refuse_memory(Memory& m) const noexcept {
     State<joints, scalar> nowhere;
     for (scalar& q : nowhere.q) q = std::numeric_limits<scalar>::quiet_NaN();
     start(m, nowhere);
     return Reason::memory_refused;
   }
-  /// A robot that was told to be elsewhere by a gap still is.
+  /// Starts at the measured state of this cycle; a gap to the position that the robot was told last stays.
   SKINCTL_COLD void start_anew(Memory& m, const Input& input) const noexcept {
     State<joints, scalar> measured = input.measured;
     if (measured.time > input.now) measured.time = input.now;

@@ -17,7 +17,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The configuration of a `Cycle`: which parts it has.
+/// The parts of a `Cycle`, and the types that follow from them.
 template <class Resolver, class GivenLaw, class GivenSkin, class Parts>
 class CycleParts {
   using Scene = detail::Scene<Resolver, GivenLaw, GivenSkin>;
@@ -42,7 +42,7 @@ class CycleParts {
   using Wrenches = typename Skin::Wrenches;
   using Known = typename Resolver::template Knows<L, Wrenches>;
   static constexpr bool watches_contacts = Resolver::watches_contacts || Governor::reads_touch;
-  /// What the resolver takes: forces and proximities apart where they have to be told.
+  /// The touch that the resolver takes: forces and proximities apart where it has to distinguish them.
   using Touch = typename TouchFor<Resolver, Skin, watches_contacts>::type;
 
   using Change = ChangeOf<Wrenches>;
@@ -63,13 +63,14 @@ class CycleParts {
   [[nodiscard]] const Skin& skin() const noexcept { return skin_; }
   [[nodiscard]] const Guard& guard() const noexcept { return guard_; }
   [[nodiscard]] const Governor& governor() const noexcept { return governor_; }
-  /// The list of its parts.
+  /// The list of the scene's parts.
   [[nodiscard]] const Parts& parts() const noexcept { return parts_; }
-  /// The mark of its memories: a digest of limits, times, gravity in the base, ids and places of cells.
+  /// The mark of the scene's memories: a digest of limits, times, gravity in the base, ids and places of
+  /// cells.
   [[nodiscard]] std::uint64_t mark() const noexcept { return mark_; }
 
  protected:
-  /// Made by every public constructor before anything else of a scene.
+  /// Checks the arithmetic; every public constructor makes one before anything else of a scene.
   struct Whole {
     Whole() { check_arithmetic<scalar>(); }
   };

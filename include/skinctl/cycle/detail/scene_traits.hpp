@@ -27,15 +27,15 @@ inline constexpr bool feels = [] {
 }();
 /// Faults of the parts that are given to a scene.
 enum class PartsFault { none, no_part, moves_torques, twice, two_movers, not_felt, no_cells };
-/// Whether it is settings of the guard, or a limit or its settings.
+/// Whether `Part` is settings of the guard, or a limit or its settings.
 template <class Robot, class Part>
 inline constexpr bool is_part = GivenGuardSettings<Part> || MakesLimit<Part, Robot> || LimitWithKind<Part>;
-/// The limit that a part makes, which is one already or settings; of the guard's settings a limit without
-/// fault.
+/// The limit that a part makes, which is a limit already or its settings.
 template <class Robot, class Part>
 struct LimitMade {
   using type = decltype(limit_of(std::declval<const Robot&>(), std::declval<const Part&>()));
 };
+/// The fault of the limit that a part makes; none for settings of the guard.
 template <class Robot, class Part>
 consteval LimitFault fault_of_part() {
   if constexpr (GivenGuardSettings<Part> || !is_part<Robot, Part>) {
@@ -75,7 +75,7 @@ consteval PartsFault fault_of_parts() {
         Robot, Skin, decltype(std::tuple_cat(std::declval<Parts>(), std::declval<std::tuple<Given...>>()))>();
   }
 }
-/// What the law and the limits of a scene see of its touch in a cycle.
+/// The touch of a cycle, as the law and the limits of a scene see it.
 template <class Skin, class Pressed>
 struct Seen {
   static constexpr bool finds_contacts = TouchTable<Skin>::finds_contacts;
@@ -107,14 +107,14 @@ struct Seen {
                                             : std::numeric_limits<double>::infinity();
   }
 };
-/// A robot of one group that takes positions.
+/// Whether a robot is one group of joints that takes positions.
 template <class Resolver>
 inline constexpr bool takes_positions = [] {
   if constexpr (Resolver::is_one_group) return takes_position(Resolver::interface);
   return false;
 }();
 /// The touch that a resolver takes from a skin: forces and proximities apart where a tank or a spring has to
-/// tell them, and where contacts are asked for (`Contacts`) and not known otherwise.
+/// distinguish them, and where contacts are asked for (`Contacts`) and not known otherwise.
 template <class Resolver, class Skin, bool Contacts>
 struct TouchFor {
   using type = typename Skin::Wrenches;
@@ -125,7 +125,7 @@ template <class Resolver, class Skin, bool Contacts>
 struct TouchFor<Resolver, Skin, Contacts> {
   using type = typename TouchTable<Skin>::Touch;
 };
-/// The change of a scene's touch; none without one.
+/// The `TouchChange` of a scene's touch; nothing for a touch that laws cannot get ahead.
 template <class Wrenches>
 struct ChangeOf {
   struct Memory {};
@@ -152,10 +152,10 @@ template <LimitWithInput Limit>
 struct LimitInput<Limit> {
   using type = typename Limit::Input;
 };
-/// What the robot adds to the input: the state of a base that moves.
+/// The addition of the robot to the input of a cycle: the state of a base that moves.
 template <RobotModel M, Real T>
 using RobotInput = std::conditional_t<base_moves<M>, BaseInput<T>, NothingAdded>;
-/// What robot, law and limits add to the input of a cycle, as a tuple: each once.
+/// The additions of robot, law and limits to the input of a cycle, as a tuple: each once.
 template <class L, class Governor>
 struct AddedInputsOf;
 template <class L, RobotModel M, Real T, class Sets, class... Limits>
@@ -184,7 +184,7 @@ SKINCTL_INLINE Status receive_touch(const Skin& skin, typename Skin::Memory& mem
 struct SkinBehindLaw {};
 struct SkinForgotten {};
 struct ModelAsRobot {};
-/// The configuration is that of the last cycle.
+/// No change: the configuration is that of the last cycle.
 struct NoChange {
   template <class C, class Memory, class Receive>
   SKINCTL_INLINE Status receive(const C&, Memory&, const Receive& goal) const noexcept {

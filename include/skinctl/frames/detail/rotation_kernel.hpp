@@ -12,8 +12,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// With `u = tan(a / 2)^2`: `atan`, `(a / 2) / tan(a / 2)`, and `bend`, `(1 - (a/2) cot(a/2)) / a^2`. Minimax
-/// for a up to 0.5, rounded coefficient by coefficient.
+/// Polynomials in `u = tan(a / 2)^2`, by type: `atan` for `(a / 2) / tan(a / 2)`, and `bend` for
+/// `(1 - (a/2) cot(a/2)) / a^2`. Minimax for a up to 0.5, rounded coefficient by coefficient.
 template <class T>
 struct SmallTurn;
 /// Relative error of `atan` 2^-60, of `bend` 2^-54.
@@ -44,7 +44,7 @@ SKINCTL_INLINE void sinc_cos(const T& square, T& sinc, T& cos) noexcept {
   sinc = T(1) + square * math::detail::polynomial(square, Table::sin);
   cos = T(1) + square * math::detail::polynomial(square, Table::cos);
 }
-/// The largest `square`.
+/// The largest `square` that `sinc_cos` takes.
 template <Real T>
 inline constexpr T sinc_cos_limit = T(0.6168502750680849L);
 

@@ -16,7 +16,7 @@ struct ExpFactors {
   T sine;    ///< sin(a) / a
   T cosine;  ///< (1 - cos(a)) / a^2
 };
-/// Both from the half angle: one sine and cosine, and no cancellation.
+/// The factors of exp from the half angle: one sine and cosine, and no cancellation.
 template <Real T>
 [[nodiscard]] SKINCTL_NOINLINE ExpFactors<T> exp_factors_beyond(const Xyz<T>& phi) noexcept {
   using std::cos;
@@ -26,7 +26,7 @@ template <Real T>
   const T s = sin(half) / half;
   return {s * cos(half), T(0.5) * s * s};
 }
-/// The same, by polynomials up to half a turn.
+/// The factors of exp, by polynomials up to half a turn.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE ExpFactors<T> exp_factors(const Xyz<T>& phi) noexcept {
   if constexpr (math::detail::has_kernel<T>) {

@@ -21,7 +21,7 @@ struct BlendWeights {
   }
 };
 
-/// Whether there is a value, then its numbers, or those of an empty one.
+/// Calls `f` for whether there is a value, then for its numbers, or for those of `V{}`.
 template <class V, class F>
 void each_optional(std::optional<V>& value, F&& f) {
   bool has = value.has_value();

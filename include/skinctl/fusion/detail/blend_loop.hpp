@@ -9,7 +9,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The laws of a `Blended`, and their sum.
+/// The part of a `Blended` that evaluates its laws and adds them up.
 template <Sum P, class... L>
 class BlendLoop : public BlendMemory<P, L...> {
   using Base = BlendMemory<P, L...>;
@@ -108,7 +108,7 @@ class BlendLoop : public BlendMemory<P, L...> {
     }
     return out;
   }
-  /// The change to other shares begins; laws that had none start.
+  /// The memory at the beginning of a change to other shares; laws that had none start.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory begun(const Memory& memory, const K& known) const noexcept {
     Memory next = memory;
@@ -137,7 +137,7 @@ class BlendLoop : public BlendMemory<P, L...> {
   struct Part {
     JointTorque<N, T> torque;
     union {
-      Now now;  ///< of loaded tracking laws
+      Now now;  ///< common terms of torque and memory, for loaded tracking laws
     };
     Part() noexcept {}
     Part(const Part& other) noexcept : torque(other.torque) {}

@@ -15,7 +15,7 @@ namespace detail {
 template <Sum P, class... L>
 class BlendLoop;
 
-/// What a `Blended` remembers, and what follows from that alone.
+/// The memory of a `Blended`, and what follows from it alone.
 template <Sum P, class... L>
 class BlendMemory : public Composable {
  public:
@@ -57,18 +57,18 @@ class BlendMemory : public Composable {
     ContactDetector::Memory contact;
     std::array<double, terms> asked;  ///< requested weights
     Factors from, to;                 ///< shares before and after the ramp
-    Nanoseconds elapsed = clock_end;  ///< since the ramp began
+    Nanoseconds elapsed = clock_end;  ///< time since the ramp began
     Nanoseconds ramp{};               ///< duration of the ramp
-    Nanoseconds settle{};             ///< then: fade-in of the feedback of new tracking laws
-    Nanoseconds next_ramp{};          ///< of the next change
-    bool waiting = false;             ///< a change of weights is waiting
+    Nanoseconds settle{};     ///< duration of the fade-in of new tracking laws' feedback after the ramp
+    Nanoseconds next_ramp{};  ///< duration of the ramp of the next change
+    bool waiting = false;     ///< a change of weights is waiting
   };
   template <std::size_t Ix>
   [[nodiscard]] static SKINCTL_INLINE constexpr const auto& memory(const Memory& m) noexcept {
     return memory_of<Ix>(m.laws);
   }
 
-  /// The factors of the laws' two parts.
+  /// The present factors of each law's two parts.
   [[nodiscard]] static Factors factors(const Memory& memory) noexcept {
     if (!moves(memory)) return memory.to;
     const auto part = [](Nanoseconds t, Nanoseconds of) {
@@ -117,7 +117,7 @@ class BlendMemory : public Composable {
   static void slow_down(const Memory& before, Memory& next, double part) noexcept {
     next.elapsed = before.elapsed + nanoseconds(seconds<double>(next.elapsed - before.elapsed) * part);
   }
-  /// The feedback of new tracking laws fades in once more, if it has begun.
+  /// Lets the feedback of new tracking laws fade in once more, if it has begun to.
   static void settle_again(Memory& memory) noexcept {
     if (settles(memory) && memory.elapsed >= memory.ramp) memory.elapsed = memory.ramp - 1ns;
   }

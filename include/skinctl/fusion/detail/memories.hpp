@@ -17,7 +17,7 @@ struct Memories<First, Rest...> {
   [[no_unique_address]] First first;
   [[no_unique_address]] Memories<Rest...> rest;
 };
-/// Of laws without memories: no aggregate, which Clang 16 crashes on where none of its members has a byte.
+/// The memories of laws without any: no aggregate, as Clang 16 crashes on one whose members have no byte.
 template <class First, class... Rest>
   requires(std::is_empty_v<First> && (std::is_empty_v<Rest> && ...))
 struct Memories<First, Rest...> {

@@ -17,7 +17,7 @@ template <class Own, class... L>
 struct SeeingLaws {
   using Input = Together<typename LawTable<L>::Input...>;
   using Output = Together<typename LawTable<L>::Output...>;
-  /// Whether one of them sees.
+  /// Whether one of the laws sees its scene.
   template <class In, class Seen>
   static constexpr bool one_sees = (sees<L, In, Seen> || ...);
 

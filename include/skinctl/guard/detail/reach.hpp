@@ -10,7 +10,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The room of commands, and which of them may follow the last one.
+/// The room of commands, and whether a command may follow the last one.
 template <Interface Ix, std::size_t N, Real T>
 class GuardReach {
  public:
@@ -25,8 +25,9 @@ class GuardReach {
   /// Factor for rounding at a limit.
   static SKINCTL_INLINE T slack() noexcept { return T(1) + T(1024) * std::numeric_limits<T>::epsilon(); }
 
-  /// Room of a command: of a position to the limits and to its largest distance from the measured one; of a
-  /// velocity from the robot's position, its present motion included.
+  /// Distances that a command leaves: of a position to the limits and to its largest distance from the
+  /// measured one; of a velocity from the measured position to the limits, and to one that the robot is
+  /// leaving more, by the way at the measured speed in the longest interval.
   SKINCTL_INLINE JointRoom<N, T> room(const State<N, T>& measured,
                                       const JointPosition<N, T>& command) const noexcept {
     using R = Row<N, T>;

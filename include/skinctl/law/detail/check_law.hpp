@@ -35,7 +35,7 @@ concept LacksReceive = CanBeAsked<L> && !NamesReceive<L>;
 template <class L>
 concept NamesForOthers = IsMadeOfLaws<L> || IsWrapper<L> || is_wrong_law<L>;
 
-/// Optional members with a wrong type or signature.
+/// The fault of an optional member with a wrong type or signature.
 template <class L>
 consteval LawFault fault_in_optional() {
   using enum LawFault;
@@ -83,7 +83,7 @@ consteval LawFault fault_in_members() {
   }
 }
 
-/// Whether a law declares robots other than those of `N` joints in the scalar `T`.
+/// The fault of a law that declares robots other than those of `N` joints in the scalar `T`.
 template <class L, std::size_t N, class T>
 consteval LawFault fault_for_robot() {
   constexpr Needs needs = L::needs;
@@ -104,7 +104,7 @@ concept TakesParts = HasParts<L, K> || HasStatelessParts<L, K>;
 template <class L, class K>
 concept TakesTorque = HasTorque<L, K> || HasStatelessTorque<L, K>;
 
-/// Whether a function of a law returns `Wanted`, and does not throw.
+/// The fault of a function of a law that does not return `Wanted`, or may throw.
 template <class Wanted, class Given>
 consteval LawFault fault_in_result(bool may_throw, LawFault result, LawFault throws) {
   if (!std::same_as<std::remove_cv_t<Given>, Wanted>) return result;
@@ -142,7 +142,7 @@ struct AnyTouchSeen {
   template <std::size_t>
   [[nodiscard]] T nearest() const noexcept;
 };
-/// Whether a law takes its goals.
+/// The fault of a law that does not take its goals.
 template <class L, class K>
 consteval LawFault fault_in_goals() {
   using Goal = typename L::Goal;
@@ -158,7 +158,7 @@ consteval LawFault fault_in_goals() {
   }
 }
 
-/// Whether a law's functions take the known state of a robot and return the required types.
+/// The fault of a law whose functions do not take the known state of a robot, or return other types.
 /// @tparam Part  the law is part of a sum, which weights the parts of its torque.
 template <class L, class K, bool Part>
 consteval LawFault fault_in_functions(const L* law, const typename L::Memory* m, const K* known,
@@ -226,7 +226,7 @@ constexpr auto find_in_members() {
     return own;
   }
 }
-/// The same for the robots that it declares.
+/// The fault of a law for robots of `N` joints in the scalar `T`; the laws of which it is made come first.
 template <class L, std::size_t N, class T>
 constexpr auto find_for_robot();
 template <std::size_t N, class T, class... L>
@@ -242,7 +242,7 @@ constexpr auto find_for_robot() {
     return Found<fault_for_robot<L, N, T>(), L>();
   }
 }
-/// The same for its functions, with the known state of a scene.
+/// The fault of a law's functions with the known state of a scene; the laws of which it is made come first.
 template <class L, class K, bool Part>
 constexpr auto find_in_functions();
 template <class K, class... L>

@@ -63,11 +63,11 @@ concept HasWeightedTorque = requires(const L& law, const typename L::Memory& m, 
                                      const LawShare<typename K::scalar>& share) {
   law.template torque<GravityTerm::left_out>(m, known, share);
 };
-/// Its torque can be weighted in a sum.
+/// A law whose torque can be weighted in a sum.
 template <class L, class K>
 concept TakesShare = HasWeightedTorque<L, K> || HasParts<L, K> || HasStatelessParts<L, K>;
 
-/// What is known of a robot includes its limits; a law may be evaluated without them.
+/// A known state of a robot that includes its limits; a law may be evaluated without them.
 template <class K>
 concept KnowsLimits = requires(const K& known) { known.limits(); };
 

@@ -24,9 +24,9 @@ class ClearanceWays {
   using Sum = typename Limits::Sum;
   static constexpr double leaving = 0.05;  ///< largest speed at which a motion along a margin leaves it [m/s]
   static constexpr double reaction = 0.02;         ///< time before a pair brakes, of a step that slides [s]
-  static constexpr double weakest_braking = 1e-3;  ///< of a pair that no joint parts [m/s^2]
-  static constexpr double square_of_none = 1e-8;   ///< squared gradient of a pair that no joint parts [m^2]
-  static constexpr double inner_share = 0.25;  ///< of the margin, left to obstacles while the robot brakes
+  static constexpr double weakest_braking = 1e-3;  ///< deceleration of a pair that no joint moves [m/s^2]
+  static constexpr double square_of_none = 1e-8;   ///< squared gradient of a pair that no joint moves [m^2]
+  static constexpr double inner_share = 0.25;      ///< part of the margin that is kept while the robot brakes
 
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
   [[nodiscard]] const T& distance(std::size_t k) const noexcept { return distance_[k]; }
@@ -35,13 +35,13 @@ class ClearanceWays {
     for (std::size_t k = 0; k < count_; ++k) least = distance_[k] < least ? distance_[k] : least;
     return least;
   }
-  /// Whether the robot can stop from `u`, reached over `moved`, with its clearances and within `room`. False
-  /// for NaN.
+  /// Whether the robot can stop from the velocity `u`, reached by the displacement `moved`, with its
+  /// clearances and within `room`. False for NaN.
   [[nodiscard]] bool keeps(const Velocity& u, const Position& moved,
                            const JointRoom<joints, T>& room) const noexcept {
     return (keeps_alike(u, moved, room) || keeps_alone(u, moved)) && stays_apart(u, moved);
   }
-  /// The same if all joints brake alike.
+  /// Whether the robot can stop so if all joints brake alike, `stays_apart` not asked.
   [[nodiscard]] bool keeps_alike(const Velocity& u, const Position& moved,
                                  const JointRoom<joints, T>& room) const noexcept {
     const T longest = of_.time_to_rest(u);
@@ -50,7 +50,8 @@ class ClearanceWays {
       if (moved[i] + way[i] > room.above[i] || -(moved[i] + way[i]) > room.below[i]) return false;
     return clear_along(moved, longest, [&](const T& part) { return part * way; });
   }
-  /// The same if each joint brakes as fast as it can.
+  /// Whether the robot can stop so if each joint brakes as fast as it can, whatever its room, `stays_apart`
+  /// not asked.
   [[nodiscard]] bool keeps_alone(const Velocity& u, const Position& moved) const noexcept {
     const T longest = of_.time_to_rest(u);
     return clear_along(moved, longest, [&](const T& part) {
@@ -80,7 +81,7 @@ class ClearanceWays {
   friend Limits;
   static SKINCTL_INLINE T size(const T& x) noexcept { return x < T(0) ? T(-x) : x; }
 
-  /// A round of `slid`.
+  /// One round of `slid`: takes from `u` what closes each pair too fast.
   void open(Velocity& u, const T& h, const T (&gradient)[max_pairs][joints],
             const T (&distance)[max_pairs]) const noexcept {
     for (std::size_t k = 0; k < count_; ++k) {
@@ -109,8 +110,8 @@ class ClearanceWays {
       return nothing;
     }
   }
-  /// Whether what the robot may fill until it stands, if it is at `u` after `moved`, is clear of obstacles
-  /// that stay where they are said to be, or of those where it is not while the robot stands here.
+  /// Whether the volume that the robot may fill until it stands, from `u` after `moved`, is clear of each
+  /// obstacle with approach 0; one that is too near a robot at rest here already does not count.
   [[nodiscard]] bool stays_apart([[maybe_unused]] const Velocity& u,
                                  [[maybe_unused]] const Position& moved) const noexcept {
     if constexpr (Limits::around > 0) {
@@ -143,7 +144,8 @@ class ClearanceWays {
     }
     return true;
   }
-  /// What pair `k` needs, `t` seconds after the robot set out: an obstacle comes closer by itself.
+  /// The distance that pair `k` needs `t` seconds after the robot set out [m]: an obstacle comes closer by
+  /// itself.
   [[nodiscard]] SKINCTL_INLINE T margin(std::size_t k, const T& t) const noexcept {
     if constexpr (Limits::around > 0) {
       return of_.margin_ + of_.clearances_.approach(k, seen_.near) * (seen_.age + of_.late_ + t);
@@ -160,7 +162,7 @@ class ClearanceWays {
     return clear_from(q_, distance_, moved, time, way) &&
            (!seen_.is_off || clear_from(q_ + seen_.off, distance_off_, moved, time, way));
   }
-  /// The same from `q`, where the distances are `here`.
+  /// `clear_along` from the position `q`, where the distances are `here`.
   template <class Way>
   [[nodiscard]] bool clear_from(const Position& q, const T (&here)[max_pairs], const Position& moved,
                                 const T& time, const Way& way) const noexcept {
@@ -200,7 +202,7 @@ class ClearanceWays {
   Position q_;
   std::size_t count_;
   T distance_[max_pairs];
-  T distance_off_[max_pairs];  ///< of a robot that stands off its commands, where it is
+  T distance_off_[max_pairs];  ///< distances at the real position of a robot that stands off its commands [m]
 };
 
 }  // namespace detail

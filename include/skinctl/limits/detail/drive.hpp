@@ -12,7 +12,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The motion to which torques lead in some time: of the joints of `Set` while the others move as told.
+/// The motion of the joints of `Set` to which their torques lead in the time `ahead`, while the other joints
+/// move as told.
 template <class Set, RobotModel M, Real T>
 class Drive {
   static constexpr std::size_t N = M::joints, n = Set::count;
@@ -22,10 +23,10 @@ class Drive {
   using Velocity = JointVelocity<n, T>;
   const JointLimits<N, T>& limits;
   const State<N, T>& measured;
-  T ahead;                 ///< how far it looks [s]
-  MassMatrix<N, T> mass;   ///< of all joints, with their motors
+  T ahead;                 ///< time of the prediction [s]
+  MassMatrix<N, T> mass;   ///< mass matrix of all joints, with their motors
   JointTorque<N, T> bias;  ///< C dq + G of all joints
-  Torque asked;            ///< within the limits of torque
+  Torque asked;            ///< wished torque of the joints of `Set`, within its limits [N m]
 
   /// @param motors  their inertia at the joints, which outweighs that of a wrist's links [kg m^2].
   SKINCTL_INLINE Drive(const M& model, const JointTorque<N, T>& motors, const JointLimits<N, T>& given,
@@ -36,8 +37,9 @@ class Drive {
     bias = bias_torque(model_, angles_, state.dq);
     asked = Set::of(limits.within(wish, state.dq));
   }
-  /// The velocities to which the torque leads beyond `hold`, which holds the robot; false if the mass matrix
-  /// is not positive definite.
+  /// Predicts `driven`, the velocities to which the torque beyond `hold` leads, which holds the robot, and
+  /// `world`, the change of velocity by `resistance`. Returns false if the mass matrix is not positive
+  /// definite.
   [[nodiscard]] SKINCTL_INLINE bool leads(const JointTorque<N, T>& hold, const Torque& resistance,
                                           Velocity& driven, Velocity& world) const noexcept {
     const math::Ldlt<n, T> factors(block_of<Set>(mass).data);
@@ -53,11 +55,11 @@ class Drive {
     world = lead_to({}, T(-1) * resistance);
     return true;
   }
-  /// The torque that takes the velocity `u` of the joints in the time ahead.
+  /// The torque that changes the velocities of the joints by `u` in the time `ahead` [N m].
   [[nodiscard]] SKINCTL_INLINE Torque that_takes(const JointVelocity<N, T>& u) const noexcept {
     return momentum_of<Set>(mass, u) * T(T(1) / ahead);
   }
-  /// `torque` with those of these joints, within the limits.
+  /// `torque` with `own` for the joints of `Set`, cut to their limits.
   [[nodiscard]] SKINCTL_INLINE JointTorque<N, T> with(JointTorque<N, T> torque,
                                                       const Torque& own) const noexcept {
     if constexpr (Set::is_all) {

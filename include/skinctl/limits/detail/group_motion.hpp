@@ -9,7 +9,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// What is remembered of the last command of a group.
+/// Memory of the last command of a group.
 template <std::size_t N, Real T>
 struct GroupMotionMemory {
   JointPosition<N, T> position, carry;  ///< the last command's position, and its rounding error
@@ -34,7 +34,7 @@ class GroupMotion {
   [[nodiscard]] SKINCTL_INLINE auto stopped(const Command& last, const T& dt) const noexcept {
     return mover_.brake(limits_.room(last.position), last.velocity, last.acceleration, dt);
   }
-  /// Follows such a motion; `out` becomes its end.
+  /// Follows `motion` from the command `last`; `out` becomes the command at its end.
   template <class Motion>
   SKINCTL_INLINE void follow(Memory& m, const Command& last, const Motion& motion,
                              Command& out) const noexcept {

@@ -13,7 +13,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// One joint, its limits of velocity, acceleration and jerk, and its room: how `JerkLimits` moves it.
+/// One joint with its limits of velocity, acceleration and jerk, and its room, as `JerkLimits` moves it.
 template <Real T>
 struct JerkJoint {
   using Moved = detail::Moved<T>;
@@ -43,9 +43,9 @@ struct JerkJoint {
     const T more = slack + T(256) * eps() * (reach.above + reach.below);
     return reach.above <= above + more && reach.below <= below + more;
   }
-  /// Whether a step may end in this state: the same with a margin, and below the velocity limit.
-  /// And the mean speed of its `h` seconds must not exceed that limit: an acceleration that changes its sign
-  /// within the step may.
+  /// Whether a step of `h` seconds may end as `m`: the quickest stop stays between the ends with a margin,
+  /// and below the velocity limit; the mean speed of the step does not exceed that limit either, as it might
+  /// where the acceleration changes its sign within the step.
   [[nodiscard]] bool may_end(const Moved& m, const T& h) const noexcept {
     if (!(m.s <= V * h && -m.s <= V * h)) [[unlikely]]
       return false;
@@ -129,17 +129,17 @@ struct JerkJoint {
     }
     return {without_dust(m), status};
   }
-  /// The part `share` of `towards`, and the rest of `from`: both begin alike.
+  /// The interpolation from the motion `from` (`share` 0) to `towards` (1), which begin alike.
   [[nodiscard]] static Moved mixed(const Moved& from, const Moved& towards, const T& share) noexcept {
     return {from.s + share * (towards.s - from.s), from.u + share * (towards.u - from.u),
             from.a + share * (towards.a - from.a)};
   }
-  /// Where a joint that moved as `m` comes to rest.
+  /// The displacement until rest of a joint that moved as `m` and then stops.
   [[nodiscard]] T rest_of(const Moved& m) const noexcept {
     return m.s + detail::Stopping<T>(m.u, m.a, A, J).rest();
   }
-  /// The motion `m` of `h` seconds from speed `u` and acceleration `a`, as much of it as leaves the rest
-  /// point within `most` and `-least`: the rest is the quickest stop. Where that ends beyond, the joint comes
+  /// The motion `m` of `h` seconds from speed `u` and acceleration `a`, mixed with the quickest stop as far
+  /// as the rest point needs to lie within `most` and `-least`. Where the stop ends beyond, the joint comes
   /// back as hard as it can, if `comes_back`.
   [[nodiscard]] Moved held_back(const Moved& m, const T& u, const T& a, const T& h, const T& least,
                                 const T& most, bool comes_back) const noexcept {
@@ -157,7 +157,7 @@ struct JerkJoint {
     const auto keeps = [&](const T& part) { return inside(mixed(within, beyond, part)); };
     return mixed(within, beyond, math::greatest_share<mixing_steps, T>(keeps));
   }
-  /// Without speeds and accelerations whose squares are denormal numbers.
+  /// `m` with 0 for a speed and an acceleration whose squares are denormal numbers.
   [[nodiscard]] static Moved without_dust(Moved m) noexcept {
     const T tiny = T(std::same_as<T, float> ? 1e-17 : 1e-150);
     if (m.u < tiny && -m.u < tiny) m.u = T(0);

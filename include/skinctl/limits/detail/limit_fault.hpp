@@ -83,7 +83,7 @@ consteval LimitFault fault_in_limit() {
     return acts ? none : idle;
   }
 }
-/// Says it, at compile time.
+/// Reports the fault `F` of a limit at compile time.
 template <LimitFault F, class Limit>
 struct SayLimit {
   using enum LimitFault;

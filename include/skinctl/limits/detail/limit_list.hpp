@@ -23,7 +23,7 @@ struct Slowed {
   }
 };
 
-/// The kind of a limit or of its settings; a kind itself.
+/// The kind of a limit or of its settings; of a kind, the kind itself.
 template <class Part>
 struct KindOf {
   using type = Part;
@@ -35,7 +35,7 @@ struct KindOf<Part> {
 template <class Part, class Kind>
 inline constexpr bool of_kind = std::is_same_v<typename KindOf<Part>::type, typename KindOf<Kind>::type>;
 
-/// The first place at which it is true, or `Count`.
+/// The first index at which `is` is true, or `Count`.
 template <std::size_t Count>
 [[nodiscard]] consteval std::size_t place_of(std::array<bool, Count> is) {
   std::size_t k = 0;

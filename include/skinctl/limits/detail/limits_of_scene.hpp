@@ -14,7 +14,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// What a governor reads beside the command.
+/// The input of a governor beside the command.
 template <std::size_t N, Real T>
 struct GovernorInput {
   const JointCommand<N, T>& last;  ///< the command that left last
@@ -41,14 +41,14 @@ class LimitsOfScene {
   static constexpr bool acts = count > 0;
   static constexpr std::size_t groups = std::tuple_size_v<typename Sets::StiffGroups>;
   static constexpr bool has_driven = Sets::Driven::count > 0, has_motion = groups > 0;
-  /// The number of limits that decide how joints move, and whether one does.
+  /// The number of limits that decide how joints move, and whether there is one.
   static constexpr int movers = (0 + ... + int(DecidesMotion<Limits>));
   static constexpr bool smooth = movers > 0;
-  /// Whether one of them asks for contacts, and for the skin's coverage.
+  /// Whether a limit asks for contacts, and whether one asks for the skin's coverage.
   static constexpr bool reads_touch = (ReadsTouch<Limits> || ...);
   static constexpr bool reads_coverage = (ReadsCoverage<Limits> || ...);
   static constexpr bool may_stay = (Stays<Limits> || ...);
-  /// The links whose touch they read.
+  /// The links whose touch the limits read.
   static constexpr LinkMask links = [] {
     LinkMask all = 0;
     (
@@ -61,7 +61,7 @@ class LimitsOfScene {
   /// The time of the prediction of torques, and of braking by them, in cycles and in delays of the joints: at
   /// least twice the loop's delay, faster braking swings.
   static constexpr int braking_cycles = 4, braking_delays = 2;
-  /// And the shortest such time [s]: a guard turns a torque over its whole range in 20 ms.
+  /// The shortest time of that prediction [s]: a guard turns a torque over its whole range in 20 ms.
   static constexpr double shortest_braking = 0.01;
   using Input = GovernorInput<joints, T>;
 
@@ -105,10 +105,10 @@ class LimitsOfScene {
       : model_(model), limits_(limits), parts_(parts...), motions_(OfGroups::make(limits, parts_)) {}
 
   [[nodiscard]] const JointLimits<joints, T>& limits() const noexcept { return limits_; }
-  /// Whether it has a limit of this kind, named by its `Kind` or by its settings.
+  /// Whether the scene has a limit of this kind, named by its `Kind` or by its settings.
   template <class Kind>
   static constexpr bool has = (of_kind<Limits, Kind> || ...);
-  /// The limit of a kind, and its memory.
+  /// The limit of a kind; `memory` gives its memory.
   template <class Kind>
     requires(has<Kind>)
   [[nodiscard]] const auto& get() const noexcept {
@@ -120,7 +120,7 @@ class LimitsOfScene {
     return element<place<Kind>>(m.limits);
   }
 
-  /// What decides how the joints of the group `K` move: `Abrupt`, or limits of jerk.
+  /// The mover of the group `K`, which decides how its joints move: `Abrupt`, or limits of jerk.
   template <std::size_t K>
   [[nodiscard]] SKINCTL_INLINE const auto& mover_of() const noexcept {
     return std::get<K>(motions_).mover();
@@ -132,14 +132,14 @@ class LimitsOfScene {
     return std::get<mover_place>(parts_);
   }
 
-  /// Takes what the limits ask from the input of a cycle at `now`; the robot was measured at `q`.
+  /// Gives the limits what they need of the input of a cycle at `now`; the robot was measured at `q`.
   template <class In>
   SKINCTL_INLINE void see(Memory& m, const In& input, const Position& q, Nanoseconds now) const noexcept {
     each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
       if constexpr (LimitWithInput<Limit<K>>) part<K>().see(own<K>(m), input, q, now);
     });
   }
-  /// Looks at the skin, `dt` seconds after the last cycle.
+  /// Lets the limits look at the skin, `dt` seconds after the last cycle.
   template <class Seen>
   SKINCTL_INLINE Status look(Memory& m, const Seen& seen, const T& dt) const noexcept {
     Status status;
@@ -156,7 +156,7 @@ class LimitsOfScene {
     };
     std::apply([&](const auto&... limit) { (one(limit), ...); }, parts_);
   }
-  /// Whether the robot is to brake and hold by one of them.
+  /// Whether the robot is to brake and hold because of a limit.
   [[nodiscard]] SKINCTL_INLINE bool stays(const Memory& m) const noexcept {
     bool any = false;
     each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
@@ -164,7 +164,7 @@ class LimitsOfScene {
     });
     return any;
   }
-  /// The robot stands off its commands: measured less expected positions.
+  /// Tells the limits the robot's deviation from its commands: measured less expected positions [rad].
   SKINCTL_INLINE void stand_off(Memory& m, const Position& off) const noexcept {
     each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
       if constexpr (StandsOff<Limit<K>, Position>) part<K>().stand_off(own<K>(m), off);
@@ -214,14 +214,14 @@ class LimitsOfScene {
   SKINCTL_INLINE static void forget_torque(Memory& m) noexcept {
     if constexpr (of_torque < count) Limit<of_torque>::forget(own<of_torque>(m));
   }
-  /// The velocity in the time of the motion: what was asked for is within the limits of the joints, what is
-  /// slowed may not be.
+  /// The velocity that joints reach in the time of the motion: one that was asked for is within their limits,
+  /// a slowed one may not be.
   [[nodiscard]] SKINCTL_INLINE Velocity reached(const Going& going,
                                                 const Slowed<joints, T>& s) const noexcept {
     return has_motion && s.slowed ? limits_.move(going.room, going.from, s.velocity, going.dt).velocity
                                   : s.velocity;
   }
-  /// What the limit `K` leaves.
+  /// Applies the limit `K` to the velocity in `left`.
   template <std::size_t K, class Seen>
   SKINCTL_INLINE void act(Memory& m, const Going& going, const Seen& seen,
                           Slowed<joints, T>& left) const noexcept {
@@ -247,7 +247,7 @@ class LimitsOfScene {
     });
     return all;
   }
-  /// The reasons of the limits that such a motion breaks.
+  /// The reasons of the limits that a motion breaks which ends at `v`, by `moved`.
   [[nodiscard]] SKINCTL_INLINE Status broken(const Memory& m, const Going& going, const Velocity& v,
                                              const Position& moved) const noexcept {
     Status out;
@@ -257,9 +257,9 @@ class LimitsOfScene {
     });
     return out;
   }
-  /// The same of the mean velocity of joints by position, where that is not the middle of its ends: a motion
-  /// in several substeps, or within a limit of jerk, may be faster on its way than at its ends. What is sent
-  /// to joints by velocity is the speed at the end.
+  /// The reasons of the limits that the mean velocity of joints by position breaks, where that is not midway
+  /// between start and end: a motion in several substeps, or within a limit of jerk, may be faster between.
+  /// What is sent to joints by velocity is the speed at the end.
   [[nodiscard]] SKINCTL_INLINE Status broken_between(const Memory& m, const Going& going, const Velocity& v,
                                                      const Position& moved) const noexcept {
     bool bulges = false;

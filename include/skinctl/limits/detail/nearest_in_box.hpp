@@ -13,14 +13,14 @@ namespace detail {
 template <std::size_t N, Real T>
 struct Bounded {
   JointVelocity<N, T> u;
-  JointTorque<N, T> impulse;  ///< to be taken off; >= 0 at an upper bound, <= 0 at a lower one, 0 elsewhere
+  JointTorque<N, T> impulse;  ///< impulse taken off: >= 0 at an upper bound, <= 0 at a lower one, else 0
   bool exact = true;          ///< every velocity keeps its bounds; else the number of steps ran out
 };
 
 /// The velocities nearest to `u` in kinetic energy, `min (v - u)' M (v - u) / 2`, with `lower <= v <= upper`.
 ///
 /// Every joint has stops that push that joint only, and only back (Gauss's principle): the impulses `p = M
-/// (u - v)` are complementary to the distances from the bounds, so no joint is driven to hold another one,
+/// (u - v)` are complementary to the distances from the bounds, so no joint is moved to hold another one,
 /// and all that p does is to take energy. Found by principal pivoting: the joints that break a bound are put
 /// on it, those whose stop would pull are released, all at once, and if that does not settle, one by one. The
 /// number of steps is limited; when they run out, each impulse still has its sign.

@@ -14,7 +14,7 @@ template <Real T>
 struct Moved {
   T s, u, a;
 
-  /// After `t` more seconds at the jerk `j`.
+  /// The motion `t` seconds later, at the constant jerk `j`.
   [[nodiscard]] SKINCTL_INLINE Moved after(const T& t, const T& j) const noexcept {
     const T half = T(0.5) * t, sixth = t / T(6);
     return {s + t * (u + half * (a + T(2) * sixth * j)), u + t * (a + half * j), a + t * j};
@@ -62,9 +62,9 @@ class Stopping {
     return {sign_ * m.s, sign_ * m.u, sign_ * m.a};
   }
 
-  /// The displacement until rest: where the joint comes to rest.
+  /// The signed displacement until the joint is at rest.
   [[nodiscard]] SKINCTL_INLINE T rest() const noexcept { return sign_ * end(); }
-  /// The distances covered before rest.
+  /// The distances covered to both sides before rest.
   [[nodiscard]] SKINCTL_INLINE Reach<T> reach() const noexcept {
     using std::sqrt;
     const T s = end();

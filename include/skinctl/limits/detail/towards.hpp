@@ -9,7 +9,7 @@ SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
 /// The velocity farthest from `allowed` towards `wished` that `keeps(velocity)` allows, to 2^-16 of the way;
-/// `allowed` itself is not asked for. Time is bounded: 16 questions.
+/// `allowed` itself is not asked for. 16 calls of `keeps`.
 template <std::size_t N, class T, class Keeps>
 [[nodiscard]] SKINCTL_INLINE JointVelocity<N, T> towards(const JointVelocity<N, T>& allowed,
                                                          const JointVelocity<N, T>& wished,

@@ -32,7 +32,7 @@ class BlockLdlt {
   }
   [[nodiscard]] SKINCTL_INLINE bool positive_definite() const noexcept { return positive_definite_; }
 
-  /// `x` may be `b`.
+  /// Solves the system; `x` may be `b`.
   /// @tparam B  numbers, or rows of them: several right sides at once.
   template <class B>
   SKINCTL_INLINE void solve(const B* b, B* x) const noexcept {
@@ -69,7 +69,8 @@ class BlockLdlt {
   static SKINCTL_INLINE void for_three(F&& f) noexcept {
     skinctl::detail::unrolled<3>(f);
   }
-  /// False if a pivot, taken from the last one on, is at most `8 epsilon` of the element in `whole`.
+  /// Inverts `m`. False if a pivot, taken from the last one on, is at most `8 epsilon` of the element in
+  /// `whole`.
   static SKINCTL_INLINE bool invert(const Symmetric& m, const T (&whole)[3], Symmetric& inverse) noexcept {
     SKINCTL_CONTRACT
     const T xx = m.yy * m.zz - m.zy * m.zy, yx = m.zx * m.zy - m.yx * m.zz, zx = m.yx * m.zy - m.zx * m.yy;
@@ -94,7 +95,7 @@ class BlockLdlt {
   bool positive_definite_;
 };
 
-/// The faster of the two for one system of `N` equations.
+/// The faster of `BlockLdlt` and `Ldlt` for one system of `N` equations.
 template <std::size_t N, Real T>
 using OneSystem = std::conditional_t<N == 6, BlockLdlt<T>, Ldlt<N, T>>;
 

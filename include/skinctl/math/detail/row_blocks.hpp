@@ -13,7 +13,7 @@ namespace math::detail {
 template <class T>
 inline constexpr bool has_kernel = std::is_same_v<T, float> || std::is_same_v<T, double>;
 
-/// Single numbers, and rows shorter than the register, use 16 bytes.
+/// The lanes of single numbers, and of rows shorter than the register: 16 bytes.
 template <class T>
 inline constexpr std::size_t narrow_lanes = native_lanes<T> == 1 ? 1 : 16 / sizeof(T);
 
@@ -21,7 +21,7 @@ inline constexpr std::size_t narrow_lanes = native_lanes<T> == 1 ? 1 : 16 / size
 template <class T, std::size_t N>
 inline constexpr std::size_t row_lanes = N >= native_lanes<T> ? native_lanes<T> : narrow_lanes<T>;
 
-/// The number of such lanes that covers the row, and the start of lane `block`. The last lane overlaps the
+/// The number of lanes that covers the row, and the start of lane `block`. The last lane overlaps the
 /// one before, so that none is partly filled: six numbers in lanes of four are 0..3 and 2..5.
 template <class T, std::size_t N>
 inline constexpr std::size_t row_blocks = (N + row_lanes<T, N> - 1) / row_lanes<T, N>;

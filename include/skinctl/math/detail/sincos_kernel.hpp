@@ -12,7 +12,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace math::detail {
 
-/// The largest reduced argument of rounding to nearest, and some room (proven: 0.7855).
+/// The largest reduced argument where the thread rounds to nearest, and some room (proven: 0.7855).
 inline constexpr float max_reduced = 0.7857f;
 
 /// Constants by type. `half_pi` is pi/2 in parts, the first two so short that their product with a count of
@@ -50,8 +50,9 @@ struct SinCosTable<float> {
   static constexpr float cos[] = {-0.5f, 0x1.55554ap-5f, -0x1.6c0c1ap-10f, 0x1.99e0eep-16f};
 };
 
-/// Returns the reduced argument: above `max_reduced` the results are not accurate. That happens beyond the
-/// limit, and where the thread does not round to nearest, so that the count of quarter turns is one off.
+/// Sine and cosine of `x`. Returns the reduced argument: above `max_reduced` the results are not accurate.
+/// That happens beyond the limit, and where the thread does not round to nearest, so that the count of
+/// quarter turns is one off.
 template <class T, std::size_t W>
 SKINCTL_INLINE Lane<T, W> sincos_kernel(Lane<T, W> x, Lane<T, W>& sin, Lane<T, W>& cos) noexcept {
   using Table = SinCosTable<T>;
@@ -98,8 +99,8 @@ template <class T>
   }
 }
 
-/// The same for `B` lanes. Function arguments passed by address stay in memory; the copy keeps the originals
-/// in registers.
+/// `sincos_beyond` for `B` lanes. Function arguments passed by address stay in memory; the copy keeps the
+/// originals in registers.
 template <class T, std::size_t W, std::size_t B>
 SKINCTL_INLINE void sincos_beyond(const Lane<T, W> (&x)[B], Lane<T, W> (&sin)[B], Lane<T, W> (&cos)[B],
                                   bool all) noexcept {

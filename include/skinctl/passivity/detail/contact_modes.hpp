@@ -14,8 +14,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// `P' M P = 1` and `P' B P = D`, diagonal: then `(M s^2 + B s)^-1 = P diag(1/(s (s + d_i))) P'`. For
-/// configuration time.
+/// The modes P of inertia M and friction B: `P' M P = 1` and `P' B P = D`, diagonal, so that
+/// `(M s^2 + B s)^-1 = P diag(1/(s (s + d_i))) P'`. For configuration time.
 template <std::size_t N, Real T>
 class ContactModes {
  public:
@@ -66,14 +66,14 @@ class ContactModes {
 template <std::size_t N, Real T>
 struct ContactLoops {
   static constexpr double vanishing = 1e-6;  ///< share of the largest value below which a locus has ended
-  static constexpr int halvings = 10;        ///< of the step of frequency in which a locus crosses
+  static constexpr int halvings = 10;        ///< halvings of a step of frequency in which a locus crosses
 
   const ContactModes<N, T>& robot;
   const ContactPath<T>& path;
-  const T* a;  ///< row of a contact in modes
-  T gain_a;    ///< newtons at the law per newton there
-  const T* b;  ///< row of the other one; null: none
-  T gain_b;
+  const T* a;        ///< row of a contact in modes
+  T gain_a;          ///< newtons at the law per newton at that contact
+  const T* b;        ///< row of the other contact in modes; null: none
+  T gain_b;          ///< newtons at the law per newton at the other contact
   T heavier = T(1);  ///< see `ContactModes::compliance`
 
   /// Calls `f(w, g)` wherever an eigenvalue of `W G path` passes the line of the imaginary part `loss` [m/N]
@@ -124,7 +124,7 @@ struct ContactLoops {
     const C root = std::sqrt(half * half + gain_a * gain_b * x * x);
     return {{at.way * (middle + root), at.way * (middle - root)}};
   }
-  /// In the order of the eigenvalues at a frequency near by.
+  /// The eigenvalues at `at`, in the order of `one`, those at a frequency near by.
   [[nodiscard]] Loci next_to(const Loci& one, const typename ContactPath<T>::Point& at) const {
     Loci two = loci(at);
     if (std::abs(two.value[0] - one.value[0]) + std::abs(two.value[1] - one.value[1]) >
@@ -134,7 +134,7 @@ struct ContactLoops {
   }
 };
 
-/// How many times too stiff contacts of `k` [N/m] are that are to rest with a gain margin `margin`: at most 1
+/// The factor by which contacts of `k` [N/m] are too stiff to rest with the gain margin `margin`: at most 1
 /// if they do. Behind the contact is a wall (`body` 0), or a free body of that mass [kg], which gives way
 /// with the robot; `k (1 + i loss)` is the stiffness with what the cover loses. `1/(k (1 + i loss)) + 1/(body
 /// s^2) + margin g(s)` must not turn round zero.

@@ -17,9 +17,9 @@ namespace detail {
 ///
 ///     H = exp(-s (T_d + m)) (1 - e^(-m/tau) + e^(-m/tau) (1 - e^(-dt/tau)) / (exp(s dt) - e^(-dt/tau)))
 ///
-/// Commands are held; behind delay and lag they wait for the cycle that sees them, m, up to a period. A
-/// command that arrives together with a cycle may just have missed it: with a delay of whole periods m is a
-/// period.
+/// with the declared delay T_d, the lag tau and the period dt. Commands are held; behind delay and lag they
+/// wait for the cycle that sees them, m, up to a period. A command that arrives together with a cycle may
+/// just have missed it: with a delay of whole periods m is a period.
 template <Real T>
 class ContactPath {
  public:
@@ -53,11 +53,11 @@ class ContactPath {
            std::polar(T(1), -w * (seen_ + skin_delay_)) *
            (T(1) - rest_ + rest_ * (T(1) - decay_) / (z - decay_));
   }
-  /// The delay for slow motion [s]: `T_d + t_skin + tau + dt/2` or a little more.
+  /// The delay of the path for slow motion [s]: `T_d + t_skin + tau + dt/2` or a little more.
   [[nodiscard]] T total_delay() const noexcept {
     return seen_ + skin_delay_ + rest_ * period_ / (T(1) - decay_);
   }
-  /// The highest frequency that cycles see; beyond `negligible` the loop's gain is too small to matter.
+  /// The highest frequency of interest [rad/s]: the one that cycles see, or that of `negligible`.
   [[nodiscard]] T last() const noexcept {
     const T nyquist = T(3.14159265358979323846) / period_, beyond = T(negligible) / total_delay();
     return beyond < nyquist ? beyond : nyquist;
@@ -70,8 +70,8 @@ class ContactPath {
   static constexpr double negligible = 20;  ///< highest frequency of interest, times the total delay [rad]
 
   T period_, substep_, lead_, skin_delay_;
-  T seen_;                        ///< T_d + m
-  T rest_ = T(0), decay_ = T(0);  ///< of the lag: left to do after m, and after a period
+  T seen_;                        ///< T_d + m: time until a cycle can see a command [s]
+  T rest_ = T(0), decay_ = T(0);  ///< shares of a step that the lag leaves after m, and after a period
   std::vector<Point> grid_;
 };
 

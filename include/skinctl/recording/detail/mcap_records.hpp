@@ -41,7 +41,7 @@ enum class Op : unsigned char {
   summary_offset,
   data_end
 };
-/// Opcode and length of a record.
+/// Bytes of a record's opcode and length.
 inline constexpr std::size_t record_head = 9;
 
 using Bytes = std::vector<unsigned char>;
@@ -72,7 +72,7 @@ void record(Bytes& out, Op op, F&& f) {
   const std::uint64_t length = out.size() - from;
   std::memcpy(out.data() + from - sizeof length, &length, sizeof length);
 }
-/// A list whose length in bytes stands before it.
+/// Appends a list that `f(out)` writes, with its length in bytes before it.
 template <class F>
 void list(Bytes& out, F&& f) {
   put(out, std::uint32_t(0));
@@ -103,7 +103,8 @@ struct ChunkIndex {
   std::uint64_t start = 0, length = 0, index_length = 0, size = 0;
   std::map<std::uint16_t, std::uint64_t> index_offsets{};
 };
-/// Of one chunk: for each channel the times and places of its messages.
+/// The messages of one chunk: for each channel their times [ns] and places, in bytes from the chunk's first
+/// record.
 using MessageIndexes = std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>>;
 
 inline void write(Bytes& out, const Schema& s) {
@@ -118,7 +119,7 @@ inline void write(Bytes& out, const Channel& c) {
         put(o, c.metadata);
   });
 }
-/// The indexes of a chunk, which stand behind it at `at`; their places go into `index`.
+/// Appends the message indexes of a chunk, which stand behind it at `at`; their places go into `index`.
 inline void write(Bytes& out, const MessageIndexes& messages, std::uint64_t at, ChunkIndex& index) {
   const std::size_t from = out.size();
   for (const auto& [channel, entries] : messages) {
@@ -133,7 +134,7 @@ inline void write(Bytes& out, const MessageIndexes& messages, std::uint64_t at, 
   index.index_length = out.size() - from;
 }
 
-/// What stands behind the data: everything that an indexed reader asks for.
+/// The summary of a file, which stands behind its data: everything that an indexed reader asks for.
 struct Summary {
   std::vector<Schema> schemas{};
   std::vector<Channel> channels{};

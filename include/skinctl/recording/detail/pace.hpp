@@ -9,7 +9,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Says once in a period, by the stamps of cycles, that it is time. After a gap, and where stamps begin anew,
+/// A timer that is due once in a period, by the stamps of cycles. After a gap, and where stamps begin anew,
 /// it counts from there.
 class Pace {
  public:

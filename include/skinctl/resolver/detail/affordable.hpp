@@ -8,9 +8,9 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Slows `v` down to the velocity that `observer` can pay for, braking included; what leads out of contacts
-/// last. `reach(u)` is the displacement from the measured position to where the robot comes to rest that
-/// moves at `u`. False if `v` was slowed.
+/// Slows `v` down to the velocity that `observer` can pay for, braking included, its part out of contacts
+/// last. `reach(u)` is the displacement from the measured position to where a robot that moves at `u` comes
+/// to rest. Returns false if `v` was slowed.
 template <std::size_t N, Real T, class Memory, class Reach>
 SKINCTL_INLINE bool slow_to_afford(const PassivityObserver<T>& observer, const Memory& memory,
                                    JointVelocity<N, T>& v, const Reach& reach) noexcept {

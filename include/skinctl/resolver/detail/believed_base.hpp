@@ -12,17 +12,17 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// What is believed of a base that moves. Trivially copyable.
+/// The state of a moving base as a cycle takes it. Trivially copyable.
 template <Real T>
 struct BelievedBase {
   bool seen = false;            ///< whether there has been a good state
-  Nanoseconds stamp{};          ///< of the last good state
+  Nanoseconds stamp{};          ///< time of the last good state
   Xyz<T> up{T(0), T(0), T(1)};  ///< upward axis of the world at that time, along the axes of the base
   BaseMotion<T> told;           ///< motion at that time, without gravity
   BaseMotion<T> now;            ///< motion that counts in this cycle
 };
 
-/// Whether a state of a base is one: `sample_not_finite`, `sample_out_of_range`.
+/// Checks a state of a base: `sample_not_finite` or `sample_out_of_range`, or empty where it is good.
 template <Real T>
 [[nodiscard]] Status check_base(const BaseState<T>& b, const MovingBaseSettings& s,
                                 Nanoseconds now) noexcept {
@@ -45,7 +45,7 @@ template <Real T>
   return {};
 }
 
-/// Takes what the input of the cycle at `now` tells: see `OnMovingBase`.
+/// Takes the state of the base `told` by the input of the cycle at `now`: see `OnMovingBase`.
 /// @param at_rest  motion of the base that stands; its gravity is as large as that of the world.
 template <Real T>
 [[nodiscard]] Status see_base(BelievedBase<T>& m, const BaseState<T>& told, const MovingBaseSettings& s,
@@ -78,7 +78,7 @@ template <Real T>
   return status;
 }
 
-/// A resolver's memory with that, for models whose base moves.
+/// A resolver's memory with the state of the base, for models whose base moves.
 template <class Memory, Real T>
 struct MemoryOnBase : Memory {
   BelievedBase<T> base;

@@ -11,20 +11,20 @@ template <std::size_t N, Real T>
 struct ResolverParameters {
   JointLimits<N, T> limits;
   VirtualDynamics<N, T> shape;
-  JointPosition<N, T> dead_band;  ///< B0 [rad]
+  JointPosition<N, T> dead_band;  ///< B0: dead band [rad]
   JointPosition<N, T> owed;       ///< A d (tau + d/2), see `RobotConfiguration::owed_by_acceleration` [rad]
-  JointVelocity<N, T> resting_speed;  ///< below which a joint counts as at rest [rad/s]
+  JointVelocity<N, T> resting_speed;  ///< speed up to which a joint counts as at rest [rad/s]
   Nanoseconds period, delay, substep, longest_interval, stale_after;
   T cycle;        ///< the period [s]
-  T torque_rate;  ///< [1/s]
-  T largest_gap;  ///< that is borne [rad]
-  T lag;          ///< tau [s]
-  T total_delay;  ///< T [s]
-  T latest;       ///< T and the undeclared lag that is borne [s]
-  T per_held;     ///< 1/(5 T): of the time for which a joint is held until it counts as blocked [1/s]
-  T reaction;     ///< for which a velocity may be held [s]
+  T torque_rate;  ///< largest rate of a law's own torque [torque limits per second]
+  T largest_gap;  ///< largest gap that is borne [rad]
+  T lag;          ///< tau: declared lag [s]
+  T total_delay;  ///< T: delay, lag and period together [s]
+  T latest;       ///< T with the undeclared lag that is borne [s]
+  T per_held;     ///< 1/(5 T): inverse of the time after which a held joint counts as blocked [1/s]
+  T reaction;     ///< longest time for which a velocity may be held [s]
   T undeclared;   ///< t_u: undeclared lag that is borne [s]
-  T drift;        ///< of velocity joints towards their measured positions [1/s]
+  T drift;        ///< rate at which joints by velocity drift to their measured positions [1/s]
   bool has_coulomb = false;
 
   /// The largest change of a law's own torque in `h` seconds [N m].
@@ -73,7 +73,7 @@ struct ResolverParameters {
             .stale_after = stale_after};
   }
 
-  static constexpr double held_delays = 5;  ///< rest after which a robot owes nothing, over the total delay
+  static constexpr double held_delays = 5;  ///< time of a hold until a joint is blocked, in total delays
 
  private:
   static constexpr double drift_of_delay = 0.3;  ///< stable gain of a drift, times the total delay

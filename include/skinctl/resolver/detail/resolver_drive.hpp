@@ -20,7 +20,7 @@ struct Asked {
   const Touch& touch;
 };
 
-/// What a law knows in a `Resolver`, and how the virtual robot moves under its torque.
+/// The input of a law in a `Resolver`, and the motion of the virtual robot under its torque.
 template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class PassivityParts,
           class Tool>
 class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, PassivityParts, Tool> {
@@ -42,13 +42,12 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
                   : Needs{.angles = has_tank, .mass = has_tank};
   using Mass =
       std::conditional_t<has_virtual, VirtualMass<joints, T, Tool, Stiff, carries_bias>, RealMass<joints, T>>;
-  /// The input of a law: the state of stiff and driven joints, and the quantities that law and integrator
-  /// need of it.
+  /// The input of a law: the state of all joints, and the quantities that law and integrator need of it.
   template <class L, class Touch = NoTouch>
   using Knows = Quantities<M, L::needs | passivity_needs, T, Touch, Mass>;
 
-  /// What a law knows at `state`, which must outlive it like `touch`: for a torque that is held for `dt`
-  /// seconds.
+  /// The input of a law at `state`, for a torque that is held for `dt` seconds; `state` and `touch` must
+  /// outlive it.
   template <class L, class Touch>
   [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(
       const State<joints, T>& state, const T& dt, const Touch& touch,
@@ -75,7 +74,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
   using Torque = typename Base::Torque;
   using StiffTorque = typename Base::StiffTorque;
 
-  /// The law's part and the velocity after a sub-step; elements of driven joints are zero.
+  /// The law's part and the velocity after a sub-step; elements of joints by torque are zero.
   template <class L>
   struct Moved {
     /// Built in place. (GCC would first zero an aggregate, then write it.)
@@ -83,15 +82,15 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
     SKINCTL_INLINE explicit Moved(F&& law_now) : law(law_now()), status(law.status) {}
 
     Evaluation<joints, T, typename L::Memory, terms_of<L>> law;
-    Torque torque;  ///< the law's, cut to the limits [N m]
+    Torque torque;  ///< torque of the law, cut to the limits [N m]
     Velocity velocity;
     Status status;
   };
 
-  /// `h` seconds of the virtual robot from `now` on. One function for the sub-steps and for a blocked robot:
-  /// the law is the largest part of a cycle's code.
+  /// Evaluates the law at `now`, and the virtual robot's velocity `h` seconds later. One function for the
+  /// sub-steps and for a blocked robot: the law is the largest part of a cycle's code.
   /// @param total  the touch that the law gets, see `TouchChange`.
-  /// @param touch  the mean of the same time, for the tank.
+  /// @param touch  the mean touch of the sub-step, for the tank.
   template <class L, class Touch>
   SKINCTL_NOINLINE Moved<L> drive(Memory& m, const L& law, const typename L::Memory& law_memory,
                                   const State<joints, T>& now, [[maybe_unused]] const Acceleration& swing,
@@ -129,8 +128,8 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
     return out;
   }
 
-  /// `h` seconds of the stiff joints towards the velocity `v1`. Where the leash holds joints, the others are
-  /// planned anew.
+  /// Moves the stiff joints for `h` seconds towards the velocity `v1`. Where the leash holds joints, the
+  /// others are planned anew.
   template <class Groups, class Movers>
   SKINCTL_INLINE void go(Memory& m, const Groups& groups, const T& h, const Movers& movers,
                          const Velocity& v1, Status& status) const noexcept {
@@ -171,16 +170,16 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
                                                    movers.template mover_of<K>())...);
     }(std::make_index_sequence<Base::stiff_groups>{});
   }
-  /// A joint that the leash holds takes what pushes it, as one that is held fast does: the others go on as if
-  /// it stood, `M_ff (v - v1)_f = -M_fh (v - v1)_h` with friction in M, of free and held joints. Without it
-  /// the virtual robot would turn about its mass, and lead the other joints away. The virtual dynamics of a
-  /// tool are left out of M.
+  /// The plans of the free joints beside those that the leash holds. A held joint takes what pushes it, as
+  /// one that is held fast does: the others go on as if it stood, `M_ff (v - v1)_f = -M_fh (v - v1)_h` with
+  /// friction in M, of free and held joints. Without it the virtual robot would turn about its mass, and lead
+  /// the other joints away. The virtual dynamics of a tool are left out of M.
   template <class Groups, class Movers, class Plans>
   [[nodiscard]] SKINCTL_COLD Plans beside_held(const Memory& m, const Groups& groups, const T& h,
                                                const Movers& movers, Velocity v1,
                                                const Plans& plans) const noexcept {
     std::array<bool, joints> held{}, free{};
-    Velocity change;  // that the held joints lack
+    Velocity change;  // by which the held joints miss v1
     each([&](auto k) {
       using Set = typename Base::template Part<k.value>;
       const auto& plan = std::get<k.value>(plans);
@@ -209,9 +208,9 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
       if (free[i]) v1[i] = v1[i] + moved[i];
     return planned(m, groups, h, movers, v1);
   }
-  /// The velocity of the stiff joints after `h` seconds of what `who` asks for: without `slope` within the
-  /// limits of torque; with it as it is, and how the velocity of joint i grows with the torque of joint j, in
-  /// `slope[i n + j]`.
+  /// The velocity of the stiff joints after `h` seconds of the torque that `who` asks for: cut to the limits
+  /// of torque if `slope` is null; otherwise not cut, and `slope[i n + j]` becomes the growth of the velocity
+  /// of joint i per torque of joint j.
   template <class L, class Robot, class Touch>
   [[nodiscard]] SKINCTL_COLD JointVelocity<Stiff::count, T> asked(const Memory& m,
                                                                   const State<joints, T>& here, const T& h,
@@ -267,7 +266,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
       out.torque = passive + share * (out.torque - passive);
     }
     if constexpr (has_driven) {
-      // The recoil of the driven joints is a port as a contact is.
+      // The recoil of the joints by torque is a port as a contact is.
       Torque recoil =
           coriolis_torque(model_, known.angles(), v) - coriolis_torque(model_, known.angles(), known.dq());
       for (const std::size_t i : Stiff::index)

@@ -7,7 +7,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The measurement of a cycle, and the driven joints of a `Resolver`.
+/// The part of a `Resolver` that takes measurements, and moves the joints by torque.
 template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class PassivityParts,
           class Tool>
 class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, PassivityParts, Tool> {
@@ -27,7 +27,7 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
   template <class L, class Touch = NoTouch>
   using Knows = typename Base::template Knows<L, Touch>;
 
-  /// Whether the coming cycle evaluates the law for driven joints: no stop, no stale state.
+  /// Whether the coming cycle evaluates the law for joints by torque: no stop, no stale state.
   template <class Check>
   [[nodiscard]] bool asks_law(const Memory& m, const State<joints, T>& measured, Nanoseconds now,
                               const Check& check) const noexcept {
@@ -48,30 +48,30 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
   using Torque = typename Base::Torque;
   using DrivenTorque = typename Base::DrivenTorque;
 
-  /// The begin of a cycle: what its measurement says.
+  /// The results of a cycle's measurement.
   template <class Groups>
   struct Begun {
-    Groups groups;                         ///< of each stiff group
-    Acceleration swing{};                  ///< measured accelerations of the driven joints [rad/s^2]
+    Groups groups;                         ///< results of each stiff group
+    Acceleration swing{};                  ///< measured accelerations of joints by torque [rad/s^2]
     JointPosition<joints, T> displaced{};  ///< measured motion since the last cycle [rad]
     Status status{};
     bool stale = false;  ///< the last good measurement is too old
-    bool held = false;   ///< a joint has been held by something for long
+    bool held = false;   ///< a joint has been held fast for long
   };
   struct NoLoad {};
-  /// What acts on the driven joints, and what they are sent.
+  /// The torques that act on the joints by torque, and those that they are sent.
   struct DrivenLoad {
-    Torque gravity;        ///< that holds their weight [N m]
-    Torque port;           ///< of contacts [N m]
+    Torque gravity;        ///< torque that holds the weight [N m]
+    Torque port;           ///< torque of the contacts [N m]
     DrivenTorque resists;  ///< friction that is added [N m]
-    DrivenTorque brakes;   ///< where no law is asked, friction included [N m]
-    DrivenTorque passive;  ///< for which a tank does not pay [N m]
-    DrivenTorque given;    ///< sent to them [N m]
-    /// What the motion of the base adds; in `gravity`, too [N m].
+    DrivenTorque brakes;   ///< braking torque where no law is asked, friction included [N m]
+    DrivenTorque passive;  ///< torque for which a tank does not pay [N m]
+    DrivenTorque given;    ///< torque that is sent [N m]
+    /// Torque that the motion of the base adds; in `gravity`, too [N m].
     [[no_unique_address]] std::conditional_t<base_moves<M>, DrivenTorque, NoLoad> base;
   };
 
-  /// Takes the measurement.
+  /// Takes the measurement of a cycle.
   ///
   /// @param pushed  joint torque of the contacts felt [N m].
   template <class Check>
@@ -106,7 +106,7 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     }
   }
 
-  /// What acts on the driven joints, and the work of the torque that has acted in the last `dt` seconds.
+  /// Computes the torques that act on joints by torque; books the work of the last `dt` seconds in the tank.
   template <class Began, class Touch>
   [[nodiscard]] SKINCTL_INLINE auto load_of(Memory& m, const Began& begun, const Touch& touch,
                                             [[maybe_unused]] const T& dt) const noexcept {
@@ -142,8 +142,8 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     }
   }
 
-  /// Evaluates the law at `now`, for the driven joints: `load.given`, unless its torque is not finite. Where
-  /// all joints are driven, its memory advances by `dt`.
+  /// Evaluates the law at `now` for `load.given`, the torque of joints by torque, which stays if the law's is
+  /// not finite. Where all joints take torques, the law's memory advances by `dt`.
   template <class L, class Touch, class Load, class Out>
   SKINCTL_NOINLINE void ask(Memory& m, const L& law, typename L::Memory& law_memory,
                             const State<joints, T>& now, const Touch& total, const T& dt, Load& load,
@@ -176,7 +176,7 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     if constexpr (base_moves<M>) load.given += load.base;
     if constexpr (has_tank) out.status |= this->pay(m, load.passive, Driven::of(load.gravity), load.given);
   }
-  /// The torque of the driven joints, within their limits.
+  /// Puts `load.given`, cut to the limits of the joints by torque, into `torque`.
   template <class Out>
   SKINCTL_INLINE void give(Memory& m, const DrivenLoad& load, Torque& torque, Out& out) const noexcept {
     const State<joints, T>& now = m.measured();

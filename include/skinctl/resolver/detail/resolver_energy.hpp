@@ -12,7 +12,7 @@ struct PressedUnknown {};
 
 namespace detail {
 
-/// A resolver's `Passivity`: what it is told in a cycle, and what it leaves.
+/// The part of a `Resolver` that serves its `Passivity`: the inputs of a cycle, and the motion they leave.
 template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class PassivityParts,
           class Tool>
 class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, PassivityParts, Tool> {
@@ -43,8 +43,8 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
   using Torque = typename Base::Torque;
   using DrivenTorque = typename Base::DrivenTorque;
 
-  /// The inputs of the passivity parts in a cycle of `dt` seconds. The observer watches over the stiff
-  /// joints: a contact's motion by the driven ones is not ahead of the measurement.
+  /// Gives the passivity parts their inputs in a cycle of `dt` seconds. The observer watches over the stiff
+  /// joints: motion of a contact by joints by torque is not ahead of the measurement.
   template <class Pressed, class Touch>
   SKINCTL_INLINE Status watch(Memory& m, const Pressed& pressed, const Touch& touch,
                               const T& dt) const noexcept {
@@ -66,7 +66,7 @@ class ResolverEnergy : public ResolverState<M, T, Sets, Integrator, History, Pas
       return true;
     }
   }
-  /// Scales the active part of the driven joints' torque down to the share that the tank pays for. Their
+  /// Scales the active part of the torque of joints by torque down to the share that the tank pays for. Their
   /// motion is predicted for stiff joints that move steadily; what it was is booked in the next cycle.
   SKINCTL_INLINE Status pay(Memory& m, const DrivenTorque& passive, const DrivenTorque& gravity,
                             DrivenTorque& torque) const noexcept {

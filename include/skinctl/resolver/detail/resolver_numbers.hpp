@@ -46,7 +46,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   using scalar = T;
   using Configuration = RobotConfiguration<joints, T>;
   using JointSets = Sets;
-  /// What this robot is sent.
+  /// The command that this robot is sent.
   using Sent = typename CommandOf<joints, T, typename Sets::All>::type;
   using Memory = MemoryOf<M, ResolverMemory<joints, T, Sets, History, PassivityParts>, T>;
   static constexpr bool one_group = Memory::one_group;
@@ -92,12 +92,12 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   }
   [[nodiscard]] Nanoseconds period() const noexcept { return period_; }
   [[nodiscard]] Nanoseconds longest_interval() const noexcept { return longest_interval_; }
-  /// Virtual inertia and friction of the stiff joints; of the driven ones added friction, and their motors.
+  /// Virtual inertia and friction of the stiff joints; added friction and motors of the joints by torque.
   [[nodiscard]] const VirtualDynamics<joints, T>& shape() const noexcept { return shape_; }
-  /// Delay and lag of the driven joints, the longest of their groups.
+  /// Delay and lag of the joints by torque, the longest of their groups.
   [[nodiscard]] Nanoseconds driven_delay() const noexcept { return driven_delay_; }
   [[nodiscard]] Nanoseconds driven_lag() const noexcept { return driven_lag_; }
-  /// The configuration that a guard of the driven joints reads; `limits` are theirs.
+  /// The configuration that a guard of the joints by torque reads; `limits` are theirs.
   [[nodiscard]] RobotConfiguration<Driven::count, T> for_guard(
       const JointLimits<Driven::count, T>& limits) const {
     return {.limits = limits,
@@ -152,13 +152,13 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
                       shape_.damping};
   }
 
-  /// Of links, and of the motors of the driven joints.
+  /// The mass matrix of the links, and of the motors of the joints by torque.
   [[nodiscard]] SKINCTL_INLINE MassMatrix<joints, T> real_mass(const Position& q) const noexcept {
     MassMatrix<joints, T> m = mass_matrix(model_, q);
     for (const std::size_t i : Driven::index) m(i, i) = m(i, i) + shape_.inertia[i];
     return m;
   }
-  /// The friction that is added to the driven joints, and the torque that brakes them, friction included [N m].
+  /// The friction added to the joints by torque, and the torque that brakes them, friction included [N m].
   struct Resistance {
     DrivenTorque friction, brakes;
   };
@@ -173,8 +173,8 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
     }
     return out;
   }
-  /// What brakes the driven joints where no law is asked, in parts of the hardest damping that does not shake them,
-  /// `M dq / D`: the share of the default gain of tracking by torque.
+  /// Braking of joints by torque where no law is asked, over the hardest damping that does not shake them,
+  /// `M dq / D`: that of the default gain of tracking by torque.
   static constexpr double brake_share = 0.3;
   /// The virtual robot's torque within its limits, along the motion that `tau` asks for; with Coriolis
   /// forces: at full speed they are as large as what is left of a light joint's torque.
@@ -182,7 +182,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
     const Torque hold = stiff_only(bias_torque(model_, JointAngles<M, T>(model_, now.q), now.dq));
     return limits_.along(tau, hold, stiff_only(now.dq));
   }
-  /// `whole` with zeros for the driven joints.
+  /// `whole` with zeros for the joints by torque.
   template <class V>
   [[nodiscard]] static SKINCTL_INLINE V stiff_only(const V& whole) noexcept {
     if constexpr (Stiff::is_all) {
@@ -193,8 +193,8 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
       return out;
     }
   }
-  /// What a law gets of a touch that changes by `change` in a sub-step, `share` sub-steps ahead; null: as it
-  /// is.
+  /// The touch that a law gets: `touch`, which changes by `change` in a sub-step, `share` sub-steps ahead; as
+  /// it is if `change` is null.
   template <class Touch>
   [[nodiscard]] static SKINCTL_INLINE LawTouch<Touch> ahead(const Touch& touch,
                                                             [[maybe_unused]] const LawTouch<Touch>* change,
@@ -203,7 +203,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
       if (change != nullptr) return led_by(total_of(touch), share, *change);
     return total_of(touch);
   }
-  /// The same in a cycle of `dt` seconds, for the law at its end: of the joints by torque.
+  /// The touch, ahead, that the law of the joints by torque gets at the end of a cycle of `dt` seconds.
   template <class Touch>
   [[nodiscard]] SKINCTL_INLINE LawTouch<Touch> ahead_of_driven(
       const Touch& touch, [[maybe_unused]] std::span<const LawTouch<Touch>> changes,
@@ -228,14 +228,14 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   }
   decltype(virtual_of(std::declval<Groups>())) virtual_;
   JointLimits<joints, T> limits_;
-  VirtualDynamics<joints, T> shape_;  ///< of all joints
+  VirtualDynamics<joints, T> shape_;  ///< virtual dynamics of all joints
   struct NoShape {};
-  /// Of the virtual robot.
+  /// Virtual dynamics of the stiff joints.
   [[no_unique_address]] std::conditional_t<has_virtual, VirtualDynamics<Stiff::count, T>, NoShape>
       stiff_shape_;
   Nanoseconds period_{}, substep_{}, longest_interval_{};
-  Nanoseconds stale_after_{};  ///< age of a measurement by which the driven joints are no longer controlled
-  T torque_rate_ = T(50);      ///< of the virtual robot's laws, in torque limits per second
+  Nanoseconds stale_after_{};  ///< age of a measurement at which joints by torque are no longer controlled
+  T torque_rate_ = T(50);      ///< rate of the stiff joints' own torque [torque limits per second]
   T driven_torque_rate_ = T(50);
   Nanoseconds driven_delay_{}, driven_lag_{};
   T force_lead_ = T(0), driven_force_lead_ = T(0);  ///< `RobotConfiguration::force_lead`, the longest [s]
@@ -244,7 +244,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   [[no_unique_address]] Tool tool_;
 
  private:
-  /// The numbers of a group; throws `ConfigurationError` where they are out of range.
+  /// Takes the numbers of a group; throws `ConfigurationError` where they are out of range.
   template <class Given>
   void take(const Given& g) {
     using Set = JointSubset<joints, Given::set>;

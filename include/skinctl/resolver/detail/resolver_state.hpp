@@ -11,7 +11,7 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// What a `Resolver` does to its memory beside cycles.
+/// The part of a `Resolver` that acts on its memory between cycles.
 template <RobotModel M, Real T, class Sets, class Integrator, std::size_t History, class PassivityParts,
           class Tool>
 class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, PassivityParts, Tool> {
@@ -32,9 +32,10 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
   template <std::size_t K>
   using Part = typename Base::template Part<K>;
 
-  /// The virtual joints take over at the positions of the real ones, and with their velocities where these
-  /// cover more than the dead band in T; gravity of the driven ones is compensated. The law's memory then
-  /// starts at `state(memory)`. A state that is not finite gives a memory that has not been started.
+  /// The memory of a robot that starts at `measured`. Virtual joints take over at the positions of the real
+  /// ones, and with their velocities where these are above `RobotConfiguration::resting_speed`; gravity of
+  /// those by torque is compensated. The law's memory then starts at `state(memory)`. A state that is not
+  /// finite gives a memory that has not been started.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured) const noexcept {
     Memory m;
     if (!is_plausible(measured) || !is_plausible(measured.time)) return m;
@@ -46,9 +47,10 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     });
     return m.started ? take_over(m, measured) : m;
   }
-  /// The same of a robot by position that was told to be at `told` and stands beside it (a servo that droops,
-  /// encoders that are off): the first command is `told`, so that the robot does not step, and the gap is
-  /// taken off the measurements. More than `largest_gap` of one joint: the memory has not been started.
+  /// The memory of a robot by position that was told to be at `told` and stands beside it (a servo that
+  /// droops, encoders that are off): the first command is `told`, so that the robot does not step, and the
+  /// gap is taken off the measurements. More than `largest_gap` of one joint: the memory has not been
+  /// started.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<joints, T>& measured,
                                           const JointPosition<joints, T>& told) const noexcept
     requires one_group
@@ -59,7 +61,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     return m.started ? take_over(m, measured) : m;
   }
 
-  /// The state that laws read: the virtual one of the stiff joints, the measured one of the driven ones.
+  /// The state that laws read: the virtual one of the stiff joints, the measured one of those by torque.
   [[nodiscard]] SKINCTL_INLINE State<joints, T> state(const Memory& m) const noexcept {
     if constexpr (one_group) {
       return {m.time, m.group().q.value, m.group().v};
@@ -103,7 +105,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
       return (model_);
     }
   }
-  /// What the motion of the base adds to the torque of a robot at `now` [N m].
+  /// The torque that the motion of the base adds for a robot at `now` [N m].
   [[nodiscard]] JointTorque<joints, T> torque_of_base(const Memory& m,
                                                       const State<joints, T>& now) const noexcept
     requires base_moves<M>
@@ -111,7 +113,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     if (!m.base.seen) return {};
     return base_torque(model_.at_rest(), now.q, now.dq, m.base.now);
   }
-  /// The torque that holds the driven joints without a law, within their limits: gravity, and what brakes;
+  /// The torque that holds the joints by torque without a law, within their limits: gravity, and what brakes;
   /// zero for the others.
   [[nodiscard]] JointTorque<joints, T> held([[maybe_unused]] const Memory& m,
                                             const State<joints, T>& robot) const noexcept {
@@ -143,12 +145,12 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
       compose(m, command.torque);
     }
   }
-  /// Tells that no command left: what the robot does until one does is no way beside its commands.
+  /// Tells that no command left: motion of the robot until one does is no deviation from its commands.
   static SKINCTL_COLD void not_sent(Memory& m) noexcept {
     each([&](auto k) { m.template group<k.value>().seen = false; });
   }
-  /// By what the robot stands beside its commands: the measured position less that which they should have
-  /// brought, r + g; zero for the driven joints.
+  /// The robot's deviation from its commands: the measured position less that which they should have brought,
+  /// r + g [rad]; zero for the joints by torque.
   [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> off(const Memory& m) noexcept {
     JointPosition<joints, T> out;
     each([&](auto k) {
@@ -157,7 +159,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     });
     return out;
   }
-  /// What was taken off the measured positions, g; zero for the driven joints.
+  /// The gap g that was taken off the measured positions [rad]; zero for the joints by torque.
   [[nodiscard]] static SKINCTL_INLINE JointPosition<joints, T> gap(const Memory& m) noexcept {
     JointPosition<joints, T> out;
     each([&](auto k) { Part<k.value>::put(m.template group<k.value>().gap, out); });
@@ -256,7 +258,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
         Part<k.value>::put(Part<k.value>::of(takes), torque);
     });
   }
-  /// The command of all groups.
+  /// Composes the command of all groups, with `torque` for the joints by torque.
   SKINCTL_INLINE void compose(Memory& m, const Torque& torque) const noexcept {
     if constexpr (!one_group) {
       auto& all = m.whole.command;
@@ -267,7 +269,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
   }
 
  private:
-  /// What a memory holds beside its virtual joints.
+  /// Starts what a memory holds beside its virtual joints.
   [[nodiscard]] SKINCTL_COLD Memory take_over(Memory& m, const State<joints, T>& measured) const noexcept {
     m.time = measured.time;
     m.passivity = passivity_.template start<joints>();

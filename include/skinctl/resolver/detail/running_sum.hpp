@@ -26,7 +26,7 @@ struct RunningPosition {
   SKINCTL_INLINE void add(std::size_t i, const T& step) noexcept {
     math::add_compensated(value[i], rest[i], step);
   }
-  /// All joints at once.
+  /// Adds a step of all joints.
   SKINCTL_INLINE void add(const Row<N, T>& step) noexcept {
     Row<N, T> sum(value), left(rest);
     Row<N, T>::each_block([&](auto k) SKINCTL_INLINE_LAMBDA {

@@ -23,19 +23,19 @@ inline constexpr bool tracks = [] {
 template <std::size_t N, Real T>
 struct OwnTorque {
   JointTorque<N, T> last;
-  JointTorque<N, T> total;  ///< with its reactive parts
+  JointTorque<N, T> total;  ///< torque with the reactive parts
   bool known = false;
 
-  /// Bounds the change of that torque since the last call by `step` to either side; what answers touch passes
-  /// at once, a delay would cost stability in contact. True if it acted. The first torque passes, and so does
-  /// a change that leaves the whole torque where it was, such as that to other gains with the difference
-  /// carried beside them.
+  /// Bounds the change of `torque` without its reactive parts since the last call by `step` to either side;
+  /// the parts that answer touch pass at once, a delay would cost stability in contact. True if it acted. The
+  /// first torque passes, and so does a change that leaves the whole torque where it was, such as that to
+  /// other gains with the difference carried beside them.
   ///
   /// What no joint can give is cut off first. Else a law that asks for 35 times the limit took 1.4 s at 50
   /// limits a second to turn round, and with a goal it swung about it for ever.
   ///
   /// @param cut  brings a torque within the limits; true if it changed it.
-  /// @tparam S  the joints of which it is, among those of `shares`.
+  /// @tparam S  the joints of `torque`, among those of `shares`.
   template <class L, class S = AllJoints<N>, std::size_t Whole, std::size_t Terms, class Cut>
   SKINCTL_INLINE bool bound(const std::array<JointTorque<Whole, T>, Terms>& shares,
                             const JointTorque<N, T>& step, const Cut& cut,
@@ -69,7 +69,7 @@ struct OwnTorque {
   }
 };
 
-/// Of no joint.
+/// The torque of no joint.
 template <Real T>
 struct OwnTorque<0, T> {
   bool known = false;

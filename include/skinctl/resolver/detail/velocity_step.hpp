@@ -33,7 +33,7 @@ SKINCTL_INLINE JointTorque<K::joints, T> bias_at_start(const K& known, const A& 
 /// Whether a law's mass matrix is that of the integrator's pose, without the shape of a tool.
 template <class Policy, class K, bool Shaped = false>
 inline constexpr bool shares_mass = !Policy::midpoint && K::needs.mass && !(Shaped && K::is_virtual);
-/// Whether it includes the joints' virtual inertia.
+/// Whether a law's mass matrix is that of the integrator and includes the joints' virtual inertia.
 template <class Policy, class K, bool Shaped = false>
 inline constexpr bool shares_inertia = shares_mass<Policy, K, Shaped> && K::is_virtual;
 
@@ -50,7 +50,7 @@ template <class S, class K, Real T>
     return v;
   }
 }
-/// `(M ddq)_S` of the accelerations `driven` of the joints that are not in `S`; the others' are zero.
+/// `(M ddq)_S` of the accelerations `driven` of the joints that are not in `S`, as if those of `S` had none.
 template <class S, std::size_t N, Real T>
 [[nodiscard]] SKINCTL_INLINE JointTorque<S::count, T> reaction_of(
     const MassMatrix<N, T>& m, const JointAcceleration<N, T>& driven) noexcept {
@@ -60,8 +60,7 @@ template <class S, std::size_t N, Real T>
   return tau;
 }
 
-/// M, and `C v + G`, where the policy takes them; with the virtual inertia if `shares_inertia`.
-/// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
+/// The mass matrix where the policy takes it; with the virtual inertia if `shares_inertia`.
 template <class Policy, bool Shaped = false, class K>
 [[nodiscard]] SKINCTL_INLINE MassMatrix<K::joints, typename K::scalar> mass_where(const K& known) noexcept {
   if constexpr (Policy::midpoint) {
@@ -72,6 +71,8 @@ template <class Policy, bool Shaped = false, class K>
     return mass_matrix(known.model(), known.angles());
   }
 }
+/// `C v + G` where the policy takes it.
+/// @param last  acceleration of the last sub-step, for the velocity at the midpoint.
 template <class Policy, class S, class K, Real T>
 [[nodiscard]] SKINCTL_INLINE JointTorque<K::joints, T> bias_where(
     const K& known, const JointAcceleration<S::count, T>& last) noexcept {
@@ -182,9 +183,9 @@ template <class Policy, class S, class K, Real T, class Tool>
   }
 }
 
-/// `M_v dv = tau - (C + B) v - G - tau_c(v)` over `known.dt()`, for the joints of `S`. The others
-/// move as `known` says, with the accelerations `driven`: they react by `-(M driven)_S`, and by their part of
-/// `C v`.
+/// The velocity of the joints of `S` after `known.dt()` seconds of `M_v dv = tau - (C + B) v - G - tau_c(v)`.
+/// The others move as `known` says, with the accelerations `driven`: they react by `-(M driven)_S`, and by
+/// their part of `C v`.
 ///
 /// @param last     acceleration of the last sub-step, for the velocity at the midpoint.
 /// @param tool     virtual dynamics at the tool, or `NoToolShape`.
@@ -221,7 +222,7 @@ template <class Policy, class S, class K, Real T, class Tool = NoToolShape>
   }
 }
 
-/// The same for all joints.
+/// `step_velocity_of` for all joints.
 template <class Policy, class K, Real T, class Tool = NoToolShape>
 [[nodiscard]] SKINCTL_INLINE VelocityStep<K::joints, T> step_velocity(
     const K& known, const VirtualDynamics<K::joints, T>& shape, bool has_coulomb,

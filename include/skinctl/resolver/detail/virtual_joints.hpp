@@ -55,7 +55,8 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     m.command.valid = true;
     return m;
   }
-  /// The same from the position that the robot was told; a gap to the measured one is agreed to.
+  /// The memory of joints that start at `told`, the position that the robot was told last; a gap of up to
+  /// `largest_gap` to the measured one is taken as it is.
   [[nodiscard]] SKINCTL_COLD Memory start(const State<N, T>& measured, const Position& told) const noexcept {
     const Row gap = Row(measured.q) - told;
     if (!all(magnitude(gap) <= Row(T(plausible)))) return {};
@@ -108,8 +109,8 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     return status;
   }
 
-  /// The user agrees to go on: so does a displaced robot whose gap is `largest_gap` at most, and one by
-  /// velocity from where it is, as its commands name no place.
+  /// Goes on with the user's consent: so does a displaced robot whose gap is `largest_gap` at most, and one
+  /// by velocity from where it is, as its commands name no position.
   SKINCTL_COLD void resume(Memory& m) const noexcept {
     if (!takes_position(Ix) && m.displaced) {
       const Row moved = m.residual;
@@ -120,7 +121,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     m.stop = m.displaced = false;  // one that still is displaced is found again in the next cycle
   }
 
-  /// `command` was sent instead of the last one: it is the state from which the joints go on.
+  /// Tells that `command` was sent instead of the last one: it is the state from which the joints go on.
   SKINCTL_INLINE void sent(Memory& m, const JointCommand<N, T>& command) const noexcept {
     if (!m.started || !command.valid) return;
     m.command = command;
@@ -140,7 +141,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
   using Base::p_;
   using Base::servo_;
 
-  /// By what q^ is outside of the leash [rad].
+  /// Distance of q^ from the leash, 0 inside [rad].
   [[nodiscard]] static SKINCTL_INLINE Row beyond(const Memory& m, const Leash<N, T>& leash) noexcept {
     const Row q = m.q.value;
     return magnitude(q - clamp(q, leash.least, leash.most));
@@ -155,7 +156,8 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     (Row(m.residual) - moved).store(m.residual);
     (p_.drift * Row(m.residual)).store(c.speed.drift);
   }
-  /// Speeds from which joints by velocity stop before their ends, later than declared by what is borne.
+  /// Finds the speeds from which joints by velocity stop before their ends, later than declared by the
+  /// undeclared lag.
   SKINCTL_INLINE void before_ends(const Memory& m, Begun& out) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       // Position of the real robot when it has carried out all commands sent up to now.
@@ -171,7 +173,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     }
   }
 
-  /// A clock that leapt, or was set.
+  /// Moves the times of a memory after a clock that leapt, or was set.
   SKINCTL_COLD void set_clock(Memory& m, const Interval& interval) const noexcept {
     servo_.restart(m.under_way, interval.from);
     if constexpr (!takes_position(Ix)) {

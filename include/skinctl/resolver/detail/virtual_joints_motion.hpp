@@ -33,12 +33,12 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
 
   /// The motion of a sub-step.
   struct Planned {
-    Position displacement;         ///< [rad]
-    Velocity rate;                 ///< at its end [rad/s]
-    Velocity own;                  ///< that laws read: not the speed at which the leash pulls back [rad/s]
-    JointAcceleration<N, T> last;  ///< [rad/s^2]
-    std::uint64_t cut = 0;         ///< joints that the leash holds back
-    std::uint64_t returns = 0;     ///< joints that it pulls back
+    Position displacement;         ///< displacement in the sub-step [rad]
+    Velocity rate;                 ///< velocity at its end [rad/s]
+    Velocity own;                  ///< velocity for laws, without a return by the leash [rad/s]
+    JointAcceleration<N, T> last;  ///< mean acceleration; with limits of jerk at the end [rad/s^2]
+    std::uint64_t cut = 0;         ///< bit i: the leash holds joint i back
+    std::uint64_t returns = 0;     ///< bit i: the leash pulls joint i back
     Status status;
   };
 
@@ -133,7 +133,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
   using Base::p_;
   using Base::servo_;
 
-  /// The command of the cycle.
+  /// Writes the command of the cycle, and sends it to the servo.
   SKINCTL_INLINE void publish(Memory& m, const Begun& c, const Torque& torque, bool smooth) const noexcept {
     auto& command = m.command;
     const Row before = command.velocity, u = m.rate;
@@ -149,14 +149,14 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
     command.valid = true;
     servo_.send(m.under_way, m.time, under_way(m), !takes_position(Ix) ? command.velocity : Velocity{});
   }
-  /// What the servo holds: the position of the command, or that which the velocities sent have brought.
+  /// The position that the servo gets: that of the command, or by velocity where the sent velocities lead.
   [[nodiscard]] static SKINCTL_INLINE const Position& under_way(const Memory& m) noexcept {
     return !takes_position(Ix) ? m.sent.value : m.q.value;
   }
 
  private:
-  /// To laws, joints that the leash pulls back stand where they are held: their way back is no momentum,
-  /// which would lead on from there. They go on with what laws ask for as soon as that is the motion.
+  /// Lets joints that the leash pulls back stand for the laws: their way back is no momentum, which would
+  /// lead on from there. They go on with what laws ask for as soon as that is the motion.
   SKINCTL_COLD static void stand(const Memory& m, const Velocity& wish, Planned& out) noexcept {
     for (std::size_t i = 0; i < N; ++i) {
       const std::uint64_t bit = std::uint64_t(1) << i;
@@ -201,7 +201,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
     }
     return cut;
   }
-  /// Distance that is as good as none [rad].
+  /// Distance that is but rounding [rad].
   [[nodiscard]] static T rounding() noexcept { return T(1024) * std::numeric_limits<T>::epsilon(); }
 };
 

@@ -9,10 +9,10 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// The places between which joints may come to rest.
+/// The positions between which joints may come to rest.
 template <std::size_t N, Real T>
 struct Leash {
-  JointPosition<N, T> least, most;  ///< of the rest point [rad]
+  JointPosition<N, T> least, most;  ///< bounds of the rest point [rad]
 };
 
 /// The part of `VirtualJoints` that compares the measured position with the expected one: the booked gap, and
@@ -28,19 +28,19 @@ class VirtualJointsObserver {
   using Velocity = JointVelocity<N, T>;
   using Torque = JointTorque<N, T>;
   using Row = detail::Row<N, T>;
-  /// The begin of a cycle: what bounds its sub-steps.
+  /// The results of a cycle's measurement: the bounds of its sub-steps.
   struct Begun {
     Leash<N, T> leash;
     struct ByVelocity {
       Velocity least, most;  ///< speeds from which joints stop before their ends [rad/s]
-      Leash<N, T> ends;      ///< rest points of q^ with which they do, while the present speed is held on
-      Velocity drift;        ///< of q^ towards the measured position, without motion [rad/s]
+      Leash<N, T> ends;      ///< rest points of q^ with which they do so, while the present speed goes on
+      Velocity drift;        ///< velocity of q^ towards the measured position, without motion [rad/s]
     };
     struct ByPosition {};
     [[no_unique_address]] std::conditional_t<!takes_position(Ix), ByVelocity, ByPosition> speed;
     T dt;               ///< interval of the cycle [s]
-    T share;            ///< of that interval that the servo gets for the command
-    bool held = false;  ///< the leash has held a joint that rests for 5 T
+    T share;            ///< time in which the servo carries the command out, over that interval
+    bool held = false;  ///< the leash has held a joint that rests for 5 total delays
     Status status;
   };
 
@@ -81,7 +81,7 @@ class VirtualJointsObserver {
     if (now - m.measured.time > p_.stale_after) status |= Reason::state_stale;
     return status;
   }
-  /// Who moves away pays: where the robot went beyond B0 away from its commands, what it moved by itself is a
+  /// Books the gap: where the robot went beyond B0 away from its commands, what it moved by itself is a
   /// gap and no obstacle. All else is owed by the commands, and the leash takes it back.
   ///
   /// With e, the distance to the nearest place between its command and where it is due: while |e| < B0/2 the
@@ -113,8 +113,8 @@ class VirtualJointsObserver {
     }
     return {Position(below), Position(above)};
   }
-  /// For how long the leash has held joints that rest, up to 5 T; it is forgotten as they move. Whether it is
-  /// that for one of them that it holds.
+  /// Counts for how long the leash has held each joint that rests, up to 5 total delays; while a joint moves
+  /// the time runs back. Returns whether it is so long for a joint that the leash holds now.
   SKINCTL_INLINE bool held(Memory& m, const T& dt) const noexcept {
     const T longest = T(p_.held_delays) * p_.total_delay;
     bool any = false;
@@ -135,9 +135,9 @@ class VirtualJointsObserver {
  private:
   static constexpr double noise = 0.2;  ///< motion of a robot at rest in a total delay, over the dead band
 
-  /// The mean speed since the last measurement, where it is more than the measured one: of a robot that does
-  /// not tell its speed, or that holds each position, so that it is measured when it has slowed down. What
-  /// may be noise owes no more than the dead band.
+  /// Takes the mean speed since the last measurement where it is more than the measured one: of a robot that
+  /// does not tell its speed, or that holds each position, so that it is measured when it has slowed down.
+  /// What may be noise owes no more than the dead band.
   SKINCTL_INLINE void find_speed(Memory& m, const State<N, T>& before) const noexcept {
     const T passed = seconds<T>(m.measured.time - before.time);
     if (!(passed > T(0))) return;

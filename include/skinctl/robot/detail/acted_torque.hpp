@@ -13,7 +13,7 @@ namespace detail {
 template <std::size_t N, Real T>
 class ActedTorque {
  public:
-  /// Takes down the torque that was sent in the last cycle, `dt` seconds ago. Of cycles shorter than a part
+  /// Records the torque that was sent in the last cycle, `dt` seconds ago. Of cycles shorter than a part
   /// of `delay` not each is kept: then the answer is up to that part too old.
   ///
   /// @param acted  the torque that acted since that cycle; false if none is known that old.
@@ -46,7 +46,7 @@ class ActedTorque {
   /// Share of a part that the rounding of sums of times may take.
   static constexpr double rounding = 1e-3;
   JointTorque<N, T> sent_[slots];
-  double at_[slots] = {};  ///< when each was taken down [s]
+  double at_[slots] = {};  ///< time at which each was recorded, as a sum of cycles [s]
   double time_ = 0;        ///< sum of the cycles [s]
   int newest_ = 0, kept_ = 0;
 };

@@ -15,8 +15,8 @@ namespace detail {
 /// direction, and B dq where the masses are large. The light links of a finger are coupled: divided joint by
 /// joint by `1 + D B/M_ii` it would shake them.
 ///
-/// @param b     of all joints; those that are not in `S` are left out.
-/// @param mass  of all joints. Zero where it could not be factorised.
+/// @param b     viscous friction B of all joints [N m s/rad]; joints that are not in `S` are left out.
+/// @param mass  mass matrix of all joints; the result is zero where it could not be factorised.
 template <class S, std::size_t N, Real T>
 [[nodiscard]] SKINCTL_NOINLINE JointTorque<S::count, T> held_friction(const JointTorque<N, T>& b,
                                                                       const MassMatrix<N, T>& mass,
