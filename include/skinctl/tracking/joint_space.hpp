@@ -158,14 +158,15 @@ class JointSpace {
     for (std::size_t i = 0; i < N; ++i) error.e[i] = a.q_d[i] - b.q_d[i];
     return error;
   }
-  /// Longest time that an error takes at its joint's largest speed less the target's [s]; infinite if an
+  /// Longest time that an error takes at its joint's largest speed less the target's [s]; NaN or infinite if an
   /// error is.
   [[nodiscard]] static T slowness(const Errors& error, const Settings& s) noexcept {
     T most(0);
     for (std::size_t i = 0; i < N; ++i) {
       const T speed = s.max_velocity[i] - detail::magnitude(error.v_d[i]);
-      if (speed > T(0) && !(detail::magnitude(error.e[i]) <= most * speed))
-        most = detail::magnitude(error.e[i]) / speed;
+      if (!(speed > T(0))) continue;
+      const T time = detail::magnitude(error.e[i]) / speed;
+      if (most == most && !(time <= most)) most = time;
     }
     return most;
   }
