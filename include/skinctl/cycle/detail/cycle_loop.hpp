@@ -198,12 +198,11 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
                                const State<joints, scalar>& measured) const noexcept {
     using Position = JointPosition<joints, scalar>;
     using Torque = JointTorque<joints, scalar>;
+    const bool known = guard_.believes(measured);
     command.each(
         [&]<class Numbers>(Numbers& numbers) {
           if constexpr (std::is_same_v<Numbers, Position>) {
-            numbers = guard_.believes(measured)
-                          ? measured.q
-                          : Position::constant(std::numeric_limits<scalar>::quiet_NaN());
+            numbers = known ? measured.q : Position::constant(std::numeric_limits<scalar>::quiet_NaN());
           } else if constexpr (!std::is_same_v<Numbers, Torque>) {
             numbers = {};
           }

@@ -140,7 +140,7 @@ struct AnyTouchSeen {
   [[nodiscard]] const Found& pressed() const noexcept;
   [[nodiscard]] const Found& coverage() const noexcept;
   template <std::size_t>
-  [[nodiscard]] T nearest() const noexcept;
+  [[nodiscard]] T max_proximity() const noexcept;
 };
 /// The fault of a law that does not take its goals.
 template <class L, class K>
