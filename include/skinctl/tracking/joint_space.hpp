@@ -164,9 +164,8 @@ class JointSpace {
     T most(0);
     for (std::size_t i = 0; i < N; ++i) {
       const T speed = s.max_velocity[i] - detail::magnitude(error.v_d[i]);
-      if (!(speed > T(0))) continue;
-      const T time = detail::magnitude(error.e[i]) / speed;
-      if (most == most && !(time <= most)) most = time;
+      if (most == most && speed > T(0) && !(detail::magnitude(error.e[i]) <= most * speed))
+        most = detail::magnitude(error.e[i]) / speed;
     }
     return most;
   }
