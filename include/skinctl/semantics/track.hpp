@@ -43,6 +43,7 @@ struct TrackSettings {
   T beside = T(0.018);      ///< step of the search for the bias [m]: fingers open 17 mm wider on each side
   std::uint8_t places = 2;  ///< places where a real thing is missed, before ...
   std::uint8_t takes = 3;   ///< ... takes that succeed, are a fault of camera or hand, not of the places
+  std::uint8_t empty = 6;   ///< takes without contact that decide a try: more than there are ghosts
 };
 
 SKINCTL_END_NAMESPACE
