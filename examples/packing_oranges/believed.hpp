@@ -92,6 +92,7 @@ class Believed {
   void slipped() {
     m_.bias = before_.bias, m_.trial = before_.trial, m_.successes = before_.successes;
     m_.places = before_.places, m_.since = before_.since, m_.takes = before_.takes;
+    m_.found = before_.found, m_.empty = before_.empty;
   }
   /// What was taken there slipped out of the firmest grip: it is left, and somebody is asked once.
   void leave(const Place& p) {

@@ -93,6 +93,9 @@ std::string summary(const Outcome& o, const RunSettings& s) {
         static_cast<unsigned long long>(m.walls), static_cast<unsigned long long>(m.longest_at_wall),
         m.wall_force, static_cast<unsigned long long>(m.other_arm), m.went_aside);
     out += failures(m, s.work.plan);
+    if (m.gave_up)
+      out += text("  it gave up: more than %d times back with no orange put; what lies before it is left\n",
+                  s.work.in_vain + s.work.in_vain / 2);
   }
   for (std::size_t a = 0; a < arms && s.honest; ++a) {
     const ArmOutcome& m = o.arm[a];

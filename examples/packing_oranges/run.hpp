@@ -69,8 +69,9 @@ struct ArmOutcome {
   int gave_way = 0;                        ///< how often, to something that its skin saw
   double hold = 0;                         ///< force of carrying in the end [N]
   std::vector<skinctl::Xyz<double>>
-      slipped;          ///< places of oranges that slipped out of the firmest grip, and are left
-  int empty_takes = 0;  ///< how often a hand found nothing where it believed an orange
+      slipped;           ///< places of oranges that slipped out of the firmest grip, and are left
+  bool gave_up = false;  ///< it ended because it went back too often in a row
+  int empty_takes = 0;   ///< how often a hand found nothing where it believed an orange
   std::vector<skinctl::Xyz<double>> doubted;  ///< places at which it saw something that hands did not find
   skinctl::Xyz<double> bias{0, 0, 0};         ///< from where it sees oranges to where it found them [m]
   int set_right = 0;                          ///< by a person, after it was pushed off its place
@@ -91,7 +92,9 @@ struct Outcome {
   int box_moved = 0;      ///< how often, by a person
   int passes = 0;         ///< of the thing that moves through the room
   double nearest = 1e9;   ///< it came to an arm, as capsules [m]
-  bool over = false;  ///< both plans have ended; all oranges are packed, or (honest) the others are doubted
+  /// Both plans have ended; all oranges are packed, or the others are doubted (honest), or left by an arm that
+  /// gave up.
+  bool over = false;
   bool stopped = false;
   std::string robot;
   double fault_begins = 0, fault_ends = 0;

@@ -101,7 +101,8 @@ class Run {
         cycle();
         const bool finished = workers_[0]->finished() && workers_[1]->finished();
         if (!finished) works_at_ = time();
-        if (finished && (supply_.over() || (s_.honest && time() - works_at_ > 4))) {
+        const bool leaves = s_.honest || workers_[0]->gives_up() || workers_[1]->gives_up();
+        if (finished && (supply_.over() || (leaves && time() - works_at_ > 4))) {
           out_.over = true;
           break;
         }
@@ -352,6 +353,7 @@ class Run {
       o.set_right = workers_[a]->set_right();
       const Believed& believed = workers_[a]->believed();
       o.empty_takes = believed.failures();
+      o.gave_up = workers_[a]->gives_up();
       o.hold = workers_[a]->hold();
       o.slipped = believed.left();
       o.doubted = believed.doubted(feed_tray(a));

@@ -24,6 +24,9 @@ struct WorkSettings {
   double judge_span = 2.5;                  ///< it must have risen by so much [N]
   bool turns = true;    ///< the hand turns so that its open fingers come down beside what lies near an orange
   bool honest = false;  ///< the detector tells no numbers: it takes what it believes, see `Believed`
+  /// Ways back in a row, with no orange put, after which a person is asked, once; after half as many more the
+  /// arm gives up, and leaves what lies there.
+  int in_vain = 20;
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
   Plan plan = pack_oranges;
   skinctl::ExecutorSettings executor{.max_place_wait = 12s};

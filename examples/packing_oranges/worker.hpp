@@ -75,6 +75,8 @@ class Worker {
 
   [[nodiscard]] bool finished() const { return plan_.phase == Executor::Phase::finished; }
   [[nodiscard]] bool asks() const { return plan_.phase == Executor::Phase::ask; }
+  /// Whether it has ended because it went back too often in a row, though it sees oranges.
+  [[nodiscard]] bool gives_up() const { return in_vain_ > s_.in_vain + s_.in_vain / 2; }
   [[nodiscard]] double hold() const { return grip_.hold(); }
   [[nodiscard]] const Believed& believed() const { return believed_; }
   [[nodiscard]] bool carries() const {
@@ -145,6 +147,9 @@ class Worker {
   /// What a take, or fingers that came down on something, tell of the place. A person is asked when camera or
   /// hand are at fault; that a place is empty is no failure that somebody is asked for.
   void learn(const typename Executor::Memory& was, bool resume);
+
+  /// Every plan ends: ways back are counted until an orange is put, see `WorkSettings::in_vain`.
+  void count_ways_back(const typename Executor::Memory& was);
 
   void perform(const skinctl::StepRequest& r);
   /// Whether the hand can go straight down to `p`: open fingers that come from the side knock over what they are to hold.
@@ -266,7 +271,8 @@ class Worker {
   RightOfWay way_;
   WayBack way_back_ = WayBack::none;
   bool gives_way_ = false, displaced_ = false;
-  int gave_way_ = 0, set_right_ = 0, tries_ = 0;
+  int gave_way_ = 0, set_right_ = 0, tries_ = 0, in_vain_ = 0;
+  bool asked_in_vain_ = false;
   skinctl::JointPosition<6> high_ = A::home();
   skinctl::Xyz<double> from_{0, 0, 0};
   skinctl::Nanoseconds seen_at_{-1s}, pressed_at_{-1s}, return_by_{}, given_way_{};

@@ -125,6 +125,7 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
     const auto before = plan_;
     plan_ = result.memory;
     if (s_.honest) learn(before, resume);
+    count_ways_back(before);
     request_ = result.request;
     perform(result.request);
   }

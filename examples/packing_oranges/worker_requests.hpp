@@ -57,6 +57,20 @@ void Worker<R>::learn(const typename Executor::Memory& was, bool resume) {
 }
 
 template <class R>
+void Worker<R>::count_ways_back(const typename Executor::Memory& was) {
+  using Phase = typename Executor::Phase;
+  const auto works = [](Phase p) { return p == Phase::begin || p == Phase::run || p == Phase::confirm; };
+  if (!works(was.phase)) return;
+  if (plan_.phase == Phase::begin_reverse || plan_.phase == Phase::ask) ++in_vain_;
+  const bool let_go = executor_.task().steps[was.step].does == &skinctl::activity::Release::rule;
+  if (let_go && works(plan_.phase) && plan_.step != was.step) in_vain_ = 0;
+  if (in_vain_ > s_.in_vain && !asked_in_vain_ && plan_.phase == Phase::begin) {
+    asked_in_vain_ = true;
+    plan_ = Executor::asking(plan_, now_);
+  }
+}
+
+template <class R>
 void Worker<R>::perform(const skinctl::StepRequest& r) {
   using Kind = skinctl::StepRequest::Kind;
   if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);

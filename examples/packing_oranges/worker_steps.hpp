@@ -128,7 +128,8 @@ FingerRoom Worker<R>::room_beside(std::uint8_t orange) const {
 template <class R>
 void Worker<R>::look() {
   // A person was asked while it held an orange: that one first goes back to where it came from.
-  if (features_.in_hand) return end(false);
+  if (features_.in_hand && in_vain_ <= 2 * s_.in_vain) return end(false);
+  if (gives_up()) return answer_ = false, end(true);
   const bool sees = now_ - last_picture_ < 300ms;
   if (!sees) looks_since_ = now_;
   const auto fits = [&](std::uint8_t k) {

@@ -12,6 +12,10 @@
 // Promise: a box that a person moves is found again: oranges end in it, and no arm presses on its walls
 // Tried: 12 oranges, the box moved by 120 mm two or three times: all right, no wall touched for 0.5 s or with
 // 12 N, by hands too; an arm that does not look for it presses on a wall with 100 N and more
+//
+// Promise: every run ends: an arm that goes back in vain asks once, then says that it leaves what lies there
+// Tried: oranges that no grip of the ideal world holds: both arms give up, 4 of 4 left, in 100 s; the honest
+// world's worst row, friction 0.15 with three ghosts and 25 mm, with the seed that did not end within 300 s
 
 #include <doctest/doctest.h>
 
@@ -117,6 +121,31 @@ TEST_CASE("packing_oranges --world honest: what slips is held more firmly, or le
     CHECK(a.asked == 1);
     CHECK(a.slipped.size() >= 1);
   }
+}
+
+TEST_CASE(
+    "packing_oranges: an arm that goes back in vain asks, then leaves what lies there: every run ends") {
+  RunSettings s = six(4);
+  s.supply.oranges = 4;
+  s.honest = false;
+  s.world.friction = 0.15;
+  s.work.in_vain = 6;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.time < 100);
+  CHECK(o.left() == 4);
+  for (const auto& a : o.arm) {
+    CHECK(a.gave_up);
+    CHECK(a.asked >= 1);
+  }
+  RunSettings worst = six(24);
+  worst.supply.oranges = 12;
+  worst.touch_every = 20;
+  worst.work.executor.max_place_wait = 12s;
+  worst.world.friction = 0.15;
+  worst.detector.ghosts = 3;
+  worst.detector.bias = 0.025;
+  CHECK(run_ur5(worst).over);
 }
 
 TEST_CASE("World: a tray slides when it is pulled by more than its friction, and stays where it was left") {

@@ -43,6 +43,7 @@ struct TrackSettings {
   T beside = T(0.018);      ///< step of the search for the bias [m]: fingers open 17 mm wider on each side
   std::uint8_t places = 2;  ///< number of places with missed real things from which camera or hand errs
   std::uint8_t takes = 3;   ///< number of successes in a row after which the count of these places restarts
+  std::uint8_t empty = 6;   ///< number of takes without contact that decide a try: more than there are ghosts
 };
 
 SKINCTL_END_NAMESPACE

@@ -32,8 +32,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// A take that misses a real thing touches it, or moves it. Where that happens at `places` places, with fewer
 /// than `takes` successes in between, the cause is the camera or the hand: `touch` of real things does not
 /// count, and the next takes go to where things are seen, then `beside` of there along +x, -x, +y, -y, these
-/// twice. A take without contact decides no try. The offset of the first success is added to `bias` (without
-/// offset: it was the places, and `touch` counts again); without success `asks` is set once.
+/// twice. Of takes without contact only `empty` decide a try: a ghost says nothing. The offset of the first
+/// success is added to `bias` (without offset: it was the places, and `touch` counts again); where fewer than
+/// `takes` successes confirm it before places fail again, it is taken back, and the search goes on with the
+/// next try. Without success `asks` is set once; takes that failed before the answer do not count after it.
 ///
 /// Immutable; what changes is a `Memory`, trivially copyable: `Memory{}` has seen nothing. Nothing allocates.
 template <std::size_t Capacity, Real T = double>
@@ -54,6 +56,8 @@ class Tracks {
     std::uint8_t places = 0;  ///< places where a take missed a real thing, fewer than `takes` successes apart
     std::uint8_t since = 0;   ///< takes that succeeded since a take missed a real thing
     std::uint8_t takes = 0;  ///< takes that succeeded since the bias changed, at most `takes` of the settings
+    std::uint8_t found = no_trial;       ///< try whose offset was added to the bias, and is not confirmed
+    std::uint8_t empty = 0;              ///< takes without contact since the try began
     std::uint8_t searches = 0;           ///< rounds of the search for the bias
     bool asks = false, started = false;  ///< a person shall look at camera and hand; a picture was seen
   };
@@ -74,7 +78,8 @@ class Tracks {
     within(s.taken, "Tracks: taken", 0, 1e6, "> 0, <= 1e6 takes");
     within(s.failed, "Tracks: failed", 0, 1e6, "> 0, <= 1e6 takes");
     for (const T& x : {s.moved, s.beside}) within(x, "Tracks: moved, beside", 0, 10, "> 0, <= 10 m");
-    require(s.places >= 1 && s.takes >= 1, "Tracks: places, takes", s.places, "1 to 255");
+    require(s.places >= 1 && s.takes >= 1 && s.empty >= 1, "Tracks: places, takes, empty", s.places,
+            "1 to 255");
     using std::log;
     cap_ = log((T(1) - s.things) / s.things);
     hit_ = log(s.seen_if_there / s.seen_if_not);
@@ -145,11 +150,11 @@ class Tracks {
     if (track >= Capacity || m.tracks[track].kind == 0) return;
     m.tracks[track] = {};
     m.successes += T(1);
-    if (m.takes < s_.takes) ++m.takes;
+    if (m.takes < s_.takes && ++m.takes == s_.takes) m.found = no_trial;
     if (++m.since >= s_.takes) m.since = m.places = 0;
     if (m.trial == no_trial) return;
     m.bias = m.bias + tried(m.trial);
-    if (m.trial > 1) m.takes = 1, give_back(m);
+    if (m.trial > 1) m.takes = 1, m.found = m.trial, give_back(m);
     m.trial = no_trial, m.places = m.since = 0;
   }
   /// Reports that the take of a track failed: a hand there has nothing. `felt`: the fingers touched something
@@ -162,7 +167,7 @@ class Tracks {
     if (t.fails < 255) ++t.fails;
     t.touched = t.p;
     t.real = t.real || felt;
-    if (m.trial != no_trial && t.real) return try_next(m);
+    if (m.trial != no_trial && (t.real || ++m.empty == s_.empty)) return try_next(m);
     using std::exp, std::log;
     // Takes fail at one place for one reason: that hands are good does not make a single failure tell more.
     const T rate = (s_.failed + m.failures) / (s_.taken + s_.failed + m.failures + m.successes);
@@ -174,8 +179,12 @@ class Tracks {
       fresh = fresh || (other.kind != 0 && other.fails == 0 && other.sight > T(0) && fits(other));
     if (t.real) missed(m, t.p, fresh);
   }
-  /// Reports that a person has looked: `asks` is cleared, and not set again.
-  void answered(Memory& m) const noexcept { m.asks = false, m.searches = max_searches; }
+  /// Reports that a person has looked: `asks` is cleared, and not set again; hands are good until takes tell
+  /// otherwise.
+  void answered(Memory& m) const noexcept {
+    m.asks = false, m.searches = max_searches;
+    m.successes = m.failures = T(0);
+  }
 
  private:
   static constexpr std::uint8_t max_searches = 2;  ///< rounds: a right try fails by chance, or at a ghost
@@ -196,10 +205,19 @@ class Tracks {
     if (!elsewhere || m.searches == max_searches) return;
     m.since = 0;
     if (m.places < 255) ++m.places;
-    if (m.places >= s_.places && (fresh || m.takes < s_.takes)) m.trial = 1;
+    if (m.places >= s_.places && (fresh || m.takes < s_.takes)) search(m);
+  }
+  /// A bias that a take found by chance, and that no others confirmed, is taken back: the next try is due.
+  void search(Memory& m) const noexcept {
+    m.trial = 1, m.empty = 0;
+    if (m.found == no_trial) return;
+    m.bias = m.bias - tried(m.found);
+    m.trial = std::exchange(m.found, no_trial);
+    try_next(m);
   }
   /// Goes on to the next try. After the last one all are made once more, without the first; then it asks.
   static void try_next(Memory& m) noexcept {
+    m.empty = 0;
     if (++m.trial == 2) ++m.searches;
     if (m.trial <= trials) return;
     m.asks = m.searches == max_searches;
