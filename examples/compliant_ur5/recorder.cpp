@@ -1,6 +1,5 @@
 #include "examples/compliant_ur5/recorder.hpp"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "examples/compliant_ur5/skin.hpp"
@@ -41,20 +40,7 @@ RunDescription run_description(const Settings& s) {
   dress.named_links.assign(ur5::Ros2Links::named_links.begin(), ur5::Ros2Links::named_links.end());
   run.urdf = urdf_text(ur5::Model{}, dress);
   run.newtons = static_cast<float>(s.newtons_per_reading);
-  std::size_t number = 0;
-  for (const SkinPatch& patch : s.sense == Sense::skin ? skin_patches(s) : std::vector<SkinPatch>{}) {
-    for (const SkinCell& cell : patch.cells) {
-      const auto& p = cell.X_LC.origin();
-      run.pressed.places.push_back({patch.link, number, p, cell.X_LC.axis_z()});
-      run.pressed.ids.push_back(cell.id);
-      run.cells.push_back({cell.id,
-                           static_cast<std::uint32_t>(patch.link),
-                           {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}});
-    }
-    ++number;
-  }
-  std::stable_sort(run.cells.begin(), run.cells.end(),
-                   [](const auto& a, const auto& b) { return a.link < b.link; });
+  if (s.sense == Sense::skin) add_cells(run, skin_patches(s));
   std::array<CellGains, 6> gains;
   for (std::size_t i = 0; i < 6; ++i)
     gains[i] = {.force = s.control.force_gain[i], .proximity = proximity_gain(s, i)};

@@ -109,6 +109,23 @@ std::string words_of(const std::string& path, const RunIdentity& identity) {
 
 }  // namespace
 
+TEST_CASE("Run description: frames of a URDF that move, and the cells of placed patches, link by link") {
+  Urdf urdf;
+  urdf.frames = {{"base_link", -1, {}, {}}, {"hand", 2, {}, {0, 0, 0.1}}};
+  const auto frames = frames_of(urdf);
+  REQUIRE(frames.size() == 1);
+  CHECK((frames[0].name == "hand" && frames[0].link == 2 && frames[0].in_link.p.z == 0.1));
+
+  const auto at = [](double z) { return Transform<SomeLink, Cell>::translation_xyz(0, 0, z); };
+  RunDescription run;
+  add_cells(run, {SkinPatch{2, {}, {SkinCell{.id = 7, .X_LC = at(0.2)}, SkinCell{.id = 8, .X_LC = at(0.3)}}},
+                  SkinPatch{0, {}, {SkinCell{.id = 9, .X_LC = at(0.4)}}}});
+  CHECK(run.pressed.ids == std::vector<std::uint32_t>{7, 8, 9});
+  CHECK((run.pressed.places[2].link == 0 && run.pressed.places[2].patch == 1));
+  CHECK((run.cells[0].id == 9 && run.cells[0].link == 0 && run.cells[0].position[2] == 0.4f));
+  CHECK((run.cells[1].id == 7 && run.cells[2].id == 8));
+}
+
 TEST_CASE(
     "McapRecorder: what the loop hands over replays from the file to the bit, and nothing is allocated "
     "there") {

@@ -2,14 +2,17 @@
 // What a viewer has to know of a run: names, robot, skin, and where the links are.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "skinctl/io/skin_cloud.hpp"
+#include "skinctl/io/urdf_tree.hpp"
 #include "skinctl/kinematics/poses.hpp"
 #include "skinctl/model/named_links.hpp"
 #include "skinctl/tactile/cell_place.hpp"
+#include "skinctl/tactile/skin_of.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -56,6 +59,30 @@ template <NamesLinks D>
   for (const NamedLink& l : D::named_links)
     if (l.link >= 0) out.push_back({l.name, static_cast<std::size_t>(l.link), {l.R, l.p}});
   return out;
+}
+
+/// The links of the robot of a URDF that move, as frames; `RunDescription::urdf` is the text of its file.
+[[nodiscard]] inline std::vector<RunFrame> frames_of(const Urdf& urdf) {
+  std::vector<RunFrame> out;
+  for (const UrdfFrame& f : urdf.frames)
+    if (f.joint >= 0) out.push_back({f.name, static_cast<std::size_t>(f.joint), {f.R, f.p}});
+  return out;
+}
+
+/// Adds the cells of a skin, as `skin_patches` of a skin file places them: they are drawn, and those that are
+/// pressed become contacts.
+inline void add_cells(RunDescription& run, const std::vector<SkinPatch>& patches) {
+  for (std::size_t number = 0; number < patches.size(); ++number)
+    for (const SkinCell& cell : patches[number].cells) {
+      const auto& p = cell.X_LC.origin();
+      run.pressed.places.push_back({patches[number].link, number, p, cell.X_LC.axis_z()});
+      run.pressed.ids.push_back(cell.id);
+      run.cells.push_back({cell.id,
+                           static_cast<std::uint32_t>(patches[number].link),
+                           {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}});
+    }
+  std::stable_sort(run.cells.begin(), run.cells.end(),
+                   [](const auto& a, const auto& b) { return a.link < b.link; });
 }
 
 /// The places of a model's links, for `RunDescription::places`. The model is copied.
