@@ -55,8 +55,9 @@ class Stream {
   /// Sends all of it or fails, within `timeout`.
   bool write(std::span<const std::uint8_t> bytes, Timeout timeout) noexcept;
   /// How long TCP waits for an acknowledgement beyond a round trip before it sends again what may be lost:
-  /// Linux 200 ms else, which is how late it finds that a packet was lost twice. False: an older kernel,
-  /// which takes that only for a route (`ip route change ... rto_min 25ms`).
+  /// Linux 200 ms else, and each time twice as long. So late it finds a packet lost of which the repetition, or
+  /// its acknowledgement, is lost too: until then it sends nothing new. False: an older kernel, which takes the
+  /// wait only for a route (`ip route change ... rto_min 4ms`); it does not double there either.
   bool set_retransmission_wait(Timeout wait) noexcept;
   void close() noexcept;
 

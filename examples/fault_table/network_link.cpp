@@ -153,14 +153,16 @@ struct NetworkLink::Wire {
 
   bool happens(double share) { return share > 0 && uniform(random) < share; }
 
+  SeenPacket seen(const Packet& p, Clock::time_point now, bool lost) const {
+    SeenPacket out;
+    out.time = std::chrono::duration<double>(now - made).count();
+    out.to_robot = p.to == 1;
+    out.lost = lost;
+    look(p.bytes, out);
+    return out;
+  }
   void observe(const Packet& p, Clock::time_point now, bool lost) {
-    if (!observer) return;
-    SeenPacket seen;
-    seen.time = std::chrono::duration<double>(now - made).count();
-    seen.to_robot = p.to == 1;
-    seen.lost = lost;
-    look(p.bytes, seen);
-    observer(seen);
+    if (observer) observer(seen(p, now, lost));
   }
 
   void take(int from) {
@@ -177,7 +179,7 @@ struct NetworkLink::Wire {
       p.bytes.assign(room.begin(), room.begin() + n);
       p.to = 1 - from;
       const auto now = Clock::now();
-      const bool lost = now_.down || happens(now_.loss);
+      const bool lost = now_.down || happens(now_.loss) || (judge && judge(seen(p, now, false)));
       if (lost) {
         observe(p, now, true);
         continue;
@@ -234,6 +236,7 @@ struct NetworkLink::Wire {
   std::mutex mutex;
   LinkFault fault;
   std::function<void(const SeenPacket&)> observer;
+  std::function<bool(const SeenPacket&)> judge;
   std::mt19937_64 random;
   std::uniform_real_distribution<double> uniform{0, 1};
   std::priority_queue<Packet> queue;
@@ -262,6 +265,9 @@ std::thread NetworkLink::at_robot(std::function<void()> f) {
 void NetworkLink::set(const LinkFault& fault) {
   const std::lock_guard lock(wire_->mutex);
   wire_->fault = fault;
+}
+void NetworkLink::set_judge(std::function<bool(const SeenPacket&)> judge) {
+  wire_->judge = std::move(judge);
 }
 void NetworkLink::set_observer(std::function<void(const SeenPacket&)> observer) {
   wire_->observer = std::move(observer);

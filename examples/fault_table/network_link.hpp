@@ -50,6 +50,8 @@ class NetworkLink {
 
   /// From now on.
   void set(const LinkFault& fault);
+  /// Called on the wire's thread with each packet that comes: true loses it. Before the first packet.
+  void set_judge(std::function<bool(const SeenPacket&)> judge);
   /// Called on the wire's thread with each packet; before the first packet.
   void set_observer(std::function<void(const SeenPacket&)> observer);
 

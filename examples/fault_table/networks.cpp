@@ -19,6 +19,7 @@
 
 #include "examples/compliant_ur5/tests/beside.hpp"
 #include "examples/fault_table/network_link.hpp"
+#include "examples/fault_table/plain_stream.hpp"
 #include "examples/support/job.hpp"
 #include "examples/support/program.hpp"
 
@@ -199,6 +200,40 @@ constexpr const char* in_words(Interface by) {
   return by == Interface::position ? "position" : by == Interface::velocity ? "velocity" : "torque";
 }
 
+/// Plain streams of the messages that the job sends, without job and robot: how often they wait.
+int print_plain(const std::vector<Network>& chosen, std::size_t runs, const std::string& congestion) {
+  constexpr double patience[] = {0.04, 0.1};  // of the robot's program by torque, and else [s]
+  std::printf(
+      "| messages | sent again after | network | waits above 40 ms a minute | above 100 ms | longest |\n"
+      "|---|---|---|---|---|---|\n");
+  for (const Network& network : chosen)
+    for (const double rate : {125.0, 500.0})
+      for (const int again : {0, rate > 125 ? 4 : 10}) {
+        std::vector<std::vector<double>> all(runs);
+        std::vector<std::thread> lanes;
+        for (std::size_t k = 0; k < runs; ++k)
+          lanes.emplace_back([&, k] {
+            NetworkLink link(1 + k);
+            all[k] = stalls(link, network.fault,
+                            {.bytes = 32, .rate = rate, .congestion = congestion, .retransmission = again},
+                            run_time);
+          });
+        for (auto& lane : lanes) lane.join();
+        double longest = 0, above[2] = {};
+        for (const auto& run : all)
+          for (const double wait : run) {
+            longest = std::max(longest, wait);
+            for (std::size_t i = 0; i < 2; ++i) above[i] += wait > patience[i];
+          }
+        const double minutes = static_cast<double>(runs) * run_time / 60;
+        std::printf("| %.0f a second | %s | %s | %.1f | %.1f | %.0f ms |\n", rate,
+                    again == 0 ? "as the system has it" : (std::to_string(again) + " ms").c_str(),
+                    network.name, above[0] / minutes, above[1] / minutes, 1e3 * longest);
+        std::fflush(stdout);
+      }
+  return job::code(job::Exit::fine);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -210,7 +245,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> interfaces{"position", "velocity", "torque"};
   std::vector<std::size_t> rows;
   std::size_t runs = 3, together = 4;
-  bool quiet = false, each = false;
+  bool quiet = false, each = false, plain = false;
+  std::string congestion;
   app.add_option("--interface", interfaces, "position, velocity, torque")
       ->check(CLI::IsMember({"position", "velocity", "torque"}))
       ->delimiter(',');
@@ -219,6 +255,9 @@ int main(int argc, char** argv) {
   app.add_option("--together", together, "runs side by side, in real time")
       ->check(CLI::Range(1, 32))
       ->capture_default_str();
+  app.add_flag("--plain", plain,
+               "instead: TCP streams of the job's messages on the same wire, without job and robot");
+  app.add_option("--congestion", congestion, "--plain: cubic, reno or bbr; without it as the system has it");
   app.add_flag("--each", each, "a line for each run, on standard error");
   app.add_flag("--quiet", quiet, "no progress");
   if (const auto end = examples::job::parse(app, argc, argv)) return *end;
@@ -232,6 +271,13 @@ int main(int argc, char** argv) {
   const job::StopSignals signals;
   job::Progress progress(quiet, 0.5, stderr);
 
+  if (plain) {
+    std::vector<Network> chosen;
+    const auto all = networks();
+    for (std::size_t k = 0; k < all.size(); ++k)
+      if (rows.empty() || std::find(rows.begin(), rows.end(), k) != rows.end()) chosen.push_back(all[k]);
+    return print_plain(chosen, runs, congestion);
+  }
   struct Case {
     Network network;
     Interface by;

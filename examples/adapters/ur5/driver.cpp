@@ -182,7 +182,7 @@ void Driver::upload() {
         "port, or has the controller refused the program (see the log at its panel; it may not be in remote "
         "control)?");
   }
-  static_cast<void>(reverse_.set_retransmission_wait(config_.robot_patience / 4));
+  static_cast<void>(reverse_.set_retransmission_wait(config_.robot_patience / 10));
   // Hold still until the first command, which may take as long as the loop takes to start.
   if (!reverse_.write(message(2000, {}, mode::idle), config_.connect_timeout))
     throw ConnectionError("the program on the robot hung up");

@@ -61,8 +61,8 @@ struct DriverConfig {
 ///
 /// The robot runs our own program (see program.hpp): it connects back and obeys each message for at most
 /// `robot_patience`; then it stops with `stopj`, whatever has become of this computer. A command of which
-/// nothing was heard TCP sends again after a quarter of that, where the kernel lets a socket choose: else it
-/// takes 200 ms to find that one was lost twice.
+/// nothing was heard TCP sends again after a tenth of that, and after another, where the kernel lets a
+/// socket choose: else it takes 200 ms to find that one was lost twice.
 class Driver {
  public:
   /// Throws `ConfigurationError`.
