@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "examples/adapters/ur5/driver.hpp"
+#include "examples/calibrate_skin/drive.hpp"
 #include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "examples/support/job.hpp"
 #include "skinctl/calibration/link_inertia.hpp"
@@ -26,18 +27,27 @@ void weigh(simulated_ur5::ArmConfig& arm, const RobotMasses& masses) {
 struct Arm::Parts {
   ArmOptions options;
   std::unique_ptr<simulated_ur5::SimulatedUr5> simulated;
-  std::unique_ptr<adapters::ur5::Driver> driver;
-  State<6> state;
-  std::optional<JointAngles6> told;  ///< last command
+  std::unique_ptr<Drive> drive;
+  Nanoseconds now{};
+  std::optional<JointAngles> told;  ///< last command
 
   Parts(const ArmOptions& o, const RobotMasses& weight) : options(o) {
+    drive = o.protocol == "ur" ? ur_drive(weight) : clocked_drive(o);
+    hear();
+  }
+  ~Parts() {
+    if (drive) drive->stop();
+  }
+  std::unique_ptr<Drive> ur_drive(const RobotMasses& weight) {
+    const ArmOptions& o = options;
+    require(o.robot.joints() == 6, "joints of the robot", double(o.robot.joints()), "6, as a UR has");
     adapters::ur5::DriverConfig config;
     config.motors = adapters::ur5::MotorOutput::current;
     if (o.host.empty()) {
       simulated_ur5::Config robot;
       robot.controller.series = simulated_ur5::Series::cb3;
       robot.controller.powered = true;
-      robot.controller.arm.home = {0.2, -1.6, 0.9, -0.9, -1.4, 0.3};  // `home` of world.hpp
+      std::copy(o.robot.home.begin(), o.robot.home.end(), robot.controller.arm.home.begin());
       robot.ports = {0, 0, 0, 0, 0};
       robot.speed = 0;
       robot.patience =
@@ -57,68 +67,55 @@ struct Arm::Parts {
       if (o.dashboard_port != 0) config.dashboard_port = o.dashboard_port;
       if (o.own_clock) config.real_time = false, config.silence = config.give_up = adapters::Timeout{3000};
     }
-    driver = std::make_unique<adapters::ur5::Driver>(config);
-    driver->connect();
-    hear();
-  }
-  ~Parts() {
-    if (driver) driver->stop();
+    return std::make_unique<DriveOf<adapters::ur5::Driver, 6>>(config);
   }
   void hear() {
     if (options.stop != nullptr && *options.stop) {
-      driver->stop();
+      drive->stop();
       throw Interrupted{};
     }
-    for (;;) {
-      const Heard heard = driver->wait(state);
-      if (heard == Heard::lost) throw std::runtime_error("the robot was lost: " + driver->error());
-      if (heard == Heard::state) {
-        options.each_cycle(state.time);
-        return;
-      }
-    }
+    now = drive->hear();
+    options.each_cycle(now);
   }
-  void tell(const std::array<double, 6>& q) {
-    PositionCommand<6> command;
-    command.valid = true;
-    command.time = state.time;
-    command.position = JointPosition<6>(q);
-    if (!driver->send(command)) throw std::runtime_error("the robot takes no commands: " + driver->error());
+  void tell(const JointAngles& q) {
+    drive->tell(q);
     told = q;
   }
-  [[nodiscard]] JointAngles6 measured() const {
-    JointAngles6 q{};
-    for (std::size_t i = 0; i < 6; ++i) q[i] = state.q[i];
-    return q;
+  [[nodiscard]] JointAngles truth() const {
+    if (!simulated) return drive->measured();
+    const auto q = simulated->snapshot().true_q;
+    return {q.begin(), q.end()};
   }
-  [[nodiscard]] JointAngles6 truth() { return simulated ? simulated->snapshot().true_q : measured(); }
 };
 
 Arm::Arm(const ArmOptions& options, const RobotMasses& simulated)
     : parts_(std::make_unique<Parts>(options, simulated)) {}
 Arm::~Arm() = default;
 
-JointAngles6 Arm::here() {
-  return parts_->measured();
+JointAngles Arm::here() {
+  return parts_->drive->measured();
 }
 
-Arm::Stand Arm::go(const JointAngles6& to, double speed) {
+Arm::Stand Arm::go(const JointAngles& to, double speed) {
   Parts& p = *parts_;
-  const JointAngles6 from = p.measured();
+  const JointAngles from = p.drive->start();
   double way = 0;
-  for (std::size_t i = 0; i < 6; ++i) way = std::max(way, std::abs(to[i] - from[i]));
-  const double duration = std::max(0.2, 1.875 * way / speed);
-  const Nanoseconds begin = p.state.time;
+  for (std::size_t i = 0; i < to.size(); ++i) way = std::max(way, std::abs(to[i] - from[i]));
+  // Peaks of the quintic: 1.875, 5.77 and 60 of way over powers of the duration.
+  const double duration =
+      std::max({0.2, 1.875 * way / speed, std::sqrt(5.77 * way / p.options.robot.acceleration),
+                std::cbrt(60 * way / p.options.robot.jerk)});
+  const Nanoseconds begin = p.now;
   // The drives lag behind by less than a tenth of a second.
-  for (double t = 0; t < duration + 0.6; t = seconds<double>(p.state.time - begin)) {
+  for (double t = 0; t < duration + 0.6; t = seconds<double>(p.now - begin)) {
     const double x = std::min(1.0, t / duration), s = x * x * x * (10 + x * (6 * x - 15));
-    JointAngles6 q{};
-    for (std::size_t i = 0; i < 6; ++i) q[i] = from[i] + s * (to[i] - from[i]);
+    JointAngles q = from;
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] += s * (to[i] - from[i]);
     p.tell(q);
     p.hear();
   }
-  const Stand stand{p.measured(), p.truth()};
-  for (std::size_t i = 0; i < 6; ++i)
+  const Stand stand{p.drive->measured(), p.truth()};
+  for (std::size_t i = 0; i < to.size(); ++i)
     if (!(std::abs(stand.measured[i] - to[i]) < 0.01))
       throw std::runtime_error("joint " + std::to_string(i) + " does not go where it is told to");
   return stand;
@@ -127,36 +124,38 @@ Arm::Stand Arm::go(const JointAngles6& to, double speed) {
 void Arm::stay(double duration) {
   Parts& p = *parts_;
   // Not where it is: an arm that sags would sag each time.
-  const JointAngles6 q = p.told.value_or(p.measured());
-  const Nanoseconds begin = p.state.time;
-  while (seconds<double>(p.state.time - begin) < duration) p.tell(q), p.hear();
+  const JointAngles q = p.told.value_or(p.drive->start());
+  const Nanoseconds begin = p.now;
+  while (seconds<double>(p.now - begin) < duration) p.tell(q), p.hear();
 }
 
 Ride Arm::follow(const std::function<JointPoint(double)>& path, double duration) {
   Parts& p = *parts_;
-  constexpr double rest = 1;
+  constexpr double rest = 1, apart = 0.0039;  // of two stamps [s]
   std::vector<double> time;
-  std::vector<JointAngles6> measured, torque, truth;
-  const Nanoseconds begin = p.state.time;
+  std::vector<JointAngles> measured, torque, truth;
+  const Nanoseconds begin = p.now;
   examples::job::Progress progress(p.options.quiet);
-  for (double t = 0; t < duration + 2 * rest; t = seconds<double>(p.state.time - begin)) {
-    time.push_back(t);
-    measured.push_back(p.measured());
-    truth.push_back(p.truth());
-    torque.push_back(p.driver->report().motors);
-    for (std::size_t i = 0; i < 6; ++i) torque.back()[i] *= p.options.torque_per_ampere[i];
+  for (double t = 0; t < duration + 2 * rest; t = seconds<double>(p.now - begin)) {
+    if (time.empty() || t - time.back() > apart) {
+      time.push_back(t);
+      measured.push_back(p.drive->measured());
+      truth.push_back(p.truth());
+      torque.push_back(p.drive->currents());
+      for (std::size_t i = 0; i < torque.back().size(); ++i)
+        torque.back()[i] *= p.options.torque_per_ampere[i];
+    }
     if (progress.due(t)) progress.show("  %4.0f of %.0f s", t, duration + 2 * rest);
     const Eigen::VectorXd at = path(std::clamp(t - rest, 0.0, duration)).q;
-    JointAngles6 q{};
-    for (std::size_t i = 0; i < 6; ++i) q[i] = at(Eigen::Index(i));
-    p.tell(q);
+    p.tell(JointAngles(at.data(), at.data() + at.size()));
     p.hear();
   }
   progress.clear();
-  const auto table = [&](const std::vector<JointAngles6>& rows) {
-    JointRecording out{time, Eigen::MatrixXd(Eigen::Index(rows.size()), 6)};
+  const auto table = [&](const std::vector<JointAngles>& rows) {
+    JointRecording out{time, Eigen::MatrixXd(Eigen::Index(rows.size()), Eigen::Index(rows.front().size()))};
     for (std::size_t k = 0; k < rows.size(); ++k)
-      for (std::size_t i = 0; i < 6; ++i) out.q(Eigen::Index(k), Eigen::Index(i)) = rows[k][i];
+      out.q.row(Eigen::Index(k)) =
+          Eigen::Map<const Eigen::RowVectorXd>(rows[k].data(), Eigen::Index(rows[k].size()));
     return out;
   };
   return {begin, table(measured), table(torque).q, table(truth)};

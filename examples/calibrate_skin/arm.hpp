@@ -1,4 +1,4 @@
-// The robot that a calibration moves: a real UR5, or a simulated one in this process, over the same protocol.
+// The arm that a calibration moves: a real one over its protocol, or a simulated UR5 in this process.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,12 +25,12 @@ struct RobotMasses {
 struct Ride {
   skinctl::Nanoseconds begin{};      ///< of its times, by the robot's clock
   skinctl::JointRecording measured;  ///< as the robot reports it
-  Eigen::MatrixXd torque;            ///< by the motors' currents, a row per stamp of `measured` [N m]
-  skinctl::JointRecording truth;     ///< of a simulated robot as it was, of a real one the same as `measured`
+  Eigen::MatrixXd torque;  ///< by a UR5's currents, a row per stamp of `measured` [N m]; of others none
+  skinctl::JointRecording truth;  ///< of a simulated robot as it was, of a real one the same as `measured`
 };
 
-/// Moves the arm by positions, 125 times a second. Throws what `adapters::ur5::Driver` throws, and
-/// `std::runtime_error` where the robot is lost.
+/// Moves the arm by positions, in each of its cycles. Throws what its driver throws, `ConfigurationError` for
+/// another number of joints than the robot's, and `std::runtime_error` where the robot is lost.
 class Arm {
  public:
   /// @param simulated  what the simulated robot weighs.
@@ -40,12 +40,12 @@ class Arm {
   Arm& operator=(const Arm&) = delete;
 
   /// Where it stands.
-  [[nodiscard]] JointAngles6 here();
+  [[nodiscard]] JointAngles here();
   /// To `q`, no joint faster than `speed` [rad/s], and still for half a second; where it then stood.
   struct Stand {
-    JointAngles6 measured{}, truth{};
+    JointAngles measured, truth;
   };
-  Stand go(const JointAngles6& q, double speed = 0.8);
+  Stand go(const JointAngles& q, double speed = 0.8);
   /// Stays where it is told to be [s].
   void stay(double duration);
   /// Along `path` [rad], from where it is at 0; a second of rest is added at both ends, and the times count

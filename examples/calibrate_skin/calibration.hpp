@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "examples/calibrate_skin/robot.hpp"
 #include "skinctl/core/time.hpp"
 
 namespace calibrate_skin {
@@ -22,9 +23,16 @@ using JointAngles6 = std::array<double, 6>;
 struct Interrupted {};
 
 struct ArmOptions {
+  Robot robot = ur5_robot();
   std::string host;  ///< of a real robot; empty: a simulated one
+  /// Of its controller: ur (RTDE), stream_motion, franka, or rsi, egm, fri; of these three `host` is the
+  /// address of this computer.
+  std::string protocol = "ur";
+  std::uint16_t port = 0;   ///< of all but ur; 0: as the maker has it
+  double period = 0.004;    ///< of rsi, egm, fri [s]
+  double stiffness = 3000;  ///< of franka: of each joint's spring [N m/rad]
   std::uint16_t rtde_port = 0, script_port = 0,
-                dashboard_port = 0;  ///< of the host; 0: as the maker has them
+                dashboard_port = 0;  ///< of a UR's host; 0: as the maker has them
   bool own_clock = false;  ///< the host is a simulation: its clock need not agree with this computer's
   /// At the joints [N m/A]: of the order of what others measured for a UR5. All masses that are found scale
   /// with it.

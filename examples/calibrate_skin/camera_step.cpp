@@ -12,7 +12,6 @@
 #include "examples/support/text.hpp"
 #include "skinctl/frames/rotation.hpp"
 #include "skinctl/io/skin_file.hpp"
-#include "skinctl/robots/ur5_links.hpp"
 
 #ifdef CALIBRATE_SKIN_HAS_CAMERA
 #include "examples/adapters/camera/blinks.hpp"
@@ -39,7 +38,8 @@ Json placed_before(const World& world, const Options& options, const Json& shape
     write_json(by_hand, placed);
   }
   Json placed = read_json(by_hand);
-  if (!options.placed.empty()) place_by(read_skin_file(options.placed.string()), shapes, moved, placed);
+  if (!options.placed.empty())
+    place_by(options.arm.robot, read_skin_file(options.placed.string()), shapes, moved, placed);
   for (std::size_t k = 0; k < shapes.at("patches").size(); ++k) {
     const Json& by_motion = moved.at("links").at(k).at("placed");
     const auto root = std::to_string(shapes.at("patches").at(k).at("cells").at(0).at("id").get<int>());
@@ -48,7 +48,7 @@ Json placed_before(const World& world, const Options& options, const Json& shape
   return placed;
 }
 
-CameraReport seen_by(const World& world, const std::vector<JointAngles6>& stood, const Options& options) {
+CameraReport seen_by(const World& world, const std::vector<JointAngles>& stood, const Options& options) {
 #ifdef CALIBRATE_SKIN_HAS_CAMERA
   if (options.images) {
     std::string said;
@@ -135,11 +135,11 @@ struct Looked {
   std::vector<CameraView> views;
   std::vector<FitPose> placed, cameras;
 };
-std::vector<CameraView> views_of(const CameraReport& report, const std::vector<JointAngles6>& stood,
+std::vector<CameraView> views_of(const CameraReport& report, const std::vector<JointAngles>& stood,
                                  const Placeable& patches, const Options& options) {
   std::vector<CameraView> views(stood.size());
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const auto X = link_poses_of(stood[v]);
+    const auto X = options.arm.robot.link_poses(stood[v]);
     for (const std::size_t l : patches.links) views[v].X_BaseLink.push_back(X[l]);
   }
   std::size_t used = 0;
@@ -162,16 +162,16 @@ Looked look_in_world(const World& world, const Options& options, const Placeable
     out.placed.push_back(pose_of(before.at("patches").at(root)));
   }
   out.cameras = {pose_of(before.at("camera"))};
-  const auto poses = world.camera_poses();
-  ask(options, {announced(poses, 0.6)});
+  const auto poses = options.arm.robot.camera_poses(world.seed());
+  ask(options, {announced(options.arm.robot, poses, 0.6)});
   std::vector<Arm::Stand> stood;
   {
     Arm arm(options.arm, world.robot());
-    static_cast<void>(arm.go(home));
+    static_cast<void>(arm.go(options.arm.robot.home));
     stood = stands(arm, poses, options);
   }
   const CameraReport report = seen_by(world, truths(stood), options);
-  std::vector<JointAngles6> measured;
+  std::vector<JointAngles> measured;
   for (const auto& s : stood) measured.push_back(s.measured);
   out.camera = report.camera, out.views = views_of(report, measured, patches, options);
   return out;
@@ -183,7 +183,8 @@ Looked look_in_world(const World& world, const Options& options, const Placeable
 Looked look_on_wire(const World& world, const Options& options, Placeable& patches, const Json& shapes,
                     const Json& moved, Json& unknown) {
   Json by_hand = {{"patches", Json::object()}};
-  if (!options.placed.empty()) place_by(read_skin_file(options.placed.string()), shapes, moved, by_hand);
+  if (!options.placed.empty())
+    place_by(options.arm.robot, read_skin_file(options.placed.string()), shapes, moved, by_hand);
   Looked out;
   for (std::size_t i = 0; i < patches.which.size();) {
     const Json& by_motion = moved.at("links").at(patches.which[i]).at("placed");
@@ -202,15 +203,15 @@ Looked look_on_wire(const World& world, const Options& options, Placeable& patch
     ++i;
   }
   if (patches.which.empty()) throw std::runtime_error("no patch was placed by motion or by hand");
-  const auto poses = world.camera_poses();
+  const auto poses = options.arm.robot.camera_poses(world.seed());
   const double blinks = double(camera::Blinks::images) * (options.camera_device.settle + 0.05);
-  ask(options, {announced(poses, 0.6 + blinks)});
+  ask(options, {announced(options.arm.robot, poses, 0.6 + blinks)});
   WireSkin skin(options.wire);
   Arm arm(skin.listening(options.arm), {});
-  static_cast<void>(arm.go(home));
+  static_cast<void>(arm.go(options.arm.robot.home));
   std::vector<std::uint32_t> ids;
   for (const auto& [id, place] : patches.index) ids.push_back(id);
-  std::vector<JointAngles6> stood;
+  std::vector<JointAngles> stood;
   std::string said;
   const CameraReport report = seen_by_camera(options, ids, skin, arm, poses, stood, said);
   options.say(said);
@@ -226,22 +227,19 @@ Looked look_on_wire(const World& world, const Options& options, Placeable& patch
 
 }  // namespace
 
-void place_by(const SkinFile& file, const Json& shapes, const Json& moved, Json& placed) {
+void place_by(const Robot& robot, const SkinFile& file, const Json& shapes, const Json& moved, Json& placed) {
   for (std::size_t k = 0; k < shapes.at("patches").size(); ++k) {
     const auto root = shapes.at("patches").at(k).at("cells").at(0).at("id").get<std::uint32_t>();
     for (const auto& patch : file.patches)
       for (const auto& cell : patch.cells) {
         if (cell.id != root) continue;
         const int l = moved.at("links").at(k).at("link").get<int>();
-        const NamedLink* link = l >= 0 && l < 6 ? &ur5::Ros2Links::named_links[std::size_t(l)] : nullptr;
+        const Robot::Link* link = l >= 0 ? &robot.links.at(std::size_t(l)) : nullptr;
         if (link == nullptr || patch.link != link->name)
           throw std::runtime_error(text("%s: cell %u lies on %s, but moves with %s", file.source.c_str(),
-                                        root, patch.link.c_str(),
-                                        link ? std::string(link->name).c_str() : "no link"));
-        const FitPose in_patch = fit_pose(cell.X_RootCell);
-        FitPose X = fit_pose(patch.X_LinkRoot);
-        X.p += Eigen::Vector3d(link->p.x, link->p.y, link->p.z);
-        placed["patches"][std::to_string(root)] = json_of(FitPose{X.R * in_patch.R, X * in_patch.p});
+                                        root, patch.link.c_str(), link ? link->name.c_str() : "no link"));
+        const FitPose X = link->X_LinkNamed * fit_pose(patch.X_LinkRoot) * fit_pose(cell.X_RootCell);
+        placed["patches"][std::to_string(root)] = json_of(X);
       }
   }
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "examples/calibrate_skin/json_values.hpp"
 #include "examples/calibrate_skin/masses.hpp"
 #include "examples/calibrate_skin/report.hpp"
 #include "examples/calibrate_skin/steps.hpp"
@@ -11,17 +12,12 @@
 #include "skinctl/calibration/line_model.hpp"
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/io/urdf_writer.hpp"
-#include "skinctl/robots/ur5_links.hpp"
-#include "skinctl/robots/ur5_skin.hpp"
 
 namespace calibrate_skin {
 
 using namespace skinctl;
 
 namespace {
-
-/// Force gains of each link's skin: those of the main job's scenario.
-constexpr std::array<double, 6> gains = {60, 70, 50, 25, 15, 15};
 
 SkinPose skin_pose(const FitPose& X) {
   const Json j = json_of(X);
@@ -30,9 +26,18 @@ SkinPose skin_pose(const FitPose& X) {
           {q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>(), q.at(3).get<double>()}};
 }
 
+/// Pose of a patch on the link as files name it.
+SkinPose named_pose(const Robot::Link& link, const FitPose& X_LinkRoot) {
+  return skin_pose(link.X_LinkNamed.inverse() * X_LinkRoot);
+}
+SkinFile::Link file_link(const Robot::Link& link) {
+  const Eigen::Vector3d z = link.X_LinkNamed.R.row(2).transpose();
+  return {link.name, link.radius, link.length, {z.x(), z.y(), z.z()}, 0};
+}
+
 }  // namespace
 
-SkinFile skin_file_of(const Json& found) {
+SkinFile skin_file_of(const Robot& robot, const Json& found) {
   SkinFile file;
   file.source = "calibrate_skin";
   std::map<std::uint32_t, bool> known;
@@ -40,20 +45,20 @@ SkinFile skin_file_of(const Json& found) {
     for (const auto& c : p.at("cells")) known[c.at("id").get<std::uint32_t>()] = true;
   for (const auto& p : found.at("patches")) {
     const auto l = p.at("link").get<std::size_t>();
-    require(l < 6, "link of a patch", double(l), "0 to 5");
-    const NamedLink& link = ur5::Ros2Links::named_links[l];
+    require(l < robot.links.size(), "link of a patch", double(l), "one of the robot's");
+    const Robot::Link& link = robot.links[l];
     bool listed = false;
     for (const auto& other : file.links) listed = listed || other.name == link.name;
-    const ur5::Tube& tube = ur5::tubes[l];
-    if (!listed)
-      file.links.push_back({std::string(link.name), tube.radius, norm(tube.to - tube.from), {0, 0, 1}, 0});
+    if (!listed) file.links.push_back(file_link(link));
     SkinFile::Patch patch;
     patch.name = "patch of cell " + p.at("cells").at(0).at("id").dump();
     patch.link = link.name;
-    patch.gains = {.force = gains[l], .proximity = 0};
-    patch.X_LinkRoot = skin_pose(pose_of(p.at("pose")));
-    patch.X_LinkRoot.p = patch.X_LinkRoot.p - link.p;
-    patch.covariance = p.at("covariance").get<std::vector<double>>();
+    patch.gains = {.force = link.gain, .proximity = 0};
+    patch.X_LinkRoot = named_pose(link, pose_of(p.at("pose")));
+    Matrix6d axes = Matrix6d::Identity();  // of places; turns are about the patch's own
+    axes.topLeftCorner<3, 3>() = link.X_LinkNamed.R.transpose();
+    patch.covariance =
+        json_of(Matrix6d(axes * matrix_of(p.at("covariance")) * axes.transpose())).get<std::vector<double>>();
     for (const auto& c : p.at("cells")) {
       SkinFile::Cell cell;
       cell.id = c.at("id").get<std::uint32_t>();
@@ -78,10 +83,9 @@ SkinFile true_skin_file(SkinFile file, const World& world) {
     const World::Cell* root = world.find(std::uint16_t(patch.cells.front().id));
     if (root == nullptr)
       throw std::runtime_error("no cell answers to id " + std::to_string(patch.cells[0].id));
-    const NamedLink& link = ur5::Ros2Links::named_links[root->link];
+    const Robot::Link& link = ur5_robot().links[root->link];
     patch.link = link.name;
-    patch.X_LinkRoot = skin_pose(root->X_LinkCell);
-    patch.X_LinkRoot.p = patch.X_LinkRoot.p - link.p;
+    patch.X_LinkRoot = named_pose(link, root->X_LinkCell);
     patch.covariance.clear();
     for (auto& cell : patch.cells) {
       cell.X_RootCell =
@@ -96,14 +100,14 @@ SkinFile true_skin_file(SkinFile file, const World& world) {
 SkinFile worn_skin_file(const World& world) {
   SkinFile file;
   file.source = "the simulated skin";
-  for (std::size_t l = 0; l < ur5::tubes.size(); ++l) {
-    const NamedLink& link = ur5::Ros2Links::named_links[l];
-    const ur5::Tube& tube = ur5::tubes[l];
+  const auto& links = ur5_robot().links;
+  for (std::size_t l = 0; l < links.size(); ++l) {
+    const Robot::Link& link = links[l];
     SkinFile::Patch patch;
-    patch.name = "skin of " + std::string(link.name);
+    patch.name = "skin of " + link.name;
     patch.link = link.name;
-    patch.gains = {.force = gains[l], .proximity = 0};
-    patch.X_LinkRoot.p = patch.X_LinkRoot.p - link.p;
+    patch.gains = {.force = link.gain, .proximity = 0};
+    patch.X_LinkRoot = named_pose(link, {});
     for (const World::Cell& c : world.truth()) {
       if (c.link != l) continue;
       auto& cell = patch.cells.emplace_back();
@@ -111,18 +115,19 @@ SkinFile worn_skin_file(const World& world) {
       cell.X_RootCell = skin_pose(c.X_LinkCell);
     }
     if (patch.cells.empty()) continue;
-    file.links.push_back({std::string(link.name), tube.radius, norm(tube.to - tube.from), {0, 0, 1}, 0});
+    file.links.push_back(file_link(link));
     file.patches.push_back(std::move(patch));
   }
   file.check();
   return file;
 }
 
-FoundAxes axes_of(const Json& moved) {
+template <std::size_t N>
+FoundAxes<N> axes_of(const Json& moved) {
   if (!moved.at("complete").get<bool>()) return {{}, "not all axes are known: no table, and no model\n"};
-  std::array<AxisLine, 6> lines;
-  std::array<double, 6> at{};
-  for (std::size_t j = 0; j < 6; ++j) {
+  std::array<AxisLine, N> lines;
+  std::array<double, N> at{};
+  for (std::size_t j = 0; j < N; ++j) {
     const Json &l = moved.at("lines").at(j), &d = l.at("direction"), &c = l.at("point");
     for (int i = 0; i < 3; ++i) {
       lines[j].direction(i) = d.at(std::size_t(i)).get<double>();
@@ -131,22 +136,28 @@ FoundAxes axes_of(const Json& moved) {
     lines[j].direction.normalize();
     at[j] = moved.at("home").at(j).get<double>();
   }
-  const auto found = line_model<6>(lines, at);
-  return {found.model<Chain<6>>(), found.text()};
+  const auto found = line_model<N>(lines, at);
+  return {found.template model<Chain<N>>(), found.text()};
 }
+template FoundAxes<6> axes_of<6>(const Json&);
 
 namespace {
 
-std::string urdf_of(const fs::path& folder, const FoundAxes& axes) {
-  FoundModel model = *axes.model;
-  if (fs::exists(folder / "masses.json")) {
-    const Json masses = read_json(folder / "masses.json");
-    if (masses.contains("bodies"))
-      model = with_bodies(model, {.bodies = masses.at("bodies").get<decltype(RobotMasses::bodies)>()});
-  }
-  UrdfDress dress{.name = "calibrated_ur5"};
-  for (std::size_t i = 0; i < 6; ++i) dress.links.emplace_back(ur5::Ros2Links::named_links[i].name);
-  return urdf_text(model, dress);
+template <std::size_t N>
+void write_axes(const Options& options, const Json& moved) {
+  const auto axes = axes_of<N>(moved);
+  write_text(options.folder / "dh.txt", axes.table);
+  if (!axes.model) return;
+  auto model = *axes.model;
+  if constexpr (N == 6)
+    if (fs::exists(options.folder / "masses.json")) {
+      const Json masses = read_json(options.folder / "masses.json");
+      if (masses.contains("bodies"))
+        model = with_bodies(model, {.bodies = masses.at("bodies").get<decltype(RobotMasses::bodies)>()});
+    }
+  UrdfDress dress{.name = "calibrated_" + options.arm.robot.name};
+  for (const auto& link : options.arm.robot.links) dress.links.push_back(link.name);
+  write_text(options.folder / "model.urdf", urdf_text(model, dress));
 }
 
 }  // namespace
@@ -162,15 +173,14 @@ void write_results(const Options& options) {
     }
   };
   attempt([&] {
-    const SkinFile file = skin_file_of(read_json(options.folder / "result.json"));
+    const SkinFile file = skin_file_of(options.arm.robot, read_json(options.folder / "result.json"));
     if (file.patches.empty())
       throw std::runtime_error("no patch is known well enough: no skin file was written; see report.html");
     write_text(options.folder / "skin.json", skin_file_text(file));
   });
   attempt([&] {
-    const FoundAxes axes = axes_of(read_json(options.folder / "lines.json"));
-    write_text(options.folder / "dh.txt", axes.table);
-    if (axes.model) write_text(options.folder / "model.urdf", urdf_of(options.folder, axes));
+    const Json moved = read_json(options.folder / "lines.json");
+    moved.at("home").size() == 7 ? write_axes<7>(options, moved) : write_axes<6>(options, moved);
   });
   attempt([&] { write_text(options.folder / "report.html", report_of(options.folder)); });
   if (failed) std::rethrow_exception(failed);

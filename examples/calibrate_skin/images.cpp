@@ -7,7 +7,7 @@
 
 namespace calibrate_skin {
 
-CameraReport seen_in_images(const World& world, const std::vector<JointAngles6>& stood, std::string& said) {
+CameraReport seen_in_images(const World& world, const std::vector<JointAngles>& stood, std::string& said) {
   const CameraReport shown = world.seen(stood, false);
   CameraReport out{shown.camera, {}};
   std::mt19937_64 rng(world.seed());

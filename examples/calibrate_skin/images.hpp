@@ -10,7 +10,7 @@ namespace calibrate_skin {
 /// The lights that are found in images of the simulated skin, 28 of each pose; in `said` how many, and what
 /// was left out. A fifth of them is mirrored somewhere else. Throws `ConfigurationError` for an id beyond
 /// 1023: a code has ten bits.
-[[nodiscard]] CameraReport seen_in_images(const World& world, const std::vector<JointAngles6>& stood,
+[[nodiscard]] CameraReport seen_in_images(const World& world, const std::vector<JointAngles>& stood,
                                           std::string& said);
 
 }  // namespace calibrate_skin

@@ -53,9 +53,11 @@ void add(Json& to, const Json& more) {
   for (const auto& x : more) to.push_back(x);
 }
 Eigen::MatrixXd matrix_of_rows(const Json& rows) {
-  Eigen::MatrixXd out(Eigen::Index(rows.size()), 6);
+  const std::size_t columns = rows.empty() ? 0 : rows.at(0).size();
+  Eigen::MatrixXd out(Eigen::Index(rows.size()), Eigen::Index(columns));
   for (std::size_t k = 0; k < rows.size(); ++k)
-    for (std::size_t i = 0; i < 6; ++i) out(Eigen::Index(k), Eigen::Index(i)) = number(rows.at(k).at(i));
+    for (std::size_t i = 0; i < columns; ++i)
+      out(Eigen::Index(k), Eigen::Index(i)) = number(rows.at(k).at(i));
   return out;
 }
 

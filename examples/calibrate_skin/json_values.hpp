@@ -19,7 +19,7 @@ namespace calibrate_skin {
 [[nodiscard]] double number(const Json& v);
 [[nodiscard]] Eigen::Vector3d vector_of(const Json& v);
 [[nodiscard]] skinctl::Matrix6d matrix_of(const Json& C);
-/// Of six columns.
+/// Of as many columns as the first row has.
 [[nodiscard]] Eigen::MatrixXd matrix_of_rows(const Json& rows);
 /// Appends the elements of `more`.
 void add(Json& to, const Json& more);

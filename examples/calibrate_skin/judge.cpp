@@ -22,7 +22,7 @@ using namespace skinctl;
 
 MassError mass_error(const fs::path& folder, const World& world) {
   const Json masses = read_json(folder / "masses.json");
-  const FoundAxes axes = axes_of(read_json(folder / "lines.json"));
+  const auto axes = axes_of<6>(read_json(folder / "lines.json"));
   if (!axes.model || !masses.contains("bodies")) throw std::runtime_error("the calibration found no masses");
   RobotMasses found;
   found.bodies = masses.at("bodies").get<decltype(found.bodies)>();

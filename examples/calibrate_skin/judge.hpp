@@ -14,10 +14,11 @@ struct SkinError {
   double place_rms = 0, place_worst = 0;  ///< [m]
   double turn_rms = 0, turn_worst = 0;    ///< [rad]
 };
-[[nodiscard]] SkinError skin_error(const skinctl::SkinFile& found, const World& world);
+[[nodiscard]] SkinError skin_error(const skinctl::SkinFile& found, const World& world,
+                                   const Robot& robot = ur5_robot());
 
 /// The index of a patch's link. Throws `std::runtime_error` for a name that no link has.
-[[nodiscard]] std::size_t link_of(const skinctl::SkinFile::Patch& patch);
+[[nodiscard]] std::size_t link_of(const skinctl::SkinFile::Patch& patch, const Robot& robot = ur5_robot());
 
 /// Calibrates into `folder` without a camera, on a simulated robot that wears the skin of this seed and sends
 /// its datagrams over a socket, of which a share is lost. Shares with the reader no more than these.

@@ -41,6 +41,39 @@ void listen_at(const std::string& where, Options& options, bool no_camera) {
         "motion alone");
 }
 
+/// Another robot than a UR5, in options of their own.
+void add_model([[maybe_unused]] CLI::App& app, [[maybe_unused]] UrdfRobot& model,
+               [[maybe_unused]] ArmOptions& arm) {
+#ifdef CALIBRATE_SKIN_HAS_URDF
+  auto* given = app.add_option("--model", model.file,
+                               "URDF of another robot: a chain of six or seven joints with limits")
+                    ->check(CLI::ExistingFile);
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return app.add_option(name, value, what)->needs(given)->group("Model");
+  };
+  add("--tip", model.tip, "last link of the chain, where the URDF has more behind it");
+  add("--home", model.home,
+      "joints [rad] where it stands before each motion; the middle of its limits if left out");
+  add("--reach", model.reach, "farthest way of a joint from home [rad]")->check(CLI::Range(0.3, 3.14));
+  add("--acceleration", model.acceleration, "of its joints at most [rad/s^2]")->check(CLI::Range(0.5, 100.0));
+  add("--jerk", model.jerk, "[rad/s^3]")->check(CLI::Range(10.0, 1e5));
+  add("--arm", arm.protocol, "who moves it: ur, stream_motion, rsi, egm, fri, franka")
+      ->check(CLI::IsMember({"ur", "stream_motion", "rsi", "egm", "fri", "franka"}));
+  add("--arm-port", arm.port, "of its controller, or for rsi, egm and fri of this computer");
+  add("--arm-period", arm.period, "of rsi, egm, fri [s]")->check(CLI::Range(0.001, 0.1));
+  add("--stiffness", arm.stiffness, "franka: of each joint's spring [N m/rad]");
+#endif
+}
+/// Masses come from a UR5's currents, and the simulated skin is made for its tubes.
+void take_model([[maybe_unused]] const UrdfRobot& model, const std::string& skin, Options& options) {
+  if (skin.empty())
+    throw skinctl::ConfigurationError("--model: what is simulated is a UR5; --skin names a skin that exists");
+  options.masses = false;
+#ifdef CALIBRATE_SKIN_HAS_URDF
+  options.arm.robot = robot_of(model);
+#endif
+}
+
 /// The camera is opened when its first image is wanted.
 void look_by([[maybe_unused]] const std::string& device, [[maybe_unused]] Options& options) {
 #ifdef CALIBRATE_SKIN_HAS_CAMERA
@@ -66,7 +99,12 @@ int run(int argc, char** argv) {
   app.add_option("--seed", seed, "which simulated skin")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  app.add_option("--robot", options.arm.host, "host of a real UR5 that is switched on: it MOVES");
+  app.add_option(
+      "--robot", options.arm.host,
+      "host of a real UR5 that is switched on: it MOVES; of --arm egm, rsi and fri this computer's "
+      "address, as the controller's program has it");
+  UrdfRobot model;
+  add_model(app, model, options.arm);
   std::string skin, write, device = "0";
   app.add_option("--skin", skin,
                  "[ADDRESS:]PORT of this computer at which the datagrams of a skin on that robot arrive; its "
@@ -127,6 +165,7 @@ int run(int argc, char** argv) {
   if (!skin.empty()) listen_at(skin, options, no_camera);
   if (skin.empty() && !options.camera_device.lens.empty())
     throw skinctl::ConfigurationError("--camera: it looks at a skin that exists; --skin names it");
+  if (!model.file.empty()) take_model(model, skin, options);
   look_by(device, options);
   if (!write.empty()) {
     write_worn(write, seed);

@@ -26,15 +26,9 @@ PlannedMotion masses_motion(std::uint64_t seed) {
   for (int tries = 0; tries < 20; ++tries) {
     const DynamicsExcitation motion(ur5::Model{}, from, l,
                                     {.periods = 4, .tries = 100, .seed = 100 * seed + std::uint64_t(tries)});
-    double low = 1e9;
-    for (double t = 0; t < motion.duration(); t += 0.02) {
-      JointAngles6 q{};
-      const JointPoint p = motion.at(t);
-      for (std::size_t i = 0; i < 6; ++i) q[i] = p.q(Eigen::Index(i));
-      low = std::min(low, lowest_point(q));
-    }
-    if (low < clearance) continue;
     PlannedMotion out{[motion](double t) { return motion.at(t); }, motion.duration(), {}};
+    const double low = ur5_robot().lowest_point(out, 0.02);
+    if (low < clearance) continue;
     for (const auto& a : motion.announcements()) out.announcements.push_back(a.text);
     out.announcements.push_back(
         examples::text("elbow, wrists and flange come as low as %.2f m above the robot's foot", low));

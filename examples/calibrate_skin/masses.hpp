@@ -48,11 +48,13 @@ struct FoundMasses {
 [[nodiscard]] FoundMasses fit_masses(const FoundModel& axes, const skinctl::JointRecording& joints,
                                      const Eigen::MatrixXd& torque);
 /// The axes of `lines.json`, if all of them are known; the table is for people.
+template <std::size_t N>
 struct FoundAxes {
-  std::optional<FoundModel> model;
+  std::optional<skinctl::CalibratedModel<skinctl::Chain<N>>> model;
   std::string table;
 };
-[[nodiscard]] FoundAxes axes_of(const nlohmann::json& lines);
+template <std::size_t N>
+[[nodiscard]] FoundAxes<N> axes_of(const nlohmann::json& lines);
 /// The model with these bodies.
 [[nodiscard]] FoundModel with_bodies(const FoundModel& axes, const RobotMasses& masses);
 /// `M(q)` with rotors.

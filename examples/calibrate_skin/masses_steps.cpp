@@ -18,7 +18,7 @@ Json torques_step(const World& world, const Options& options) {
   const PlannedMotion planned = masses_motion();
   ask(options, planned.announcements);
   Arm arm(options.arm, world.robot());
-  static_cast<void>(arm.go(home));
+  static_cast<void>(arm.go(options.arm.robot.home));
   const Ride ride = arm.follow(planned.path, planned.duration);
   return {{"time", ride.measured.time},
           {"joints", rows_of(ride.measured.q)},
@@ -28,7 +28,7 @@ Json torques_step(const World& world, const Options& options) {
 }
 
 Json masses_step(const World& world, const Options& options) {
-  const FoundAxes axes = axes_of(read_json(options.folder / "lines.json"));
+  const auto axes = axes_of<6>(read_json(options.folder / "lines.json"));
   const Json recording = read_json(options.folder / "torques.json");
   if (!axes.model) return {{"unobservable", Json::array()}, {"said", "not all axes are known: no masses"}};
   JointRecording joints{recording.at("time").get<std::vector<double>>(),

@@ -68,11 +68,20 @@ MotionRecording recording_of(const Json& j, const Recorded& which) {
   return out;
 }
 
+// Whether the axes up to a link's are known, and no two of them alone are parallel.
+bool carried_by_known(const JointLines& found, int link) {
+  double across = 0;
+  for (std::size_t j = 0; int(j) <= link; ++j) {
+    if (!found.lines[j].known) return false;
+    across = std::max(across, found.lines[0].line.direction.cross(found.lines[j].line.direction).norm());
+  }
+  return across > 0.2;
+}
+
 // The gauge of lines: turned about the vertical and moved so that they lie on the maker's.
-FitPose onto_maker(const std::vector<CalibratedLine>& lines) {
-  const auto X = link_poses_of(home);
+FitPose onto_maker(const std::vector<CalibratedLine>& lines, const std::vector<FitPose>& X) {
   double s = 0, c = 0;
-  for (std::size_t j = 0; j < 6; ++j) {
+  for (std::size_t j = 0; j < X.size(); ++j) {
     if (!lines[j].known) continue;
     const Eigen::Vector3d d = lines[j].line.direction, z = X[j].R.col(2);
     s += d.x() * z.y() - d.y() * z.x(), c += d.x() * z.x() + d.y() * z.y();
@@ -81,7 +90,7 @@ FitPose onto_maker(const std::vector<CalibratedLine>& lines) {
   out.R = turn(std::atan2(s, c) * Eigen::Vector3d::UnitZ());
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  for (std::size_t j = 0; j < 6; ++j) {
+  for (std::size_t j = 0; j < X.size(); ++j) {
     if (!lines[j].known) continue;
     const Eigen::Vector3d z = X[j].R.col(2);
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - z * z.transpose();
@@ -92,8 +101,10 @@ FitPose onto_maker(const std::vector<CalibratedLine>& lines) {
 }
 
 // Where a patch sits on its link by the motion of its cells: the mean of what each of them says.
-Json placed_by_motion(const JointLines& found, const Recorded& which, std::size_t patch, std::size_t link) {
-  const FitPose on_link = link_poses_of(home)[link].inverse() * onto_maker(found.lines);
+Json placed_by_motion(const JointLines& found, const Recorded& which, std::size_t patch, std::size_t link,
+                      const Robot& robot) {
+  const auto X = robot.link_poses(robot.home);
+  const FitPose on_link = X[link].inverse() * onto_maker(found.lines, X);
   std::vector<FitPose> all;
   Matrix6d covariance = Matrix6d::Zero();
   for (std::size_t i = 0; i < which.ids.size(); ++i) {
@@ -109,9 +120,9 @@ Json placed_by_motion(const JointLines& found, const Recorded& which, std::size_
   FitPose mean = all.front();
   for (int round = 0; round < 3; ++round) {
     Eigen::Vector3d off = Eigen::Vector3d::Zero(), place = Eigen::Vector3d::Zero();
-    for (const FitPose& X : all) {
-      off += turn_vector(mean.R.transpose() * X.R) / double(all.size());
-      place += X.p / double(all.size());
+    for (const FitPose& one : all) {
+      off += turn_vector(mean.R.transpose() * one.R) / double(all.size());
+      place += one.p / double(all.size());
     }
     mean = {mean.R * turn(off), place};
   }
@@ -123,19 +134,29 @@ Json placed_by_motion(const JointLines& found, const Recorded& which, std::size_
 MotionRecording felt_in_world(const World& world, const std::vector<std::uint16_t>& ids,
                               const PlannedMotion& planned, const Options& options) {
   Arm arm(options.arm, world.robot());
-  static_cast<void>(arm.go(home));
+  static_cast<void>(arm.go(options.arm.robot.home));
   return world.moved(ids, arm.follow(planned.path, planned.duration));
+}
+
+// As the model's masses predict them of a measured motion.
+Eigen::MatrixXd predicted_torque(const Robot& robot, const JointRecording& joints) {
+  const MeasuredMotion motion(joints);
+  Eigen::MatrixXd out(joints.q.rows(), joints.q.cols());
+  for (std::size_t k = 0; k < joints.time.size(); ++k)
+    out.row(Eigen::Index(k)) = robot.torque(motion.at(joints.time[k])).transpose();
+  return out;
 }
 
 MotionRecording felt_on_wire(const std::vector<std::uint16_t>& ids, const PlannedMotion& planned,
                              const Options& options, std::string& said) {
   WireSkin skin(options.wire);
   Arm arm(skin.listening(options.arm), {});
-  static_cast<void>(arm.go(home));
+  static_cast<void>(arm.go(options.arm.robot.home));
   skin.begin();
   const Ride ride = arm.follow(planned.path, planned.duration);
   MotionRecording out;
-  out.joints = ride.measured, out.torque = ride.torque;
+  out.joints = ride.measured;
+  out.torque = options.arm.robot.torque ? predicted_torque(options.arm.robot, ride.measured) : ride.torque;
   const double duration = ride.measured.time.back();
   const auto least = std::size_t(50 * duration);  // a fifth of what 250 measurements a second give
   for (const std::uint16_t id : ids) out.cells.push_back(skin.readings(id, ride.begin, duration, least));
@@ -147,18 +168,8 @@ MotionRecording felt_on_wire(const std::vector<std::uint16_t>& ids, const Planne
 
 Json motion_step(const World& world, const Options& options) {
   const Recorded which = recorded(read_json(options.folder / "shape.json"));
-  const PlannedMotion planned = excitation();
-  double low = 1e9;
-  for (double t = 0; t < planned.duration; t += 0.05) {
-    JointAngles6 q{};
-    const Eigen::VectorXd p = planned.path(t).q;
-    for (std::size_t i = 0; i < 6; ++i) q[i] = p(Eigen::Index(i));
-    low = std::min(low, lowest_point(q));
-  }
-  require(low >= clearance, "height of elbow, wrists and flange in the motion", low, ">= 0.1 m");
-  std::vector<std::string> announcement = planned.announcements;
-  announcement.push_back(text("elbow, wrists and flange come as low as %.2f m above the robot's foot", low));
-  ask(options, announcement);
+  const PlannedMotion planned = options.arm.robot.excitation();
+  ask(options, planned.announcements);
   std::string said;
   const MotionRecording felt = options.wire.port != 0 ? felt_on_wire(which.ids, planned, options, said)
                                                       : felt_in_world(world, which.ids, planned, options);
@@ -184,8 +195,11 @@ Json lines_step(const Options& options) {
   const Recorded which = recorded(shapes);
   const JointLines found = fit_lines(recording_of(read_json(options.folder / "motion.json"), which));
   Json links = Json::array(), axes = Json::array(), unknown = json_of(found.unobservable);
+  const Robot& robot = options.arm.robot;
+  require(found.lines.size() == robot.joints(), "joints of the recording", double(found.lines.size()),
+          "as many as the robot has");
   const bool all_known =
-      found.joints.size() == 6 &&
+      found.joints.size() == robot.joints() &&
       std::all_of(found.lines.begin(), found.lines.end(), [](const CalibratedLine& l) { return l.known; });
   for (std::size_t k = 0; k < shapes.at("patches").size(); ++k) {
     std::map<int, int> votes;
@@ -199,7 +213,7 @@ Json lines_step(const Options& options) {
     // Cells of one patch that move with different links lie, or a cable joins two patches.
     if (2 * most <= cells) link = -1;
     // Of a joint that never moved nobody knows what is behind it.
-    if (const auto next = std::size_t(link + 1); next < 6 && !found.activation.alone[next]) {
+    if (const auto next = std::size_t(link + 1); next < robot.joints() && !found.activation.alone[next]) {
       unknown.push_back(
           {{"what", text("link of the patch of cell %d: joint %zu never moved alone",
                          shapes.at("patches").at(k).at("cells").at(0).at("id").get<int>(), next)},
@@ -208,11 +222,12 @@ Json lines_step(const Options& options) {
            {"remedy", text("move joint %zu alone for a second or more", next)}});
       link = -1;
     }
-    links.push_back(
-        {{"link", link},
-         {"agree", most},
-         {"of", cells},
-         {"placed", link >= 0 && all_known ? placed_by_motion(found, which, k, std::size_t(link)) : Json()}});
+    links.push_back({{"link", link},
+                     {"agree", most},
+                     {"of", cells},
+                     {"placed", link >= 0 && carried_by_known(found, link)
+                                    ? placed_by_motion(found, which, k, std::size_t(link), robot)
+                                    : Json()}});
   }
   for (const auto& l : found.lines)
     axes.push_back(

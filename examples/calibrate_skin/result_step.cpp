@@ -26,7 +26,9 @@ Json result_step(const World& world, const Options& options) {
     const auto k = placed.at("patch").get<std::size_t>();
     const auto link = moved.at("links").at(k).at("link").get<std::size_t>();
     std::vector<Eigen::MatrixXd> configurations;
-    for (const auto& q : world.rest_poses()) configurations.push_back(transposed_jacobian(link, q));
+    const Robot& robot = options.arm.robot;
+    for (const auto& q : robot.rest_poses(world.seed()))
+      configurations.push_back(robot.transposed_jacobian(link, q));
     UncertainPatch patch{pose_of(placed.at("pose")), matrix_of(placed.at("covariance")), {}};
     const Json& cells = shapes.at("patches").at(k).at("cells");
     for (const auto& c : cells)

@@ -85,17 +85,17 @@ PatchGraph graph_of(const Json& patch) {
 
 }  // namespace
 
-std::vector<Arm::Stand> stands(Arm& arm, const std::vector<JointAngles6>& poses, const Options& options) {
+std::vector<Arm::Stand> stands(Arm& arm, const std::vector<JointAngles>& poses, const Options& options) {
   std::vector<Arm::Stand> out;
   for (const auto& q : poses) {
     out.push_back(arm.go(q));
     options.say(text("  pose %zu of %zu", out.size(), poses.size()));
   }
-  static_cast<void>(arm.go(home));
+  static_cast<void>(arm.go(options.arm.robot.home));
   return out;
 }
-std::vector<JointAngles6> truths(const std::vector<Arm::Stand>& stands) {
-  std::vector<JointAngles6> out;
+std::vector<JointAngles> truths(const std::vector<Arm::Stand>& stands) {
+  std::vector<JointAngles> out;
   for (const auto& s : stands) out.push_back(s.truth);
   return out;
 }
@@ -105,9 +105,9 @@ void ask(const Options& options, std::vector<std::string> announcement) {
                                                 : "the robot at " + options.arm.host + " MOVES:");
   if (!options.agreed(announcement)) throw ConfigurationError("nobody agreed to the motion; nothing moved");
 }
-std::string announced(const std::vector<JointAngles6>& poses, double seconds) {
+std::string announced(const Robot& robot, const std::vector<JointAngles>& poses, double seconds) {
   double low = 1e9;
-  for (const auto& q : poses) low = std::min(low, lowest_point(q));
+  for (const auto& q : poses) low = std::min(low, robot.lowest_point(q));
   return text(
       "from where it stands to home, through %zu poses and back to home, %.1f s in each, no joint faster "
       "than 46 degrees/s; in the poses, elbow, wrists and flange stay %.2f m above the robot's foot",
@@ -117,13 +117,13 @@ std::string announced(const std::vector<JointAngles6>& poses, double seconds) {
 namespace {
 
 // In each pose half a second, after the drives have come to rest.
-Json rest_on_wire(const Json& net, const std::vector<JointAngles6>& poses, const Options& options) {
+Json rest_on_wire(const Json& net, const std::vector<JointAngles>& poses, const Options& options) {
   constexpr double rest = 0.5;
   constexpr std::size_t least = 20;  // measurements of a cell in a pose
-  ask(options, {announced(poses, 0.6 + rest)});
+  ask(options, {announced(options.arm.robot, poses, 0.6 + rest)});
   WireSkin skin(options.wire);
   Arm arm(skin.listening(options.arm), {});
-  static_cast<void>(arm.go(home));
+  static_cast<void>(arm.go(options.arm.robot.home));
   Json patches = Json::array(), measured = Json::array();
   for (const auto& patch : net.at("patches")) patches.push_back(Json(patch.at("ids").size(), Json::array()));
   for (std::size_t n = 0; n < poses.size(); ++n) {
@@ -137,7 +137,7 @@ Json rest_on_wire(const Json& net, const std::vector<JointAngles6>& poses, const
     }
     options.say(text("  pose %zu of %zu", n + 1, poses.size()));
   }
-  static_cast<void>(arm.go(home));
+  static_cast<void>(arm.go(options.arm.robot.home));
   return {
       {"poses", measured}, {"readings", patches}, {"said", text("%zu poses; ", poses.size()) + skin.said()}};
 }
@@ -146,11 +146,11 @@ Json rest_on_wire(const Json& net, const std::vector<JointAngles6>& poses, const
 
 Json rest_step(const World& world, const Options& options) {
   const Json net = read_json(options.folder / "network.json");
-  const auto poses = world.rest_poses();
+  const auto poses = options.arm.robot.rest_poses(world.seed());
   if (options.wire.port != 0) return rest_on_wire(net, poses, options);
-  ask(options, {announced(poses, 0.6)});
+  ask(options, {announced(options.arm.robot, poses, 0.6)});
   Arm arm(options.arm, world.robot());
-  static_cast<void>(arm.go(home));
+  static_cast<void>(arm.go(options.arm.robot.home));
   const auto stood = stands(arm, poses, options);
   Json patches = Json::array(), measured = Json::array();
   for (const auto& s : stood) measured.push_back(s.measured);

@@ -12,15 +12,14 @@
 #include "examples/simulated_ur5/simulated_ur5.hpp"
 #include "skinctl/calibration/turn.hpp"
 #include "skinctl/io/skin_file.hpp"
-#include "skinctl/robots/ur5_links.hpp"
 
 namespace calibrate_skin {
 
 using namespace skinctl;
 
-std::size_t link_of(const SkinFile::Patch& patch) {
-  for (std::size_t l = 0; l < 6; ++l)
-    if (ur5::Ros2Links::named_links[l].name == patch.link) return l;
+std::size_t link_of(const SkinFile::Patch& patch, const Robot& robot) {
+  for (std::size_t l = 0; l < robot.links.size(); ++l)
+    if (robot.links[l].name == patch.link) return l;
   throw std::runtime_error("no link " + patch.link);
 }
 namespace {
@@ -32,13 +31,11 @@ FitPose fit_pose(const SkinPose& X) {
 
 }  // namespace
 
-SkinError skin_error(const SkinFile& file, const World& world) {
+SkinError skin_error(const SkinFile& file, const World& world, const Robot& robot) {
   SkinError out;
   for (const auto& patch : file.patches) {
-    const std::size_t link = link_of(patch);
-    FitPose X_LinkRoot = fit_pose(patch.X_LinkRoot);
-    const auto& p = ur5::Ros2Links::named_links[link].p;
-    X_LinkRoot.p += Eigen::Vector3d(p.x, p.y, p.z);
+    const std::size_t link = link_of(patch, robot);
+    const FitPose X_LinkRoot = robot.links[link].X_LinkNamed * fit_pose(patch.X_LinkRoot);
     for (const auto& cell : patch.cells) {
       ++out.of;
       if (!cell.masked.empty()) continue;
@@ -121,9 +118,7 @@ class Camera {
     }
     const auto lit = robot_.lights();
     const auto q = robot_.snapshot().true_q;
-    JointAngles6 stands{};
-    std::copy(q.begin(), q.end(), stands.begin());
-    const auto X = link_poses_of(stands);
+    const auto X = ur5_robot().link_poses(JointAngles(q.begin(), q.end()));
     for (const World::Cell& cell : world_.truth()) {
       const FitPose X_CamCell = X_BaseCam_.inverse() * X[cell.link] * cell.X_LinkCell;
       if (!lit.on(cell.id) || X_CamCell.R.col(2).dot(X_CamCell.p.normalized()) > -0.25) continue;

@@ -22,14 +22,16 @@ namespace calibrate_skin {
 
 /// Into `placed`, where the patches of `shapes` lie whose first cell is in `file`, as the placing page saves
 /// it. Throws `std::runtime_error` if that lies on another link than it moves with (`moved`).
-void place_by(const skinctl::SkinFile& file, const Json& shapes, const Json& moved, Json& placed);
+void place_by(const Robot& robot, const skinctl::SkinFile& file, const Json& shapes, const Json& moved,
+              Json& placed);
 /// Throws `ConfigurationError` if nobody agrees to this motion.
 void ask(const Options& options, std::vector<std::string> announcement);
 /// A tour of poses, in words.
-[[nodiscard]] std::string announced(const std::vector<JointAngles6>& poses, double seconds);
+[[nodiscard]] std::string announced(const Robot& robot, const std::vector<JointAngles>& poses,
+                                    double seconds);
 /// The robot stands in each of the poses, and goes home; where it stood.
-[[nodiscard]] std::vector<Arm::Stand> stands(Arm& arm, const std::vector<JointAngles6>& poses,
+[[nodiscard]] std::vector<Arm::Stand> stands(Arm& arm, const std::vector<JointAngles>& poses,
                                              const Options& options);
-[[nodiscard]] std::vector<JointAngles6> truths(const std::vector<Arm::Stand>& stands);
+[[nodiscard]] std::vector<JointAngles> truths(const std::vector<Arm::Stand>& stands);
 
 }  // namespace calibrate_skin

@@ -87,6 +87,9 @@ std::optional<std::size_t> calibrate(const Options& options, std::uint64_t seed,
                 {"masses", options.masses},
                 {"robot", options.arm.host}};
   if (options.wire.port != 0) which["skin"] = "wire";
+  const Robot &robot = options.arm.robot, &maker = ur5_robot();
+  if (robot.name != maker.name || robot.home != maker.home || options.arm.protocol != "ur")
+    which["model"] = {robot.name, robot.home, options.arm.protocol};
   if (!options.camera_device.lens.empty()) which["lens"] = options.camera_device.lens.string();
   const fs::path described = options.folder / "which.json";
   if (fs::exists(described) && read_json(described) != which)

@@ -40,9 +40,9 @@ void write_results(const Options& options);
 void write_text(const fs::path& path, const std::string& text);
 void write_json(const fs::path& path, const Json& value);
 
-/// The skin file of `result.json`, with gains of the main job.
-[[nodiscard]] skinctl::SkinFile skin_file_of(const Json& result);
-/// The same cells where they truly are: for judging only.
+/// The skin file of `result.json`, on the robot's links.
+[[nodiscard]] skinctl::SkinFile skin_file_of(const Robot& robot, const Json& result);
+/// The same cells where they truly are, on a UR5: for judging only.
 [[nodiscard]] skinctl::SkinFile true_skin_file(skinctl::SkinFile found, const World& world);
 
 /// All cells where they truly are, a patch a link: for a simulated robot that wears them.

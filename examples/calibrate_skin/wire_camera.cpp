@@ -128,8 +128,8 @@ GreyImage VideoImages::operator()() {
 }
 
 CameraReport seen_by_camera(const Options& options, const std::vector<std::uint32_t>& ids, WireSkin& skin,
-                            Arm& arm, const std::vector<JointAngles6>& poses,
-                            std::vector<JointAngles6>& stood, std::string& said) {
+                            Arm& arm, const std::vector<JointAngles>& poses, std::vector<JointAngles>& stood,
+                            std::string& said) {
   constexpr double still = 2e-3;  // [rad]: a pixel at arm's length
   for (const std::uint32_t id : ids)
     require(id <= camera::Blinks::highest, "id of a light", double(id), "0 to 1023");
@@ -140,7 +140,7 @@ CameraReport seen_by_camera(const Options& options, const std::vector<std::uint3
     stood.push_back(arm.go(poses[v]).measured);
     const auto images = blinking(options, ids, skin, arm);
     const auto found = meanwhile(arm, [&] { return camera::find_lights(images); });
-    const JointAngles6 now = arm.here();
+    const JointAngles now = arm.here();
     for (std::size_t i = 0; i < now.size(); ++i)
       if (!(std::abs(now[i] - stood[v][i]) < still))
         throw std::runtime_error("joint " + std::to_string(i) +
@@ -150,7 +150,7 @@ CameraReport seen_by_camera(const Options& options, const std::vector<std::uint3
     options.say(text("  pose %zu of %zu: %zu lights", v + 1, poses.size(), found.lights.size()));
   }
   skin.show({});
-  static_cast<void>(arm.go(home));
+  static_cast<void>(arm.go(options.arm.robot.home));
   said = text("  images: %zu spots in %zu views, %zu lights, %zu not read; ", spots, poses.size(),
               out.lights.size(), unread) +
          skin.said();

@@ -42,8 +42,8 @@ class VideoImages {
 /// `stood`: where the arm was. Throws `ConfigurationError` for an id beyond a code, `std::runtime_error`
 /// where the skin does not switch its lights or the arm does not stand still.
 [[nodiscard]] CameraReport seen_by_camera(const Options& options, const std::vector<std::uint32_t>& ids,
-                                          WireSkin& skin, Arm& arm, const std::vector<JointAngles6>& poses,
-                                          std::vector<JointAngles6>& stood, std::string& said);
+                                          WireSkin& skin, Arm& arm, const std::vector<JointAngles>& poses,
+                                          std::vector<JointAngles>& stood, std::string& said);
 
 /// Where the camera may be, X_BaseCam: one for each patch and view that show it, from patches that lie at
 /// `placed` (none: nobody knows).

@@ -7,10 +7,8 @@
 
 #include "examples/worlds/moved_skin.hpp"
 #include "examples/worlds/skin_network.hpp"
-#include "skinctl/calibration/excitation.hpp"
 #include "skinctl/calibration/joint_lines_types.hpp"
 #include "skinctl/dynamics/regressor.hpp"
-#include "skinctl/kinematics/poses.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/other_bodies.hpp"
@@ -64,55 +62,6 @@ SkinTopology topology_of(const std::vector<World::Cell>& cells) {
 
 }  // namespace
 
-std::array<FitPose, 6> link_poses_of(const JointAngles6& q) {
-  std::array<FitPose, 6> out;
-  const auto at = link_poses(ur5::Model{}, JointPosition<6>(q));
-  for_links(std::make_index_sequence<6>{}, [&](auto i) {
-    out[i] = {at.template get<i.value>().rotation(), at.template get<i.value>().translation()};
-  });
-  return out;
-}
-
-double lowest_point(const JointAngles6& q) {
-  const auto X = link_poses_of(q);
-  double low = (X[5] * Eigen::Vector3d(0, 0, ur5::Description::d6)).z();
-  for (std::size_t l = 2; l < 6; ++l) low = std::min(low, X[l].p.z());
-  return low;
-}
-
-bool clear_way(const JointAngles6& from, const JointAngles6& to) {
-  for (int k = 0; k <= 16; ++k) {
-    JointAngles6 q = from;
-    for (std::size_t i = 0; i < 6; ++i) q[i] += k / 16.0 * (to[i] - from[i]);
-    if (lowest_point(q) < clearance) return false;
-  }
-  return true;
-}
-
-PlannedMotion excitation() {
-  ExcitationLimits l;
-  l.lower = Eigen::VectorXd::Constant(6, -6.28), l.upper = Eigen::VectorXd::Constant(6, 6.28);
-  // So that the arm stays above its foot.
-  for (const int j : {1, 2}) l.lower(j) = home[std::size_t(j)] - 0.7, l.upper(j) = home[std::size_t(j)] + 0.7;
-  l.velocity = Eigen::VectorXd::Constant(6, 3.14), l.acceleration = Eigen::VectorXd::Constant(6, 25);
-  l.torque = (Eigen::VectorXd(6) << 150, 150, 150, 28, 28, 28).finished();
-  const SkinExcitation motion(Eigen::Map<const Eigen::VectorXd>(home.data(), 6), l, {}, ur5::Model{});
-  PlannedMotion out{[motion](double t) { return motion.at(t); }, motion.duration(), {}};
-  for (const auto& a : motion.announcements()) out.announcements.push_back(a.text);
-  return out;
-}
-
-Eigen::MatrixXd transposed_jacobian(std::size_t link, const JointAngles6& q) {
-  const auto X = link_poses_of(q);
-  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(6, 6);
-  for (std::size_t j = 0; j <= link; ++j) {
-    const Eigen::Vector3d axis = X[link].R.transpose() * X[j].R.col(2);
-    const Eigen::Vector3d arm = X[link].R.transpose() * (X[link].p - X[j].p);
-    T.row(Eigen::Index(j)) << axis.cross(arm).transpose(), axis.transpose();
-  }
-  return T;
-}
-
 World::World(std::uint64_t seed) : seed_(seed) {
   auto rng = seeded(seed);
   SimulatedAccelerometer sensor;
@@ -151,7 +100,15 @@ World::World(std::uint64_t seed) : seed_(seed) {
     robot_.rotor[i] = uniform<double>(other, 0.7, 1.3) * rotor[i];
   }
 
-  SkinNetwork net(topology_of(cells_), {.loss = 0.05, .flipped = 0.02}, seed);
+  name_cells();
+}
+
+World::World(std::uint64_t seed, std::vector<Cell> cells) : seed_(seed), cells_(std::move(cells)) {
+  name_cells();
+}
+
+void World::name_cells() {
+  SkinNetwork net(topology_of(cells_), {.loss = 0.05, .flipped = 0.02}, seed_);
   net.run(std::chrono::milliseconds(300), [] { return false; });
   net.run_until_organised(std::chrono::seconds(10));
   for (std::size_t i = 0; i < cells_.size(); ++i) cells_[i].id = net.cell(i + 1).id;
@@ -178,40 +135,7 @@ NetworkReport World::run_network() const {
   return out;
 }
 
-std::vector<JointAngles6> World::rest_poses() const {
-  auto rng = seeded(seed_ + 100);
-  std::vector<JointAngles6> out;
-  std::array<Eigen::Matrix3d, 6> spread;
-  std::array<Eigen::Vector3d, 6> sum;
-  spread.fill(1e-3 * Eigen::Matrix3d::Identity());
-  sum.fill(Eigen::Vector3d::Zero());
-  for (int k = 0; k < 8; ++k) {
-    double best = -1e300;
-    JointAngles6 chosen = home;
-    for (int tries = 0; tries < 400; ++tries) {
-      JointAngles6 q = home;
-      for (std::size_t j = 1; j < 6; ++j) q[j] += uniform<double>(rng, -1.6, 1.6);
-      if (!clear_way(out.empty() ? home : out.back(), q) || !clear_way(q, home)) continue;
-      const auto X = link_poses_of(q);
-      double value = 0;
-      for (std::size_t l = 1; l < 6; ++l) {
-        const Eigen::Vector3d up = X[l].R.row(2).transpose();
-        value +=
-            std::log((spread[l] + up * up.transpose()).determinant()) - 0.3 * (sum[l] + up).squaredNorm();
-      }
-      if (value > best) best = value, chosen = q;
-    }
-    out.push_back(chosen);
-    const auto X = link_poses_of(chosen);
-    for (std::size_t l = 0; l < 6; ++l) {
-      const Eigen::Vector3d up = X[l].R.row(2).transpose();
-      spread[l] += up * up.transpose(), sum[l] += up;
-    }
-  }
-  return out;
-}
-
-std::vector<Eigen::Vector3d> World::at_rest(std::uint16_t id, const std::vector<JointAngles6>& poses,
+std::vector<Eigen::Vector3d> World::at_rest(std::uint16_t id, const std::vector<JointAngles>& poses,
                                             bool by_hand) const {
   const Cell& cell = *find(id);
   auto rng = seeded(seed_ * 1000 + id);
@@ -221,7 +145,8 @@ std::vector<Eigen::Vector3d> World::at_rest(std::uint16_t id, const std::vector<
   std::vector<Eigen::Vector3d> out;
   for (std::size_t k = 0; k < poses.size(); ++k) {
     const Eigen::Vector3d up =
-        by_hand ? turned[k % 8] : Eigen::Vector3d(link_poses_of(poses[k])[cell.link].R.row(2).transpose());
+        by_hand ? turned[k % 8]
+                : Eigen::Vector3d(ur5_robot().link_poses(poses[k])[cell.link].R.row(2).transpose());
     out.push_back(SimulatedAccelerometer{}.rest(rng, sensor, up));
   }
   return out;
@@ -257,22 +182,11 @@ MotionRecording World::moved(const std::vector<std::uint16_t>& ids, const Ride& 
   return out;
 }
 
-std::vector<JointAngles6> World::camera_poses() const {
-  auto rng = seeded(seed_ + 3);
-  std::vector<JointAngles6> out;
-  while (out.size() < 16) {
-    JointAngles6 q = home;
-    for (double& x : q) x += uniform<double>(rng, -1.3, 1.3);
-    if (clear_way(out.empty() ? home : out.back(), q) && clear_way(q, home)) out.push_back(q);
-  }
-  return out;
-}
-
-CameraReport World::seen(const std::vector<JointAngles6>& stood, bool errors) const {
+CameraReport World::seen(const std::vector<JointAngles>& stood, bool errors) const {
   auto rng = seeded(seed_ + 4);
   CameraReport out;
   for (std::size_t v = 0; v < stood.size(); ++v) {
-    const auto X = link_poses_of(stood[v]);
+    const auto X = ur5_robot().link_poses(stood[v]);
     for (const Cell& c : cells_) {
       const FitPose X_CamCell = X_BaseCam_.inverse() * X[c.link] * c.X_LinkCell;
       if (X_CamCell.R.col(2).dot(X_CamCell.p.normalized()) > -0.25 || uniform<double>(rng, 0.0, 1.0) < 0.15)

@@ -19,29 +19,8 @@ SKINCTL_END_NAMESPACE
 
 namespace calibrate_skin {
 
-/// Where the robot stands before each motion.
+/// Where a UR5 stands before each motion.
 inline constexpr JointAngles6 home = {0.2, -1.6, 0.9, -0.9, -1.4, 0.3};
-/// Joints of the elbow and behind it, and the flange, stay that far above the foot of the robot in all
-/// motions [m].
-inline constexpr double clearance = 0.10;
-
-/// The lowest of these in a posture [m].
-[[nodiscard]] double lowest_point(const JointAngles6& q);
-/// Whether they keep that height on the straight way of the joints between two postures.
-[[nodiscard]] bool clear_way(const JointAngles6& from, const JointAngles6& to);
-/// A motion of a minute that shows axes and places, within the limits of a UR5.
-struct PlannedMotion {
-  std::function<skinctl::JointPoint(double)> path;  ///< from 0 to `duration` [s]
-  double duration = 0;
-  std::vector<std::string> announcements;  ///< what moves, when, how far and how fast
-};
-[[nodiscard]] PlannedMotion excitation();
-
-/// Poses of the six links in the base, by the maker's model.
-[[nodiscard]] std::array<skinctl::FitPose, 6> link_poses_of(const JointAngles6& q);
-/// Transposed Jacobian of a link at its origin, in its axes: torques of a wrench.
-[[nodiscard]] Eigen::MatrixXd transposed_jacobian(std::size_t link, const JointAngles6& q);
-
 /// What the network reports; `parents` by id, 0: the PC.
 struct NetworkReport {
   std::vector<skinctl::CellNames> cells;
@@ -62,9 +41,6 @@ struct CameraReport {
 
 class World {
  public:
-  explicit World(std::uint64_t seed);
-  [[nodiscard]] std::uint64_t seed() const noexcept { return seed_; }
-
   struct Cell {
     std::uint16_t id = 0;  ///< as the network gave it
     std::size_t link = 0;
@@ -72,6 +48,11 @@ class World {
     skinctl::AccelerometerErrors errors;
     Eigen::Matrix3d cross_axis;
   };
+  explicit World(std::uint64_t seed);
+  /// These cells, on any robot: their network and their truth only.
+  World(std::uint64_t seed, std::vector<Cell> cells);
+  [[nodiscard]] std::uint64_t seed() const noexcept { return seed_; }
+
   /// For judging the result only.
   [[nodiscard]] const std::vector<Cell>& truth() const noexcept { return cells_; }
   [[nodiscard]] const Cell* find(std::uint16_t id) const noexcept;
@@ -79,23 +60,22 @@ class World {
   [[nodiscard]] NetworkReport run_network() const;
   /// What the simulated robot weighs, unlike what its maker says.
   [[nodiscard]] const RobotMasses& robot() const noexcept { return robot_; }
-  /// Poses in which gravity turns as much as it can in every link.
-  [[nodiscard]] std::vector<JointAngles6> rest_poses() const;
   /// Mean readings of a hundred samples where the robot stood [g]. `by_hand`: the cell's patch was turned by
   /// hand before it was glued on.
-  [[nodiscard]] std::vector<Eigen::Vector3d> at_rest(std::uint16_t id, const std::vector<JointAngles6>& poses,
+  [[nodiscard]] std::vector<Eigen::Vector3d> at_rest(std::uint16_t id, const std::vector<JointAngles>& poses,
                                                      bool by_hand) const;
   /// What the cells of these ids felt of a motion.
   [[nodiscard]] skinctl::MotionRecording moved(const std::vector<std::uint16_t>& ids, const Ride& ride) const;
-  [[nodiscard]] std::vector<JointAngles6> camera_poses() const;
   /// The lights of cells that show in the camera, but a seventh; with `errors` half a pixel off, a tenth read
   /// as other cells and a tenth anywhere.
-  [[nodiscard]] CameraReport seen(const std::vector<JointAngles6>& stood, bool errors = true) const;
+  [[nodiscard]] CameraReport seen(const std::vector<JointAngles>& stood, bool errors = true) const;
   /// As a person would put the marker: 30 mm and 15 deg off.
   [[nodiscard]] skinctl::FitPose placed_by_hand(std::uint16_t root) const;
   [[nodiscard]] skinctl::FitPose camera_by_hand() const;
 
  private:
+  void name_cells();
+
   std::uint64_t seed_;
   std::vector<Cell> cells_;
   skinctl::FitPose X_BaseCam_;

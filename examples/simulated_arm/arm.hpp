@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "examples/adapters/robot_clock.hpp"
@@ -42,6 +44,8 @@ struct Config {
   bool sensor = true;
   std::vector<Push> pushes;
   Faults faults;
+  /// Told the time [s] and the joints [rad] of each cycle, before its state is sent.
+  std::function<void(double time, std::span<const double> q)> watched{};
 };
 
 class Arm {

@@ -89,6 +89,7 @@ void ControllerOf<A>::run() {
     if (f.halted_at >= 0 && t >= f.halted_at) face_->emergency_stop(arm_);
     if (f.restart_at >= 0 && t >= f.restart_at && !std::exchange(restarted_, true)) face_->restart();
     face_->cycle(arm_);
+    if (config_.watched) config_.watched(t, arm_.q());
     const bool silent = f.silent_at >= 0 && t >= f.silent_at;
     if (silent) arm_.halt();
     Bytes bytes(longest);

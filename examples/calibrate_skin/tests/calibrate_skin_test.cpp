@@ -354,10 +354,10 @@ TEST_CASE("Calibrate skin: the camera starts from where somebody placed the firs
   Calibrated& c = calibrated();
   const Json shapes = read_json(c.folder.path / "shape.json"),
              moved = read_json(c.folder.path / "lines.json");
-  skinctl::SkinFile page = skin_file_of(read_json(c.folder.path / "result.json"));
+  skinctl::SkinFile page = skin_file_of(ur5_robot(), read_json(c.folder.path / "result.json"));
   for (auto& patch : page.patches) patch.X_LinkRoot.p.x += 0.02;  // as a hand would
   Json placed = {{"patches", Json::object()}};
-  place_by(page, shapes, moved, placed);
+  place_by(ur5_robot(), page, shapes, moved, placed);
   CHECK(placed["patches"].size() == page.patches.size());
   for (const auto& p : read_json(c.folder.path / "result.json").at("patches")) {
     const skinctl::FitPose found = pose_of(p.at("pose")),
@@ -366,13 +366,13 @@ TEST_CASE("Calibrate skin: the camera starts from where somebody placed the firs
     CHECK((start.R - found.R).norm() < 1e-12);
   }
   page.patches.front().link = page.patches.front().link == "forearm_link" ? "wrist_1_link" : "forearm_link";
-  CHECK_THROWS_WITH(place_by(page, shapes, moved, placed), doctest::Contains("but moves with"));
+  CHECK_THROWS_WITH(place_by(ur5_robot(), page, shapes, moved, placed), doctest::Contains("but moves with"));
 }
 
 #ifdef CALIBRATE_SKIN_HAS_CAMERA
 TEST_CASE("Calibrate skin: lights are found in images where they are") {
   Calibrated& c = calibrated();
-  const std::vector<JointAngles6> poses = {c.world.camera_poses()[0]};
+  const std::vector<JointAngles> poses = {ur5_robot().camera_poses(3)[0]};
   const CameraReport shown = c.world.seen(poses, false);
   std::string said;
   const CameraReport found = seen_in_images(c.world, poses, said);
