@@ -113,10 +113,9 @@ class Driver {
   /// The robot's clock at the newest report, in whole microseconds, and a period later for each wait since
   /// that ended without one.
   [[nodiscard]] skinctl::Nanoseconds clock() const noexcept;
-  /// The robot's clock now, by torque; otherwise `clock()`: at the newest report, and after a wait that ended
-  /// without one as much later as this computer's has gone on since it came. Between `silence` and the cycles
-  /// that it owes, `clock()` is behind this one. What sensors send is compared with it: against a clock that
-  /// lags they would run ahead.
+  /// The robot's clock now: at the newest report, and after a wait that ended without one as much later as
+  /// this computer's has gone on since it came. Between `silence` and the cycles that it owes, `clock()` is
+  /// behind this one. What sensors send is compared with it: against a clock that lags they would run ahead.
   [[nodiscard]] skinctl::Nanoseconds clock_now() const noexcept;
   /// Version of the controller, as it says.
   [[nodiscard]] const Version& controller() const noexcept { return rtde_.version(); }

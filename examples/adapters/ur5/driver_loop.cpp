@@ -168,8 +168,7 @@ skinctl::Nanoseconds Driver::clock() const noexcept {
 }
 
 skinctl::Nanoseconds Driver::clock_now() const noexcept {
-  // By torque alone: elsewhere a busy computer owes cycles for so long that its cells would count as silent.
-  if (silent_waits_ == 0 || config_.interface != skinctl::Interface::torque) return clock();
+  if (silent_waits_ == 0) return clock();
   return skinctl::nanoseconds(report_.timestamp * 1e-3) * 1000 + (Clock::now() - heard_at_);
 }
 

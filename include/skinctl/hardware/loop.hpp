@@ -68,7 +68,8 @@ struct LoopOptions {
   std::optional<TimeBudget> budget = {};  ///< budget of the load; see `TimeBudget` for the reactions
   PacketWatch packets{};                  ///< watch for gaps in the packets of a robot that numbers them
   /// Time before a state is due at which the loop calls `Cycle::warm`; it sleeps until then. 0: it never
-  /// does. Nor does it for a robot whose states come within three times this time after a cycle.
+  /// does. Nor does it for a robot whose states come within three times this time after a cycle, or that is
+  /// silent: cycles that it owes run at once.
   Nanoseconds warm = 300us;
   const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: the loop ends and stops the robot
 };
@@ -140,7 +141,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
       report.ended = LoopEnd::interrupted;
       break;
     }
-    if (options.warm > 0ns && idle > 3 * options.warm && report.cycles > 0) {
+    if (options.warm > 0ns && heard == Heard::state && idle > 3 * options.warm && report.cycles > 0) {
       const Nanoseconds left = heard_at + pace - options.warm - Stopwatch::now();
       if (left > 0ns) std::this_thread::sleep_for(left);
       rehearsed.assign(input.samples.begin(),
