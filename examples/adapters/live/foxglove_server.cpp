@@ -498,11 +498,11 @@ class FoxgloveServer::Impl::Client : public std::enable_shared_from_this<Client>
 
   /// False: too much waits for this client already.
   ///
-  /// @param at_once  before all that waits: an answer to a person.
+  /// @param at_once  before all that waits, and beside it: an answer to a person.
   bool push(Message m, bool at_once = false) {
     if (!open_) return false;
     const std::size_t size = m.bytes->size();
-    if (queued_ + size > server_.options.queued && !at_once) return false;
+    if (queued_ + size > (at_once ? 2 : 1) * server_.options.queued) return false;
     queued_ += size;
     queue_.insert(at_once && !queue_.empty() ? queue_.begin() + 1 : queue_.end(), std::move(m));
     if (queue_.size() == 1) write();

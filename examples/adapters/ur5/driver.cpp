@@ -71,7 +71,7 @@ void Driver::connect() {
     throw;
   }
   started_ = slider_up_ = finite_at_ = window_stamp_ = report_.timestamp;
-  window_ = Clock::now();
+  window_ = heard_at_ = Clock::now();
   running_ = true;
 }
 

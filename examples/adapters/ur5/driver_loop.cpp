@@ -87,9 +87,9 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
   if (silent_waits_ == 0) waits_since_ = Clock::now(), nonsense_before_ = nonsense_, stood_before_ = stood_;
   const auto lost_at = waits_since_ + config_.give_up;
   const Clock::duration period = std::chrono::nanoseconds(skinctl::nanoseconds(1 / config_.rate));
-  // After the patience as many cycles as it lasted, at once: the loop's clock stays with the robot's.
-  const auto silent_at =
-      waits_since_ + std::max<Clock::duration>(config_.silence, (silent_waits_ + 1) * period);
+  // After the patience as many cycles as it lasted, at once: the loop's clock stays with the robot's, which has
+  // gone on since the newest state, while this computer was busy, too.
+  const auto silent_at = heard_at_ + std::max<Clock::duration>(config_.silence, (silent_waits_ + 1) * period);
   for (bool fresh = false; !fresh;) {
     const auto now = Clock::now();
     if (now >= lost_at) {

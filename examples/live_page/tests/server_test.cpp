@@ -343,6 +343,14 @@ TEST_CASE(
   }
   CHECK(heard == 400);
   CHECK(s.server->statistics().dropped > 100);
+  // Data fill its queue: a person's Stop is answered all the same, and before what waits.
+  REQUIRE(sleeps->frame(2, call_of(1, 7)));
+  REQUIRE(s.until([&] { return s.stops == 1; }));
+  std::string answer;
+  for (int k = 0; k < 400 && (answer.empty() || answer[0] != 3); ++k) answer = sleeps->binary();
+  REQUIRE(!answer.empty());
+  CHECK(answer[0] == 3);
+  for (int k = 0; k < 5; ++k) CHECK(sleeps->binary().size() == 13 + large.size());
   const auto third = s.connected();
   REQUIRE(third->say({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", 1}}}}}));
   REQUIRE(third->say({{"op", "getParameters"}, {"parameterNames", {"weight"}}, {"id", "x"}}));

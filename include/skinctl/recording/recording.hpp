@@ -185,7 +185,7 @@ struct Replayed {
                 r.first_step_joint);
   const std::string words = std::to_string(r.different) + " commands differ, the first in cycle " +
                             std::to_string(r.first_different) + states;
-  const bool later = r.started_at > r.first_state_at, at_once = r.first_different <= 1;
+  const bool later = r.started_at > r.first_state_at, at_once = r.first_different == 0;
   if (!later && !(at_once && r.started_at == r.first_state_at)) return words;
   return words + ": that is no start of the scene, which came before; let run_loop begin the recording";
 }

@@ -30,14 +30,14 @@ template <LinkMask ByTorque, Real T = double, RobotModel M, class... Parts>
                                           const detail::HybridConfigurationOf<ByTorque, T, M>& c,
                                           const Parts&... parts) {
   using Driven = JointSubset<M::joints, ByTorque>;
-  RobotConfiguration<Driven::count, T> by_torque{.limits = c.limits, .period = c.stiff.period};
-  by_torque.viscous_friction = c.viscous;
-  by_torque.substep = c.stiff.substep;
-  by_torque.longest_interval = c.stiff.longest_interval;
-  by_torque.stale_after = c.stiff.stale();
-  by_torque.torque_rate = c.stiff.torque_rate;
+  RobotConfiguration<Driven::count, T> torque_driven{.limits = c.limits, .period = c.stiff.period};
+  torque_driven.viscous_friction = c.viscous;
+  torque_driven.substep = c.stiff.substep;
+  torque_driven.longest_interval = c.stiff.longest_interval;
+  torque_driven.stale_after = c.stiff.stale();
+  torque_driven.torque_rate = c.stiff.torque_rate;
   return by_groups(model, velocity_joints<Driven::Others::set, T>(c.stiff),
-                   torque_joints<ByTorque, T>(by_torque), parts...);
+                   torque_joints<ByTorque, T>(torque_driven), parts...);
 }
 
 SKINCTL_END_NAMESPACE

@@ -8,6 +8,7 @@
 #include "examples/adapters/clocked_driver.hpp"
 #include "examples/adapters/fri/fri.hpp"
 #include "examples/adapters/gripper/robotiq.hpp"
+#include "examples/adapters/live/live_view.hpp"
 #include "examples/adapters/skin/receiver.hpp"
 #include "examples/adapters/skin/xela.hpp"
 #include "examples/adapters/ur5/driver.hpp"
