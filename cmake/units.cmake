@@ -22,6 +22,20 @@ function(skinctl_marked variable mark)
   set(${variable} "${marked}" PARENT_SCOPE)
 endfunction()
 
+# skinctl_left_out(<variable> <source>...): those that this build leaves out.
+function(skinctl_left_out variable)
+  set(left_out "")
+  if(SKINCTL_SANITIZERS)
+    skinctl_marked(marked "not sanitized" ${ARGN})
+    list(APPEND left_out ${marked})
+  endif()
+  if(SKINCTL_GATE)
+    skinctl_marked(marked "by night" ${ARGN})
+    list(APPEND left_out ${marked})
+  endif()
+  set(${variable} "${left_out}" PARENT_SCOPE)
+endfunction()
+
 # skinctl_unit(<unit> <source>...): writes it.
 function(skinctl_unit unit)
   set(includes "")

@@ -1,3 +1,4 @@
+// by night: beside clear_test.cpp
 // The scene of `--clear` is stopped, resumed and loses its robot while something is close.
 //
 // Promise: a proximity sensor that is stuck moves an arm with --clear by 40 mm at most, and does not hold it

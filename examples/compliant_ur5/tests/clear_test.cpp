@@ -1,3 +1,4 @@
+// by night: takes minutes; its parts are tried in tests/clearance/ and tests/limits/
 // The main job with `--clear`: how near its links come to each other and to the table, and what a hand meets.
 //
 // Promise: the main job with --clear stops before its own links and the table, and gives way to a hand before

@@ -1,3 +1,4 @@
+// by night: takes minutes
 // Real fingers: recorded grasps drive the main job.
 #include <doctest/doctest.h>
 
