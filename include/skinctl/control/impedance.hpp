@@ -54,7 +54,7 @@ class Impedance : public Composable {
   static constexpr const char* name = "impedance";
   struct Memory {
     Plan plan;
-    JointTorque<N, T> difference;  ///< change of torque at the last reset
+    JointTorque<N, T> difference;  ///< change of torque at the last reset [N m]
     Nanoseconds elapsed = clock_end;
     bool held = false;
     [[no_unique_address]] typename Space::Memory space = {};

@@ -84,9 +84,9 @@ class FeatureExtractor {
     LowPass<double>::Memory force{};
     Bit<>::Memory moving{}, in_hand{}, squeezed{}, tool{};
     Features last{};
-    Xyz<double> begun{0, 0, 0};        ///< position of the hand where contact began or ended [m]
-    Xyz<double> p{0, 0, 0};            ///< position of the hand [m]
-    Xyz<double> touched{0, 0, 0};      ///< position of the hand when the fingers began to press [m]
+    Xyz<double> begun{0, 0, 0};        ///< position of the hand where contact began or ended, in W [m]
+    Xyz<double> p{0, 0, 0};            ///< position of the hand in W [m]
+    Xyz<double> touched{0, 0, 0};      ///< position of the hand when the fingers began to press, in W [m]
     Nanoseconds changed{};             ///< time at which contact began or ended
     double period = 0;                 ///< filtered period of the samples [s]
     double holding = 0;                ///< largest force until the object was carried [N]

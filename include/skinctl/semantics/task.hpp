@@ -95,7 +95,7 @@ struct TaskFault {
   [[nodiscard]] constexpr bool any() const noexcept { return error != TaskError::none; }
 };
 
-/// The facts that are proved to hold when a step begins, and those that may hold.
+/// For each of C steps: the facts that are proved to hold when it begins, and those that may hold.
 template <std::size_t C>
 struct StepFacts {
   std::array<Facts, C> holds{}, may_hold{};

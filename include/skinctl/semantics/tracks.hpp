@@ -207,7 +207,8 @@ class Tracks {
     if (m.places < 255) ++m.places;
     if (m.places >= s_.places && (fresh || m.takes < s_.takes)) search(m);
   }
-  /// A bias that a take found by chance, and that no others confirmed, is taken back: the next try is due.
+  /// Begins the search for the bias again. An offset that a take found by chance, and that no others
+  /// confirmed, is taken off the bias first: then the try after it is due.
   void search(Memory& m) const noexcept {
     m.trial = 1, m.empty = 0;
     if (m.found == no_trial) return;

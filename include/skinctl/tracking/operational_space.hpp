@@ -45,10 +45,10 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   using Inputs = SurfaceInputs<coordinates, T, Reference>;
 
   struct Memory {
-    Xyz<T> near{T(0), T(0), T(0)};  ///< branch of the orientation error
+    Xyz<T> near{T(0), T(0), T(0)};  ///< branch of the orientation error, see `OrientationErrors` [rad]
     SingularEscape<N, T> escape;    ///< motion out of a singularity that the damped inverse does not find
     SingularRest<N, T> rest;        ///< rest at a goal next to a singularity
-    JointVelocity<N, T> drift;      ///< the joints' motion at the start beyond what the tool's course takes
+    JointVelocity<N, T> drift;      ///< joint velocity at the start beyond that of the tool's course [rad/s]
     bool slowed = false;            ///< slowed next to a singularity, or at the largest speed of a joint
   };
   struct Surface {
@@ -56,13 +56,13 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     JointVelocity<coordinates, T> dI1, dI2;
     JointVelocity<coordinates, T> dx_r;       ///< reference velocity of the coordinates, eq. (18)
     JointAcceleration<coordinates, T> ddx_r;  ///< derivative of dx_r
-    JointVelocity<N, T> dq_r;                 ///< reference velocity of the joints, eq. (15)
+    JointVelocity<N, T> dq_r;                 ///< reference velocity of the joints, eq. (15) [rad/s]
     JointAcceleration<N, T> ddq_r;
     JointVelocity<N, T> S_q;
-    JointVelocity<N, T> way_out;  ///< joint velocity that `escape` goes over to
+    JointVelocity<N, T> way_out;  ///< joint velocity that `escape` goes over to [rad/s]
     JointPosition<N, T> q;        ///< joint positions, set only next to a singularity [rad]
     bool rests;                   ///< the goal is reached next to a singularity: see `SingularRest`
-    Xyz<T> near;                  ///< branch of the orientation error
+    Xyz<T> near;                  ///< `Memory::near` for the next cycle [rad]
     bool slowed;
   };
   struct Course {
@@ -287,10 +287,10 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   Transform<Link<Ix>, P, T> X_LP_;
   T min_damping_;
   SingularityDamping<T> singularities_;
-  JointVelocity<N, T> limit_;  ///< speed of the reference: a hundredth is left for the joints' overshoot
-  T kappa_;                    ///< decay of the drift
-  T slowest_;                  ///< smallest of the limits
-  T per_position_;             ///< one over the tolerances of a goal that is reached
+  JointVelocity<N, T> limit_;  ///< largest reference speed [rad/s]: a hundredth is left for overshoot
+  T kappa_;                    ///< decay rate of `Memory::drift` [1/s]
+  T slowest_;                  ///< smallest element of `limit_` [rad/s]
+  T per_position_;             ///< one over the tolerance of a reached position [1/m]
   T per_orientation_;
 };
 

@@ -48,7 +48,8 @@ SKINCTL_COLD void check(const OperationalSettings<N, T>& s) {
   check(PursuitLimits<T>{T(1), s.max_angular_acceleration, s.max_angular_jerk});
 }
 
-/// Settings of an operational law for this robot: see `tracking_settings`.
+/// Settings of an operational law for this robot: its gains by `tracking_settings`, the limits of the frame
+/// at their defaults.
 ///
 /// @param lighter  nothing, a mass ratio, or the description of the lightest robot.
 template <class Robot, class... Lighter>

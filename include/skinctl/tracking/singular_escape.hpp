@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// first-order lags behind `wish`, so that neither its velocity nor its acceleration has steps.
 template <std::size_t N, Real T = double>
 struct SingularEscape {
-  JointVelocity<N, T> v;      ///< joint velocity of the escape
-  JointAcceleration<N, T> a;  ///< derivative of `v`
+  JointVelocity<N, T> v;      ///< joint velocity of the escape [rad/s]
+  JointAcceleration<N, T> a;  ///< derivative of `v` [rad/s^2]
 
   static constexpr double zone = 0.03;        ///< singular value below which a direction counts as singular
   static constexpr double lag = 0.03;         ///< time constant of either filter [s]

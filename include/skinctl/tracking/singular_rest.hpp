@@ -27,7 +27,8 @@ struct SingularRest {
   [[nodiscard]] bool reached(const T& distance_squared, const T& speed_squared) const noexcept {
     return distance_squared + speed_squared / T(still * still) < (on ? T(1) : T(0.25));
   }
-  /// The state `dt` seconds later, at the position `now`.
+  /// The state `dt` [s] later: `on` if the goal is `reached`, with `q` the joint positions `now` at which
+  /// that began, and `r` behind it.
   [[nodiscard]] SKINCTL_INLINE SingularRest advanced(bool reached, const JointPosition<N, T>& now,
                                                      const T& dt) const noexcept {
     if (!reached && !(r > T(0))) [[likely]]

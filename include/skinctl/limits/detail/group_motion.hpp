@@ -12,7 +12,7 @@ namespace detail {
 /// Memory of the last command of a group.
 template <std::size_t N, Real T>
 struct GroupMotionMemory {
-  JointPosition<N, T> position, carry;  ///< the last command's position, and its rounding error
+  JointPosition<N, T> position, carry;  ///< the last command's position, and its rounding error [rad], [m]
 };
 
 /// A group of N joints that follows a velocity within the limits of its joints, or as its `Mover` decides.
