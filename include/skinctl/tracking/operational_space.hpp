@@ -119,17 +119,17 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   template <class J>
   [[nodiscard]] static Errors errors(const Reference& target, const Site<J>& at,
                                      const Memory& memory) noexcept {
-    return error_rows(target, at, memory).rows.stored();
+    return task_errors(target, at, memory).in_lanes.stored();
   }
   /// The sliding surface and the reference motion of the joints, eqs. (15)-(21).
   template <class Gains, class J>
   [[nodiscard]] SKINCTL_NOINLINE Surface surface(const Gains& gains, const Inputs& in, const Site<J>& at,
                                                  const Memory& memory) const noexcept {
     Surface s;
-    const auto error = error_rows(in.target, at, memory);
+    const auto error = task_errors(in.target, at, memory);
     s.near = error.near;
-    const auto x =
-        sliding_surface(gains, in, error.rows, [](const auto&) { return JointVelocity<coordinates, T>(); });
+    const auto x = sliding_surface(gains, in, error.in_lanes,
+                                   [](const auto&) { return JointVelocity<coordinates, T>(); });
     s.S_delta = x.S_delta, s.dI1 = x.dI1, s.dI2 = x.dI2, s.dx_r = x.dq_r, s.ddx_r = x.ddq_r;
 
     Twist<P, Base, P, Base, T> v{get(x.dq_r.data), {}};
@@ -157,7 +157,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     }
     s.rests = false;
     if (nearness > T(0)) [[unlikely]] {
-      rest(in, at, error.rows.stored(), memory.rest, nearness, s);
+      rest(in, at, error.in_lanes.stored(), memory.rest, nearness, s);
       if (!s.rests) s.way_out = memory.escape.template wish<What>(at.jacobian, v, limit_);
     }
     using R = detail::Row<N, T>;
@@ -196,7 +196,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   }
   template <class J>
   static void follow_branch(Memory& memory, const Reference& target, const Site<J>& at) noexcept {
-    const Xyz<T> near = error_rows(target, at, memory).near;
+    const Xyz<T> near = task_errors(target, at, memory).near;
     const T sum = dot(near, near);
     if (sum - sum == T(0)) memory.near = near;
   }
@@ -259,8 +259,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   }
   using Row = detail::Row<coordinates, T>;
   /// The errors, and the branch of the orientation error.
-  struct Errant {
-    SurfaceErrorRows<coordinates, T> rows;
+  struct TaskErrors {
+    SurfaceErrorRows<coordinates, T> in_lanes;
     Xyz<T> near;
   };
   /// A row of coordinates: linear, then angular.
@@ -271,8 +271,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     });
   }
   template <class J>
-  static SKINCTL_INLINE Errant error_rows(const Reference& target, const Site<J>& at,
-                                          const Memory& memory) noexcept {
+  static SKINCTL_INLINE TaskErrors task_errors(const Reference& target, const Site<J>& at,
+                                               const Memory& memory) noexcept {
     const Xyz<T> de = at.V.linear - target.V.linear;
     OrientationErrors<T> turned{{}, {}, {}, {}, {}, memory.near};
     if constexpr (What == TaskSpace::pose)
