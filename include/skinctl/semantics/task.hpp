@@ -23,11 +23,11 @@ inline constexpr std::uint8_t no_border = 255;
 /// One step of a task: an activity with an object's role and a place, and the steps that follow.
 struct Step {
   const ActivityRule* does = nullptr;
-  std::uint8_t role = 0;          ///< class of the object that it is about
-  std::uint8_t place = no_place;  ///< number of a `TaughtPlace`, or what the application calls "box", "bin"
-  std::uint8_t done = finish;     ///< next step
-  std::uint8_t failed = 0;        ///< next step when it has failed, after going back: one that needs nothing
-  std::uint8_t no = nowhere;      ///< next step when the answer is no
+  std::uint8_t role = 0;            ///< class of the object that the step is about
+  std::uint8_t place = no_place;    ///< number of a `TaughtPlace`, or what the application calls "box", "bin"
+  std::uint8_t done = finish;       ///< next step
+  std::uint8_t failed = 0;          ///< step after a failure and going back: one that needs nothing
+  std::uint8_t no = nowhere;        ///< next step when the answer is no
   std::uint8_t border = no_border;  ///< index of a border; answer yes: the felt stiffness is not below it
   Facts needs{};                    ///< facts that the step needs besides those of the activity
 };

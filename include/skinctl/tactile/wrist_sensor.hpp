@@ -234,7 +234,7 @@ class WristSensor : public sensor_sums::Summand {
 
  private:
   static constexpr double shortest_reach = 0.01;  ///< lever by which a moment alone counts as a force [m]
-  /// The axes of the sensor along those of the base, at `q`.
+  /// R_BS: the axes of the sensor as vectors of the base, at `q`.
   [[nodiscard]] Rotation<double> axes_in_base(const JointPosition<M::joints, T>& q) const noexcept {
     const JointAngles<M, T, link_bit<Ix>> angles(model_, q);
     const Poses<M, link_bit<Ix>, T> poses(model_, angles);

@@ -126,7 +126,7 @@ struct SingularEscape {
     for (std::size_t n = 0; n < 2; ++n) c[n] = c[n] + closed[0] * ((back ? -amount : amount) * f[n] - c[n]);
   }
   static constexpr double bent = 0.0002;  ///< |q| [m/rad^2] below which a path counts as straight
-  static constexpr double ahead = 0.2;    ///< a path is closed if sigma vanishes within this angle [rad]
+  static constexpr double ahead = 0.2;    ///< angle [rad]: a path on which sigma vanishes within it is closed
 };
 
 SKINCTL_END_NAMESPACE

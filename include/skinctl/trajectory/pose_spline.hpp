@@ -23,7 +23,7 @@ struct PoseReference {
 };
 
 /// A spline of poses from `X_i` to `X_g` in `tf` seconds: the origin in a straight line, the axes by the
-/// shortest turn about one axis, both along the quintic (22). At rest at both ends. Trivially copyable.
+/// shortest turn about one axis, both along the quintic, eq. (22). At rest at both ends. Trivially copyable.
 template <Frame P, Real T = double>
 class PoseSpline {
  public:
