@@ -80,7 +80,7 @@ struct JointLines {
   int steps = 0;
   bool converged = false;
   std::vector<Unobservable> unobservable;
-  std::vector<int> joints;  ///< fitted ones; the others moved no cell, or did not move
+  std::vector<int> joints;  ///< fitted joints; all others moved no cell, or did not move
   Activation activation;
 };
 

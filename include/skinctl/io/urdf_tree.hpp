@@ -37,7 +37,7 @@ struct UrdfJoint {
   std::string link;  ///< name of the link that the joint carries
   int parent = -1;   ///< index of the joint that carries the parent link; -1: the base
   JointKind kind = JointKind::revolute;
-  bool continuous = false;                                  ///< turns without end: no `lower`, `upper`
+  bool continuous = false;                                  ///< whether it turns without end: no limits
   double lower = -std::numeric_limits<double>::infinity();  ///< lower position limit [rad] or [m]
   double upper = std::numeric_limits<double>::infinity();
   double velocity = std::numeric_limits<double>::infinity();  ///< largest velocity [rad/s] or [m/s]

@@ -29,7 +29,7 @@ inline double make_possible(LinkInertia& in) {
 struct UrdfShapes {
   LinkInertia solid{};
   bool any = false;
-  bool unknown = false;  ///< a mesh, whose volume is not read
+  bool unknown = false;  ///< whether a shape is a mesh, whose volume is not read
 
   void add(const UrdfText& text, const tinyxml2::XMLElement& link, const UrdfPlace& X_link) {
     for (auto* c = link.FirstChildElement("collision"); c; c = c->NextSiblingElement("collision")) {
