@@ -81,6 +81,7 @@ struct SingularEscape {
     const T left = T(1) - sigma * sigma / (edge * edge);
     return left > T(0) ? T(left * left) : T(0);
   }
+  /// Removes from the commanded velocity `c` its part along a closed path.
   /// A motion x of the joints bends the frame's path towards `q = u' dJ(x) x`: where q points away from the
   /// commanded velocity c, the workspace ends, at `sigma / |q|` radians along x. The two such x are the
   /// eigenvectors of `c' u' dJ(x) x`; the part of c along a closed one is removed, and the remainder left to

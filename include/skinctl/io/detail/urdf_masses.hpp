@@ -129,7 +129,7 @@ class UrdfEstimate {
   static constexpr double wrist_share =
       0.05;  ///< length of a link whose joint and end coincide, over the longest reach
 
-  /// The furthest point of each link from its joint, and the length that the joint carries.
+  /// Finds the furthest point of each link from its joint, and the length that the joint carries.
   void measure() {
     const std::size_t n = urdf_.joints.size();
     end_.resize(n);
