@@ -93,7 +93,7 @@ int main(int argc, char** argv) {
     way.add(t, moved);
     hand.add(t, t > 6 && t < 8 ? 1 : 0);
     if (measured.time == 6800ms) {
-      const SkinReport report = report_of(skin, memory->skin);
+      const SkinHealthReport report = report_of(skin, memory->skin);
       words = in_words(report), json = as_json(report), picture = as_svg(report);
     }
   }

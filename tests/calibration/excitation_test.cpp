@@ -42,7 +42,7 @@ TEST_CASE("Excitation of a skin: within every limit, each joint alone, then all,
     const Announcement& a = motion.announcements()[std::size_t(j)];
     CHECK(a.joint == j);
     double moved = 0;
-    for (double t = a.from; t < a.to; t += 0.01) {
+    for (double t = a.begin; t < a.end; t += 0.01) {
       const JointPoint p = motion.at(t);
       for (int i = 0; i < 6; ++i)
         if (i != j) CHECK(p.q(i) == ur5_home(i));

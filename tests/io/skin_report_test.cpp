@@ -35,7 +35,8 @@ bool balanced(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("SkinReport: names each faulty cell in words, as JSON, and in the picture, and no healthy one") {
+TEST_CASE(
+    "SkinHealthReport: names each faulty cell in words, as JSON, and in the picture, and no healthy one") {
   const auto patches = ur5::skin_patches<60>();
   const auto skin = ur5_skin<60>();
   SkinSignals signals(cell_places(patches));
@@ -57,13 +58,13 @@ TEST_CASE("SkinReport: names each faulty cell in words, as JSON, and in the pict
     }
   };
   run(0ns, 400ms);
-  const SkinReport before = report_of(trusted, m);
+  const SkinHealthReport before = report_of(trusted, m);
   CHECK(in_words(before) == "60 of 60 cells count\n");
   CHECK(times(as_json(before), "\"id\"") == 0);
   CHECK(times(as_svg(before), "<circle") == 60);
 
   run(400ms, 2s);
-  const SkinReport report = report_of(trusted, m);
+  const SkinHealthReport report = report_of(trusted, m);
   CHECK(report.usable == 57);
   const std::string words = in_words(report), json = as_json(report), picture = as_svg(report);
   CHECK(words.find("57 of 60 cells count; stuck: 1; noisy: 1; unheard: 1\n") == 0);

@@ -25,8 +25,8 @@ struct ExcitationLimits {
 
 /// A part of an excitation, in words for those who stand near the robot.
 struct Announcement {
-  double from = 0, to = 0;  ///< beginning and end [s]
-  int joint = -1;           ///< index of the joint that moves alone; -1: all joints move
+  double begin = 0, end = 0;  ///< beginning and end [s]
+  int joint = -1;             ///< index of the joint that moves alone; -1: all joints move
   std::string text;
 };
 

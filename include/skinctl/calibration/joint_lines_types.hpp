@@ -35,7 +35,7 @@ struct JointLinesSettings {
   double block = 0.04;       ///< length of the blocks whose means are fitted [s], 0.005 to 0.1
   double gravity = 9.80665;  ///< gravity [m/s^2]
   double bias = 0.040;       ///< standard deviation of an accelerometer's bias [g]
-  double scale = 0.015;      ///< standard deviation of an accelerometer's scale
+  double scale = 0.015;      ///< standard deviation of an accelerometer's scale factor, whose mean is 1
   double cross_axis =
       0.003;  ///< standard deviation of the cross-axis sensitivity, of which the symmetric part is fitted
   double tie_position = 5e-4;     ///< standard deviation of a cell's position in its patch [m]
@@ -80,7 +80,7 @@ struct JointLines {
   int steps = 0;
   bool converged = false;
   std::vector<Unobservable> unobservable;
-  std::vector<int> joints;  ///< fitted ones; the others moved no cell, or did not move
+  std::vector<int> joints;  ///< fitted joints; all others moved no cell, or did not move
   Activation activation;
 };
 

@@ -41,7 +41,7 @@ void respond(const ResponseLog<N>& log, std::size_t joint, double delay, double 
   }
 }
 
-/// The smallest step of which all changes are multiples, to 5 %; 0 if there is none.
+/// The smallest step [rad] of which all `changes` [rad] are multiples, to 5 %; 0 if there is none.
 inline double encoder_step(std::vector<double> changes) {
   std::erase_if(changes, [](double x) { return !(x > 1e-9); });
   if (changes.size() < 8) return 0;

@@ -63,7 +63,7 @@ template <Real T>
   const Xyz<T> p = a.from + s * u, q = b.from + t * v, way = p - q;
   return {sqrt(dot(way, way)) - a.radius - b.radius, p, q};
 }
-/// The distance of a point from a capsule's surface.
+/// The distance of a point from a capsule's surface [m], < 0 inside.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T distance(const Xyz<T>& point, const Capsule<T>& c) noexcept {
   using std::sqrt;

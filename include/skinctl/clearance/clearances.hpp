@@ -104,12 +104,12 @@ class Clearances {
     return T(0);
   }
 
-  /// The distances of the surfaces at `q` [m], negative where they overlap.
+  /// Writes the distances of the surfaces at `q` [m] into `out`, negative where they overlap.
   SKINCTL_INLINE void distances(const Position& q, T (&out)[max_pairs]) const noexcept {
     distances(q, {}, out, [](std::size_t) { return true; });
   }
-  /// The distances of those pairs k for which `asked(k)` is true, also from the obstacles `near`; the others
-  /// are left as they are.
+  /// Writes the distances [m] of those pairs k for which `asked(k)` is true, also from the obstacles `near`;
+  /// the others are left as they are.
   template <class Asked>
   SKINCTL_NOINLINE void distances(const Position& q, const Near& near, T (&out)[max_pairs],
                                   const Asked& asked) const noexcept {
@@ -128,7 +128,7 @@ class Clearances {
       }
     }
   }
-  /// The gradients of the distances at `q` [m/rad]: 0 for joints that move both sides alike.
+  /// Writes the gradients of the distances at `q` [m/rad]: 0 for joints that move both sides alike.
   SKINCTL_INLINE void gradients(const Position& q, T (&gradient)[max_pairs][joints]) const noexcept {
     gradients(q, {}, gradient);
   }

@@ -19,7 +19,7 @@ struct CellView {
   double range = 0.2;      ///< largest distance that a cell sees [m]
   double half_angle = 25;  ///< half opening angle of the cell's cone [degrees]
   double error = 0.01;     ///< error of capsules and places of cells [m]
-  double band = 0.1;       ///< readings fade in from the prediction to this much above it
+  double band = 0.1;       ///< rise above the predicted reading over which a reading fades in
 };
 
 /// The proximity that each cell can at most owe to the robot's other links and to known objects, by capsules.

@@ -8,7 +8,7 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Speeds and distances of a retreat.
 struct RetreatSettings {
-  double speed = 0.45;  ///< speed away from an obstacle at the distance `near` [m/s], above its own
+  double speed = 0.45;  ///< speed away from an obstacle within `near` [m/s]; above the obstacle's speed
   double near = 0.1;    ///< distance of the surfaces at which the full `speed` is asked for [m]
   double far = 0.2;     ///< distance at which a retreat begins [m], > near; in between, speeds are linear
   double rate = 4;      ///< rate at which all other pairs may close: `rate (distance - margin)` at most [1/s]

@@ -38,8 +38,8 @@ struct ImpedanceSettings {
 /// `-M (M + dt D_q)^-1 (J'D de + joint_damping dq)` with `D_q = J'D J + joint_damping`: stable for every
 /// damping, and the plain one for dt -> 0. Springs need `K dt^2 < m`.
 ///
-/// Goals move along the spline (22) from the present target; the change of torque at a goal or a contact is
-/// ramped out over `bumpless_transfer`.
+/// Goals move along the spline, eq. (22), from the present target; the change of torque at a goal or a
+/// contact is ramped out over `bumpless_transfer`.
 template <class Space, class Plan = SplinePlan<Space>>
 class Impedance : public Composable {
  public:
@@ -54,7 +54,7 @@ class Impedance : public Composable {
   static constexpr const char* name = "impedance";
   struct Memory {
     Plan plan;
-    JointTorque<N, T> difference;  ///< change of torque at the last reset
+    JointTorque<N, T> difference;  ///< change of torque at the last reset [N m]
     Nanoseconds elapsed = clock_end;
     bool held = false;
     [[no_unique_address]] typename Space::Memory space = {};

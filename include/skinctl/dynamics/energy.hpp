@@ -7,7 +7,8 @@
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
 
-/// Kinetic energy of the subtree of link `Ix`, whose parent moves at `v`, `w` (parent's axes and origin).
+/// Kinetic energy [J] of the subtree of link `Ix`, whose parent moves at `v_parent` [m/s] and `w_parent`
+/// [rad/s], along the parent's axes, at its origin.
 template <std::size_t Ix, Scalar T, RobotModel M, class Angles>
 SKINCTL_INLINE T subtree_kinetic_energy(const M& model, const Angles& angles, const T* dq,
                                         const Xyz<T>& v_parent, const Xyz<T>& w_parent) noexcept {

@@ -125,7 +125,8 @@ class Quantities {
     return *limits_.value;
   }
 
-  /// The bias that the virtual robot will need; null: nobody asks.
+  /// The place for the bias torque `C v + G` of the virtual robot [N m], which a law computes beside its own
+  /// recursion; null: none is wanted.
   [[nodiscard]] SKINCTL_INLINE detail::BiasBeside<joints, T>* bias_beside() const noexcept
     requires(carries_bias)
   {

@@ -43,11 +43,11 @@ struct SkinFile {
     /// Ids of the cells at ports 1 to 4, or `nobody`. Empty: those within 1.3 pitches.
     std::vector<std::uint32_t> neighbours{};
     std::uint32_t group = 0;            ///< number of a group of cells that share electronics
-    std::optional<double> threshold{};  ///< threshold on the sum of its forces; none: that of `SkinSettings`
+    std::optional<double> threshold{};  ///< threshold of its three force readings' sum; none: `SkinSettings`
     double gain = 1;                    ///< factor on the patch's gains
-    std::vector<double> covariance;  ///< covariance of `X_RootCell`, as that of a patch, position in its axes
-    std::string masked;              ///< reason for which the cell's readings do not count; empty: they count
-    int line = 0;                    ///< line of the file; 0: none
+    std::vector<double> covariance;     ///< as of a patch, for `X_RootCell`: position [m] in the patch's axes
+    std::string masked;  ///< reason for which the cell's readings do not count; empty: they count
+    int line = 0;        ///< line of the file; 0: none
     friend bool operator==(const Cell&, const Cell&) = default;
   };
   struct Patch {

@@ -14,7 +14,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 /// The health of one cell.
-struct CellReport {
+struct CellHealthReport {
   std::uint32_t id = 0;
   std::size_t link = 0;
   std::array<float, 3> place{}, normal{};  ///< position in the link's frame [m], and its outward normal
@@ -27,23 +27,23 @@ struct CellReport {
 };
 
 /// The health of all cells of a skin, at one time. Not for the loop: it allocates.
-struct SkinReport {
-  std::vector<CellReport> cells;  ///< cells in the order of the patches
-  std::size_t usable = 0;         ///< cells that count
+struct SkinHealthReport {
+  std::vector<CellHealthReport> cells;  ///< cells in the order of the patches
+  std::size_t usable = 0;               ///< cells that count
   [[nodiscard]] std::size_t count(CellFault fault) const noexcept {
-    return static_cast<std::size_t>(
-        std::count_if(cells.begin(), cells.end(), [&](const CellReport& c) { return c.faults.has(fault); }));
+    return static_cast<std::size_t>(std::count_if(
+        cells.begin(), cells.end(), [&](const CellHealthReport& c) { return c.faults.has(fault); }));
   }
   [[nodiscard]] std::size_t unexplained() const noexcept {
     return static_cast<std::size_t>(
-        std::count_if(cells.begin(), cells.end(), [](const CellReport& c) { return c.unexplained; }));
+        std::count_if(cells.begin(), cells.end(), [](const CellHealthReport& c) { return c.unexplained; }));
   }
 };
 
 template <class S>
-[[nodiscard]] SKINCTL_COLD SkinReport report_of(const TrustedSkin<S>& skin,
-                                                const typename TrustedSkin<S>::Memory& memory) {
-  SkinReport out;
+[[nodiscard]] SKINCTL_COLD SkinHealthReport report_of(const TrustedSkin<S>& skin,
+                                                      const typename TrustedSkin<S>::Memory& memory) {
+  SkinHealthReport out;
   for (const auto& c : skin.table()) {
     const std::size_t i = out.cells.size();
     out.cells.push_back({c.id, c.link, c.place, c.normal, skin.faults(memory, i),
@@ -61,14 +61,14 @@ inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
 
 /// The report in words: a line with the numbers, then one for each cell that is not healthy. "258 of 260
 /// cells count; stuck: 2"
-[[nodiscard]] SKINCTL_COLD inline std::string in_words(const SkinReport& report) {
+[[nodiscard]] SKINCTL_COLD inline std::string in_words(const SkinHealthReport& report) {
   std::string out = formatted("%zu of %zu cells count", report.usable, report.cells.size());
   for (const CellFault f : detail::all_cell_faults)
     if (const std::size_t n = report.count(f); n > 0) out += formatted("; %s: %zu", name(f), n);
   if (const std::size_t n = report.unexplained(); n > 0)
     out += formatted("; reading something that nobody can explain: %zu", n);
   out += "\n";
-  for (const CellReport& c : report.cells) {
+  for (const CellHealthReport& c : report.cells) {
     if (!c.faults.any() && !c.unexplained && c.mask == 0) continue;
     out += formatted("cell %u on link %zu:", c.id, c.link);
     const char* comma = " ";
@@ -85,7 +85,7 @@ inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
 /// The report as JSON: `{"cells": 260, "usable": 258, "faults": {"stuck": 2, ...}, "unexplained": 0,
 /// "unhealthy": [{"id": 7, "link": 2, "faults": ["stuck"], "mask": 1, "rest": 0.06, "unexplained": false},
 /// ...]}`.
-[[nodiscard]] SKINCTL_COLD inline std::string as_json(const SkinReport& report) {
+[[nodiscard]] SKINCTL_COLD inline std::string as_json(const SkinHealthReport& report) {
   std::string out =
       formatted("{\"cells\": %zu, \"usable\": %zu, \"faults\": {", report.cells.size(), report.usable);
   const char* comma = "";
@@ -93,7 +93,7 @@ inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
     out += formatted("%s\"%s\": %zu", comma, name(f), report.count(f)), comma = ", ";
   out += formatted("}, \"unexplained\": %zu, \"unhealthy\": [", report.unexplained());
   comma = "";
-  for (const CellReport& c : report.cells) {
+  for (const CellHealthReport& c : report.cells) {
     if (!c.faults.any() && !c.unexplained && c.mask == 0) continue;
     out += formatted("%s\n  {\"id\": %u, \"link\": %zu, \"faults\": [", comma, c.id, c.link);
     comma = "";
@@ -109,13 +109,13 @@ inline constexpr std::array<CellFault, cell_faults> all_cell_faults = {
 namespace detail {
 /// The cells of a link, unrolled: their places along the link's axis, and around it [m].
 struct Unrolled {
-  std::vector<const CellReport*> cells;
+  std::vector<const CellHealthReport*> cells;
   std::vector<double> along, around;
   double low = 0, high = 0, left = 0, right = 0;
 
-  Unrolled(const SkinReport& report, std::size_t link) {
+  Unrolled(const SkinHealthReport& report, std::size_t link) {
     double lowest[3] = {1e9, 1e9, 1e9}, highest[3] = {-1e9, -1e9, -1e9};
-    for (const CellReport& c : report.cells) {
+    for (const CellHealthReport& c : report.cells) {
       if (c.link != link) continue;
       cells.push_back(&c);
       for (std::size_t k = 0; k < 3; ++k)
@@ -125,13 +125,13 @@ struct Unrolled {
     if (cells.empty()) return;
     // Around the axis that the normals have least along.
     double normals[3] = {};
-    for (const CellReport* c : cells)
+    for (const CellHealthReport* c : cells)
       for (std::size_t k = 0; k < 3; ++k) normals[k] += double(c->normal[k]) * double(c->normal[k]);
     const auto axis = static_cast<std::size_t>(std::min_element(normals, normals + 3) - normals);
     const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
     const double mu = (lowest[u] + highest[u]) / 2, mv = (lowest[v] + highest[v]) / 2;
     const double radius = (highest[u] - lowest[u] + highest[v] - lowest[v]) / 4;
-    for (const CellReport* c : cells) {
+    for (const CellHealthReport* c : cells) {
       along.push_back(double(c->place[axis]) - lowest[axis]);
       around.push_back(radius * std::atan2(double(c->place[v]) - mv, double(c->place[u]) - mu));
     }
@@ -160,10 +160,10 @@ struct CellLook {
 
 /// The report as a picture (SVG): the cells of each link, unrolled, link beside link; faults by colours that
 /// colour-blind readers tell apart, and by a letter.
-[[nodiscard]] SKINCTL_COLD inline std::string as_svg(const SkinReport& report) {
+[[nodiscard]] SKINCTL_COLD inline std::string as_svg(const SkinHealthReport& report) {
   constexpr double scale = 800, gap = 40, top = 60;  // [px/m], [px]
   std::size_t links = 0;
-  for (const CellReport& c : report.cells) links = std::max(links, c.link + 1);
+  for (const CellHealthReport& c : report.cells) links = std::max(links, c.link + 1);
   double x = gap, height = 0;
   std::string body;
   for (std::size_t link = 0; link < links; ++link) {
@@ -176,7 +176,7 @@ struct CellLook {
     const double r = std::clamp(0.46 * scale * nearest, 2.0, 11.0);
     body += formatted("<text x=\"%.1f\" y=\"%.1f\" class=\"t\">link %zu</text>\n", x, top - 16, link);
     for (std::size_t k = 0; k < u.cells.size(); ++k) {
-      const CellReport& c = *u.cells[k];
+      const CellHealthReport& c = *u.cells[k];
       const auto look = detail::look_of(c.faults, c.unexplained);
       const double cx = x + r + scale * (u.around[k] - u.left), cy = top + r + scale * (u.high - u.along[k]);
       body += formatted(

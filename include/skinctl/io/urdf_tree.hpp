@@ -37,7 +37,7 @@ struct UrdfJoint {
   std::string link;  ///< name of the link that the joint carries
   int parent = -1;   ///< index of the joint that carries the parent link; -1: the base
   JointKind kind = JointKind::revolute;
-  bool continuous = false;                                  ///< turns without end: no `lower`, `upper`
+  bool continuous = false;                                  ///< whether it turns without end: no limits
   double lower = -std::numeric_limits<double>::infinity();  ///< lower position limit [rad] or [m]
   double upper = std::numeric_limits<double>::infinity();
   double velocity = std::numeric_limits<double>::infinity();  ///< largest velocity [rad/s] or [m/s]
@@ -82,9 +82,9 @@ struct Urdf {
   std::vector<UrdfFrame> frames;         ///< every link of the model's part of the file
   std::vector<UrdfLock> locked;          ///< joints that are locked though the file lets them move
   std::vector<UrdfAssumedMass> assumed;  ///< not empty: a robot by torque is refused with this model
-  /// Oddities with a way on: bodies that no density makes, bad inertias of links that do not move or have
-  /// very little weight, one line each; limits that look like degrees, soft limits, links without mass, one
-  /// line a file.
+  /// Faults for which the file is not refused: bodies that no density makes, bad inertias of links that do
+  /// not move or have very little weight, one line each; limits that look like degrees, soft limits, links
+  /// without mass, one line a file.
   std::vector<std::string> warnings;
 
   /// The frame of the link named `link`. Throws `ConfigurationError` for an unknown one, with the known

@@ -65,7 +65,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
   }
   /// Nearness of a singularity, from 0 (outside the zone: no damping) to 1 (at it).
   [[nodiscard]] T nearness() const noexcept { return damping_.nearness(w_squared_); }
-  /// The damping l that is used at this pose.
+  /// The damping l at this pose, in units of the singular values of J.
   [[nodiscard]] T damping() const noexcept {
     using std::sqrt;
     return sqrt(damping_.squared(w_squared_));

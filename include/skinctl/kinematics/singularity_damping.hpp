@@ -16,8 +16,8 @@ class SingularityDamping {
  public:
   /// @param zone  manipulability below which damping sets in, > 0. In units of `manipulability()`; a UR5
   ///              reaches 0.11, and 0.004 is some 5 degrees from a wrist singularity at half of its reach.
-  /// @param most  l at the singularity, > 0: no joint speed exceeds `1 / (2 most)` times the requested speed
-  ///              of the frame. Throws `ConfigurationError`.
+  /// @param most  l at the singularity, > 0, in units of the singular values of J: no joint speed exceeds
+  ///              `1 / (2 most)` times the requested speed of the frame. Throws `ConfigurationError`.
   explicit SingularityDamping(const T& zone = static_cast<T>(0.004), const T& most = static_cast<T>(0.08))
       : zone_(zone), max_(most), max_squared_(most * most) {
     const auto allowed = [](const T& x) { return x > T(0) && x <= (std::numeric_limits<T>::max)(); };
@@ -36,7 +36,9 @@ class SingularityDamping {
   /// on, where l^2 is half of `most^2` more than `least^2`, it grows with the request; l stays below
   /// `sqrt(least^2 + most^2)`. A small requested speed is damped little, so an arm does not stick at a
   /// singularity.
-  /// @param speed_squared, rate  square of the requested speed, and its time derivative.
+  /// @param speed_squared, rate  square of the requested velocity of the frame [m^2/s^2 + rad^2/s^2], and its
+  ///                             time derivative.
+  /// @param fastest  speed limit of the joints [rad/s].
   [[nodiscard]] SingularityDamping scaled(const T& least, const T& speed_squared, const T& rate,
                                           const T& fastest) const noexcept {
     const T factor = T(0.25) / (fastest * fastest);

@@ -116,7 +116,7 @@ struct LawTable {
   [[nodiscard]] static constexpr LawRole role_of_part(std::size_t i) noexcept {
     return i < terms ? roles[i] : role;
   }
-  /// The roles of the law's parts, and of a difference that is carried beside them.
+  /// The roles of the law's parts, then that of a torque difference carried beside them: tracking.
   static constexpr std::array<LawRole, terms + 1> roles_with_carried = [] {
     std::array<LawRole, terms + 1> out{};
     for (std::size_t i = 0; i < terms; ++i) out[i] = roles[i];

@@ -11,8 +11,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// `a | b` is the union. A law declares its own as `static constexpr Needs needs`; `complete()` adds the
 /// dependencies.
 struct Needs {
-  LinkMask poses = 0;         ///< `X_BaseLink` of these links
-  LinkMask jacobians = 0;     ///< Jacobians of these links, and of frames fixed to them
+  LinkMask poses = 0;         ///< links whose pose `X_BaseLink` a law reads
+  LinkMask jacobians = 0;     ///< links whose Jacobian, or that of a frame fixed to them, a law reads
   bool angles = false;        ///< sines and cosines of the joint angles
   bool gravity = false;       ///< G(q)
   bool mass = false;          ///< M(q)

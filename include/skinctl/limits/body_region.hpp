@@ -72,7 +72,7 @@ struct Separation {
   }
 };
 
-/// The speed from which the robot comes to rest before a person, `distance` away now, is as near as the
+/// The speed [m/s] from which the robot comes to rest before a person, `distance` away now, is as near as the
 /// margin: `S = v_H (T_R + v/a) + v T_R + v^2/(2 a) + C`. 0 if there is no such speed.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T speed_of_separation(const Separation& s, const T& distance) noexcept {

@@ -204,7 +204,7 @@ class ToolSpeed {
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {
     return limits_.acceleration()[i] * braking_share<T> * braking_share<T>;
   }
-  /// The time in which all joints, braking alike, come to rest from `u`.
+  /// The time in which all joints, braking alike, come to rest from `u` [s].
   [[nodiscard]] SKINCTL_INLINE T time_to_stop(const JointVelocity<joints, T>& u) const noexcept {
     T longest(0);
     for (std::size_t i = 0; i < joints; ++i) {

@@ -13,7 +13,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// A body that touches a robot, and the path of its force to the law.
+/// A body that touches a robot: its stiffness and mass; and the gain and the delay with which the law gets
+/// its force.
 template <Real T = double>
 struct ContactEnvironment {
   T stiffness = T(0);        ///< stiffness of the stiffest contact [N/m], > 0

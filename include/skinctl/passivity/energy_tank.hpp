@@ -54,25 +54,25 @@ class EnergyTank {
   };
   template <std::size_t N>
   struct Memory {
-    T energy = T(0);
+    T energy = T(0);           ///< energy in the tank [J]
     T kinetic = T(0);          ///< kinetic energy at the last sub-step [J]
     T explained = T(0);        ///< part of the change of kinetic energy that is work or friction [J]
     JointTorque<N, T> port;    ///< torque of the port in the last sub-step [N m]
     JointTorque<N, T> active;  ///< part of the active torque that was paid for [N m]
     MassMatrix<N, T> mass;     ///< mass matrix of the last sub-step
-    bool counts = false;       ///< the values above are valid
+    bool counts = false;       ///< whether kinetic energy, torques and mass are valid
     bool paid = false;         ///< a sub-step is to be charged
     Foresight<N> foresight;
   };
   /// The memory for a torque interface: the torque that was sent, by its parts.
   template <std::size_t N>
   struct Held {
-    T energy = T(0);
+    T energy = T(0);            ///< energy in the tank [J]
     JointTorque<N, T> passive;  ///< part of the torque without cost: port, gravity, friction [N m]
     JointTorque<N, T> port;     ///< contacts' part of the passive torque [N m]
     JointTorque<N, T> gravity;
     JointTorque<N, T> active;  ///< remainder of the torque, for which the tank pays [N m]
-    bool counts = false;       ///< the values above are valid
+    bool counts = false;       ///< whether the torques are valid
     Foresight<N> foresight;
     detail::ActedTorque<N, T> passives, actives;  ///< torques of the last cycles, of which one acts now
   };

@@ -122,7 +122,7 @@ struct StiffestContact {
   /// The contacts furthest from their margin; `lack` > 1 if it is missed.
   struct Worst {
     double lack = 0;
-    std::size_t pose = 0, one = 0, two = 0;
+    std::size_t pose = 0, one = 0, two = 0;  ///< index of the pose, and of its contacts; equal: a single one
   };
 
   template <class T>
@@ -237,7 +237,8 @@ struct StiffestContact {
     return x;
   }
 
-  /// The factor by which contacts are too stiff for a virtual robot that is felt `factor` times heavier.
+  /// The factor by which the contacts `one` and `two` of a pose (equal: a single one) are too stiff to keep
+  /// their margin, for a virtual robot that is felt `factor` times heavier: above 1 they miss it.
   template <std::size_t N>
   [[nodiscard]] double lack(const AllContacts<N>& all, std::size_t pose, std::size_t one, std::size_t two,
                             double factor) const {

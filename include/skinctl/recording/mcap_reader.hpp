@@ -22,7 +22,7 @@ struct McapMessage {
 /// The contents that a reader found in a file.
 struct McapContents {
   bool ours = false;   ///< the file begins as an MCAP file does
-  bool whole = false;  ///< the file ends as one: a summary can be trusted
+  bool whole = false;  ///< the file ends as an MCAP file does: its summary can be trusted
   std::string profile, library;
   detail::mcap::Summary summary;  ///< summary of the records that were read, not the file's own
   std::map<std::string, detail::mcap::Texts> metadata;

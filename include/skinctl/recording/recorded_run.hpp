@@ -15,7 +15,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <class C>
 struct LoadedRun {
   Recording<C> recording;
-  bool whole = true;          ///< whether the file is whole; of one that was cut the rest replays
+  bool whole = true;          ///< whether the file is whole; a cut one replays up to the cut
   std::uint64_t missing = 0;  ///< cycles that the file skips: a recorder that had no room
 };
 
@@ -56,7 +56,7 @@ template <class C>
 
 /// The result of a file's replay.
 struct ReplayedRun : Replayed {
-  bool whole = true;          ///< whether the file is whole; of one that was cut the rest was replayed
+  bool whole = true;          ///< whether the file is whole; a cut one was replayed up to the cut
   std::uint64_t missing = 0;  ///< cycles that the file skips: replayed up to the first of them
 };
 

@@ -32,7 +32,7 @@ struct RunFrame {
 /// The cells of `/skin/contacts`, in any order.
 struct PressedCells {
   std::vector<CellPlace> places{};   ///< a cell's link is an index into the places of a run
-  std::vector<std::uint32_t> ids{};  ///< one for each cell
+  std::vector<std::uint32_t> ids{};  ///< id of each cell, in the order of `places`
   double threshold = 0.5;            ///< force above the cell's lowest so far from which it is pressed [N]
 };
 

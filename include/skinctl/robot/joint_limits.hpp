@@ -121,7 +121,7 @@ class JointLimits {
     return u * u * stop_per_square_;
   }
 
-  /// Distances from `q` to the position limits.
+  /// Distances from `q` to the position limits [rad], [m]; < 0 beyond them.
   [[nodiscard]] SKINCTL_INLINE JointRoom<N, T> room(const JointPosition<N, T>& q) const noexcept {
     // In rows: GCC stores a difference of vectors in pieces, and a row that loads several of them waits for
     // the stores.

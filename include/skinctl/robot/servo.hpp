@@ -25,7 +25,7 @@ struct CommandsUnderWay {
   Nanoseconds span{};           ///< last step of `reached`, for which `decay` is known: most are alike
   T lag = T(0);                 ///< lag for which `decay` is known [s]
   T decay = T(1);               ///< `exp(-span / lag)`
-  JointPosition<N, T> reached;  ///< position of the declared robot at `now`
+  JointPosition<N, T> reached;  ///< position of the declared robot at `now` [rad], [m]
 };
 
 /// The operator H of the resolver: a pure delay and a lag of first order,

@@ -25,7 +25,7 @@ class Spring {
   struct Memory {
     typename Commands::Memory commands;
     JointPosition<N, T> deflection;  ///< deflection by contacts at the time of the last `due` [rad], [m]
-    JointPosition<N, T> reached;     ///< position of the declared robot at the time of the last `due`
+    JointPosition<N, T> reached;     ///< position of the declared robot at the last `due` [rad], [m]
   };
 
   /// Throws `ConfigurationError` without a stiffness.

@@ -74,7 +74,7 @@ class VirtualMass {
   using Beside = detail::BiasBeside<N, T>;
   /// Keeps references: all must outlive this object.
   /// @param inertia  virtual inertia of the joints [kg m^2], >= 0.
-  /// @param beside   the bias that laws compute beside their own recursion; null: nobody asks for it.
+  /// @param beside   the bias that laws compute beside their own recursion; null: it is not computed.
   SKINCTL_INLINE VirtualMass(const JointLimits<N, T>& limits, const JointTorque<N, T>& inertia,
                              const Tool& tool, Beside* beside = nullptr) noexcept
       : limits_(limits), inertia_(inertia), tool_(tool), beside_(beside) {}

@@ -62,13 +62,13 @@ struct Observed {
 struct ActivityRule {
   const char* name = "";
   Activity word = Activity::unknown;  ///< activity that a recogniser reports when somebody does it
-  Facts needs{};              ///< facts that hold when it begins, and until it ends, unless it removes them
-  Facts forbids{};            ///< facts that do not hold when it begins
-  Facts adds{};               ///< facts that hold when it is done
-  Facts removes{};            ///< facts that do not hold any more when it is done, with either answer
-  Facts adds_if_no{};         ///< facts that hold instead of `adds` when it ends with the answer no
+  Facts needs{};              ///< facts that hold from begin to end of the activity, unless it removes them
+  Facts forbids{};            ///< facts that do not hold when the activity begins
+  Facts adds{};               ///< facts that hold when the activity is done
+  Facts removes{};            ///< facts that hold no more when the activity is done, with either answer
+  Facts adds_if_no{};         ///< facts that hold instead of `adds` when the answer at the end is no
   Nanoseconds timeout = 20s;  ///< time after which the activity has failed
-  std::uint8_t retries = 1;   ///< times that it begins anew after a failure, before the plan goes back
+  std::uint8_t retries = 1;   ///< number of new attempts after a failure, before the plan goes back
 };
 
 /// The type of an activity: `struct Turn { static constexpr ActivityRule rule{...}; };`. It is a key of a

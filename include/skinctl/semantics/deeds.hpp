@@ -28,7 +28,7 @@ template <Frame W = World>
 struct Deed {
   Verb verb = Verb::take;
   ObjectClass role = 0;             ///< class of the object in hand
-  ObjectClass mark = 0;             ///< class of the landmark at which it is done; 0: the world
+  ObjectClass mark = 0;             ///< class of the landmark at which the deed is done; 0: the world
   Nanoseconds time{};               ///< begin of the deed
   double sigma = 0;                 ///< standard deviation of the hand's position while it stood [m]
   double felt = 0;                  ///< stiffness that a squeeze felt [N/m]; NaN: not known
@@ -87,8 +87,8 @@ enum class Refusal : std::uint8_t {
 struct DeedSettings {
   std::uint64_t containers = ~std::uint64_t(0);  ///< bit k: class k < 64 is a landmark of releases
   double reach = 0.15;           ///< greatest distance from the hand of a thing that is taken [m]
-  double near_container = 0.15;  ///< a release is relative to a container nearer to the hand than this [m]
-  double near_used = 0.25;       ///< a tool is used on a thing nearer than this [m]
+  double near_container = 0.15;  ///< largest distance from the hand of the container of a release [m]
+  double near_used = 0.25;       ///< largest distance from the hand of a thing on which a tool is used [m]
   double ball = 0.25;            ///< radius of the ball of a use, as a share of how far the tool was carried
   double used = 3.5;             ///< shortest path of a use inside that ball, in radii; straight through: 2
 };
@@ -141,7 +141,7 @@ class DeedReader {
 
   struct Known {
     ObjectPose<W> X_WO{};
-    Nanoseconds free{};  ///< time since which it lies there
+    Nanoseconds free{};  ///< time since which the thing lies at `X_WO`
     bool placed = false;
   };
   [[nodiscard]] Nanoseconds time(std::size_t i) const {

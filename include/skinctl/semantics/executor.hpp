@@ -61,7 +61,7 @@ struct StepInput {
 
 /// Numbers of an executor.
 struct ExecutorSettings {
-  Nanoseconds lost = 50ms;  ///< a needed fact that is not seen to hold for this long is lost
+  Nanoseconds lost = 50ms;  ///< time without being seen to hold after which a needed fact is lost
   Nanoseconds confirm =
       300ms;  ///< longest time after the end of a skill until its added and removed facts are seen
   Nanoseconds max_place_wait = 30s;  ///< longest wait for a place

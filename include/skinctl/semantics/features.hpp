@@ -51,14 +51,14 @@ struct FeatureSettings {
   Bit<>::Settings in_hand{0.5, 0.25, 8ms, 8ms};      ///< thresholds of the filtered force [N]
   Bit<>::Settings squeezed{1.45, 1.33, 8ms, 8ms};    ///< thresholds of force over holding force
   double carried = 0.015;                            ///< distance since contact, of a carried object [m]
-  double grasp_reach = 0.15;                         ///< largest distance of an object that it takes [m]
+  double grasp_reach = 0.15;                         ///< largest distance of an object that a hand takes [m]
   std::uint64_t tools = 0;                           ///< bit k: objects of class k < 64 are tools
   double tool_near = 0.15, tool_far = 0.16;          ///< nearness to a tool: begin and end distance [m]
-  double left_stopped = 0.02;  ///< a hand that stopped this far from what it released has left it [m]
-  double left_heading = 0.06;  ///< a hand this far away, heading for another object, has left it [m]
+  double left_stopped = 0.02;  ///< distance at which a hand that stopped has left what it released [m]
+  double left_heading = 0.06;  ///< distance at which a hand heading for another object has left it [m]
   double heading = 0.95;  ///< cosine between velocity and direction from which a hand heads for an object
   Nanoseconds left_after = 1500ms;  ///< time after a release at which a hand has left it in any case
-  Nanoseconds longest = 100ms;      ///< a hand that was not seen for longer is unknown
+  Nanoseconds longest = 100ms;      ///< time without a sample after which the hand is unknown
 };
 
 /// Features from samples of a hand and a world of objects.
@@ -84,9 +84,9 @@ class FeatureExtractor {
     LowPass<double>::Memory force{};
     Bit<>::Memory moving{}, in_hand{}, squeezed{}, tool{};
     Features last{};
-    Xyz<double> begun{0, 0, 0};        ///< position of the hand where contact began or ended [m]
-    Xyz<double> p{0, 0, 0};            ///< position of the hand [m]
-    Xyz<double> touched{0, 0, 0};      ///< position of the hand when the fingers began to press [m]
+    Xyz<double> begun{0, 0, 0};        ///< position of the hand where contact began or ended, in W [m]
+    Xyz<double> p{0, 0, 0};            ///< position of the hand in W [m]
+    Xyz<double> touched{0, 0, 0};      ///< position of the hand when the fingers began to press, in W [m]
     Nanoseconds changed{};             ///< time at which contact began or ended
     double period = 0;                 ///< filtered period of the samples [s]
     double holding = 0;                ///< largest force until the object was carried [N]

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 struct LearnSettings {
   DeedSettings deeds{};
   double min_gap = 1.25;     ///< smallest ratio of the stiffnesses that were felt on both sides of a border
-  double same_place = 0.15;  ///< places in the world that are nearer than this are one [m]
+  double same_place = 0.15;  ///< distance below which two places in the world are one [m]
   double closer = 3;         ///< factor by which places lie closer in another frame that is taken
   double unclear = 1.5;      ///< smaller factor from which on the person is asked for the frame
   double exact = 0.005;      ///< spread of places below which frames do not differ [m]

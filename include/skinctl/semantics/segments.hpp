@@ -68,7 +68,8 @@ class Cutter {
   [[nodiscard]] Segments take() { return std::move(out_); }
 
  private:
-  /// The shortest Gaussian at which noise is a fiftieth of fast motions; a longer one only if it helps.
+  /// Smooths by the shortest Gaussian at which noise is a fiftieth of fast motions; by a longer one only if
+  /// it helps.
   void smooth(const std::vector<Xyz<double>>& raw) {
     for (const double sigma : sigmas) {
       auto p = smoothed(at_, raw, sigma);

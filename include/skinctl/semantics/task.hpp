@@ -23,11 +23,11 @@ inline constexpr std::uint8_t no_border = 255;
 /// One step of a task: an activity with an object's role and a place, and the steps that follow.
 struct Step {
   const ActivityRule* does = nullptr;
-  std::uint8_t role = 0;          ///< class of the object that it is about
-  std::uint8_t place = no_place;  ///< number of a `TaughtPlace`, or what the application calls "box", "bin"
-  std::uint8_t done = finish;     ///< next step
-  std::uint8_t failed = 0;        ///< next step when it has failed, after going back: one that needs nothing
-  std::uint8_t no = nowhere;      ///< next step when the answer is no
+  std::uint8_t role = 0;            ///< class of the object that the step is about
+  std::uint8_t place = no_place;    ///< number of a `TaughtPlace`, or what the application calls "box", "bin"
+  std::uint8_t done = finish;       ///< next step
+  std::uint8_t failed = 0;          ///< step after a failure and going back: one that needs nothing
+  std::uint8_t no = nowhere;        ///< next step when the answer is no
   std::uint8_t border = no_border;  ///< index of a border; answer yes: the felt stiffness is not below it
   Facts needs{};                    ///< facts that the step needs besides those of the activity
 };
@@ -95,7 +95,7 @@ struct TaskFault {
   [[nodiscard]] constexpr bool any() const noexcept { return error != TaskError::none; }
 };
 
-/// The facts that are proved to hold when a step begins, and those that may hold.
+/// For each of C steps: the facts that are proved to hold when it begins, and those that may hold.
 template <std::size_t C>
 struct StepFacts {
   std::array<Facts, C> holds{}, may_hold{};

@@ -42,7 +42,7 @@ struct TrackSettings {
   T moved = T(0.02);              ///< smallest motion of a thing that is no ghost [m]: 4 sigma of a detection
   T beside = T(0.018);      ///< step of the search for the bias [m]: fingers open 17 mm wider on each side
   std::uint8_t places = 2;  ///< number of places with missed real things from which camera or hand errs
-  std::uint8_t takes = 3;   ///< number of successes in a row after which the count of these places restarts
+  std::uint8_t takes = 3;   ///< number of successes in a row that set the count for `places` to 0
   std::uint8_t empty = 6;   ///< number of takes without contact that decide a try: more than there are ghosts
 };
 

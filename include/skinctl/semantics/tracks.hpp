@@ -207,7 +207,8 @@ class Tracks {
     if (m.places < 255) ++m.places;
     if (m.places >= s_.places && (fresh || m.takes < s_.takes)) search(m);
   }
-  /// A bias that a take found by chance, and that no others confirmed, is taken back: the next try is due.
+  /// Begins the search for the bias again. An offset that a take found by chance, and that no others
+  /// confirmed, is taken off the bias first: then the try after it is due.
   void search(Memory& m) const noexcept {
     m.trial = 1, m.empty = 0;
     if (m.found == no_trial) return;
@@ -277,11 +278,11 @@ class Tracks {
     if (t.fails > 0) moved(m, t);
     t = {};
   }
-  /// The thing that a take missed has moved: it was real, though no finger felt it.
+  /// Takes a thing that a take missed, and that has moved, for real, though no finger felt it.
   void moved(Memory& m, Track<T>& t) const noexcept {
     if (!std::exchange(t.real, true)) m.trial == no_trial ? missed(m, t.touched, false) : try_next(m);
   }
-  /// A new track, in a free place or in that of the least believed one that was not seen now.
+  /// Begins a track, in a free place or in that of the least believed one that was not seen now.
   void begin(Memory& m, const ClassDetection<T>& d, Nanoseconds time) const noexcept {
     Track<T>* place = nullptr;
     T least = hit_ - cap_;

@@ -42,16 +42,16 @@ struct Object {
   double sigma = 0;    ///< standard deviation of the position along each axis [m]
   Nanoseconds time{};  ///< time of the newest detection
   ObjectClass kind = 0;
-  std::uint8_t misses = 0;  ///< detections in a row that were far from where it was thought to be
+  std::uint8_t misses = 0;  ///< number of detections in a row that were far from `X_WO`
   bool known = false;       ///< the object has a place
 };
 
 /// Numbers of a world of objects.
 struct ObjectWorldSettings {
   double wander = 0.002;      ///< random walk of objects that nobody holds [m/sqrt(s)]
-  double max_deviations = 4;  ///< a detection further off than this many deviations along any axis is a miss
+  double max_deviations = 4;  ///< number of deviations, along any axis, beyond which a detection is a miss
   std::uint8_t believed = 3;  ///< misses in a row after which the object's place is that of the newest one
-  double lost = 0.10;  ///< distance from where the hand carries it, beyond which a held object is missed [m]
+  double lost = 0.10;  ///< distance from its place in the hand beyond which a held object is missed [m]
 };
 
 /// Objects of the world `W`, at most `Capacity` of them, numbered from 0.

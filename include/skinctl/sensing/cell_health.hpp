@@ -22,7 +22,7 @@ namespace detail {
 template <std::size_t Sensors>
 struct MessageRecord {
   std::array<std::uint16_t, Sensors + 1> last{};   ///< last reading of each sensor [steps]; hash of the whole
-  std::array<std::uint16_t, Sensors + 1> equal{};  ///< times in a row that each of these has come
+  std::array<std::uint16_t, Sensors + 1> equal{};  ///< times in a row that each number of `last` has come
   Stillness still;                                 ///< stillness of a cell that says its unrest
   CellFaults faults;                               ///< faults found, while the mask is held
   bool known = false;                              ///< whether a sample has come

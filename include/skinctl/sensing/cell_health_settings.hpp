@@ -31,7 +31,7 @@ struct CellHealthSettings {
   /// Number of messages in a row with all eight numbers equal that shows a dead cell, also in between
   /// touches. 0: never, for cells without an accelerometer or other number that always has noise.
   std::uint32_t equal_messages = 5;
-  double top = 0.98;  ///< force reading from which on a sensor is at the top of its range
+  double top = 0.98;  ///< force reading, 0 to 1, from which on a sensor is at the top of its range
   Nanoseconds saturated_for = 200ms;
   Nanoseconds fade_in = 50ms, fade_out = 250ms;  ///< times in which a mask fades in and out
   Nanoseconds hold = 2s, hold_blinking = 10s;    ///< times for which a mask stays after the last finding

@@ -67,7 +67,7 @@ class ClockOffset {
     std::size_t pieces_count = 0;   ///< 0: no stamps yet
     Nanoseconds began{};            ///< beginning of the present second
     Nanoseconds newest{};           ///< time at which the newest message was sent
-    bool near = false;              ///< whether one of the present second came within `late` of the line
+    bool near = false;              ///< whether a message of this second came within `late` of the line
     std::size_t leaps = 0;          ///< leaps since the start
   };
 

@@ -30,8 +30,8 @@ struct RestSettings {
 
 /// Levels of one cell, in steps of its sensor.
 struct RestLevels {
-  float freeze = 1;  ///< kappa: largest distance from the rest level that is drift
-  float touch = 80;  ///< threshold of a touch
+  float freeze = 1;  ///< kappa: largest distance from the rest level that is drift [steps]
+  float touch = 80;  ///< distance from the rest level from which on it is a touch [steps]
 
   /// Throws `ConfigurationError` unless 0 < freeze <= touch <= 2^20 steps.
   void check() const {

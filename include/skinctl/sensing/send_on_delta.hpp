@@ -20,11 +20,11 @@ class SendOnDelta {
  public:
   /// The smallest changes that trigger a message.
   struct Deltas {
-    float force = 2.0f / 1024;  ///< each of the three forces
+    float force = 2.0f / 1024;  ///< change of one of the three force readings
     float proximity = 0.004f;
-    float acceleration = 1;    ///< each axis [m/s^2]
-    float temperature = 0.5f;  ///< temperature [C]
-    float fine = 2.0f / 1024;  ///< each of the three forces, after `patience`; above the noise
+    float acceleration = 1;    ///< change along one axis [m/s^2]
+    float temperature = 0.5f;  ///< change of temperature [K]
+    float fine = 2.0f / 1024;  ///< change of a force reading after `patience`; above the noise
   };
   /// The last sample sent; none in `Memory{}`. One per cell.
   struct Memory {

@@ -116,7 +116,7 @@ constexpr KindFault kind_fault(std::span<const Channel> channels, std::size_t re
   return cone && !pressed ? KindFault::no_pressure : KindFault::none;
 }
 
-/// States the fault of a kind as a compile error.
+/// True for a kind without fault; any other does not compile, and the error names the fault.
 template <class Kind>
 constexpr bool is_sound() {
   constexpr KindFault fault = kind_fault(Kind::channels, Kind::readings.size());

@@ -143,8 +143,8 @@ class VelocityEstimator {
   }
 
  private:
-  /// The weights of `n` positions in the slope at time 0; `time` in seconds, falling from 0. By polynomials
-  /// that are orthogonal on these times.
+  /// Writes the weights of `n` positions in the slope at time 0 [1/s]; `time` [s] falls from 0. By
+  /// polynomials that are orthogonal on these times.
   static SKINCTL_INLINE void slopes(const T* time, std::size_t n, T* weight) noexcept {
     if (n < 2) {
       weight[0] = T(0);

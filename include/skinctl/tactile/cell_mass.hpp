@@ -57,8 +57,8 @@ class CellMasses {
   }
   [[nodiscard]] std::size_t size() const noexcept { return row_[0].size(); }
 
-  /// The mobility `u' A u` of each cell [1/kg]: acceleration along its normal per force. The mass felt there
-  /// is `1 / (u' A u)`: infinite, a mobility of 0, where the cell cannot move along its normal.
+  /// Writes the mobility `u' A u` of each cell [1/kg]: acceleration along its normal per force. The mass felt
+  /// there is `1 / (u' A u)`: infinite, a mobility of 0, where the cell cannot move along its normal.
   SKINCTL_NOINLINE void mobilities(const LinkMobility<T>& A, std::span<T> out) const noexcept {
     SKINCTL_EXPECTS(out.size() >= size(), "room for each cell");
     const Rows u(row_);

@@ -69,7 +69,8 @@ template <RobotModel M, Real T>
   }
   return out;
 }
-/// The lone force of each cell [N] on a described robot, from the `coulomb_friction` of its configuration.
+/// The lone force F_1 of each cell of a described robot [N], the largest push on it that moves no joint: for
+/// the `coulomb_friction` of the configuration.
 template <class R>
 [[nodiscard]] SKINCTL_COLD std::vector<double> lone_forces(const R& robot, std::span<const CellPlace> cells,
                                                            double share = 0.9) {

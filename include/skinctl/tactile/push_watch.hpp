@@ -58,8 +58,10 @@ class PushWatch {
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
-  /// @param noise  per size, standard deviation of its mean over 8 ms; 0: nothing is watched.
-  /// @param creep  per reading, greatest rate at which its rest is followed below the gates [its unit per s].
+  /// @param noise  per size (such as |force|), standard deviation of its mean over 8 ms, in its unit; a 0:
+  ///               nothing is watched.
+  /// @param creep  per reading, greatest rate at which its value at rest is followed while no size opens its
+  ///               gate [its unit per s].
   /// Throws `ConfigurationError` for a number out of its range.
   SKINCTL_COLD PushWatch(const LifeSettings& life, const std::array<double, Sizes>& noise,
                          const Values& creep)

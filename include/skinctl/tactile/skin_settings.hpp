@@ -31,7 +31,7 @@ struct SkinSettings {
   Nanoseconds fade = 50ms;      ///< last part of `max_age`, in which the force goes linearly to 0
   Nanoseconds ramp = 6ms;       ///< longest duration of a change of reading before its sample
   Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
-  Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end
+  Nanoseconds max_ahead = 2ms;  ///< time after the interval up to which a stamp counts as its end
 
   /// Throws `ConfigurationError` unless `fade` and `ramp` > 0, `max_age >= fade`, and the others >= 0.
   void check() const { detail::check_times(*this); }

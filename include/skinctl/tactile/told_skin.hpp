@@ -16,9 +16,9 @@ class ToldSkin : public WrappedTouch<ToldSkin<S>, S> {
   using Kind = typename S::kind;
 
  public:
-  static constexpr std::size_t first =
+  static constexpr std::size_t first_told =
       KindTable<Kind>::pushing;  ///< number of the first channel that is told
-  static constexpr std::size_t channels = KindTable<Kind>::channels - first;
+  static constexpr std::size_t channels = KindTable<Kind>::channels - first_told;
   static_assert(channels > 0, "this kind of sensor tells nothing");
   struct Memory : S::Memory {
     std::array<std::array<float, channels>, S::cells> told{};
@@ -37,15 +37,15 @@ class ToldSkin : public WrappedTouch<ToldSkin<S>, S> {
       if (i >= skin.size() || check(sample).any() || sample.time > in.to || sample.time < memory.told_at[i])
         continue;
       memory.told_at[i] = sample.time;
-      for (std::size_t k = 0; k < channels; ++k) memory.told[i][k] = amount<Kind>(sample, first + k);
+      for (std::size_t k = 0; k < channels; ++k) memory.told[i][k] = amount<Kind>(sample, first_told + k);
     }
     return status;
   }
   /// The newest amount of channel `channel` of cell `i`; 0 before its first sample. Throws nothing: ask for a
   /// channel that is told, of a cell of this skin.
   [[nodiscard]] float told(const Memory& memory, std::size_t i, std::size_t channel) const noexcept {
-    SKINCTL_EXPECTS(channel >= first && channel < first + channels, "a channel that is told");
-    return memory.told[i][channel - first];
+    SKINCTL_EXPECTS(channel >= first_told && channel < first_told + channels, "a channel that is told");
+    return memory.told[i][channel - first_told];
   }
   /// The stamp of the newest sample of cell `i`; 0 before the first one.
   [[nodiscard]] Nanoseconds told_at(const Memory& memory, std::size_t i) const noexcept {

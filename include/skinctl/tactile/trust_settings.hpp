@@ -23,7 +23,7 @@ struct TrustSettings {
   /// Whether the cells have a proximity sensor that is a witness, and evidence that a frozen cell drifts.
   /// False: its readings count, but say nothing of forces.
   bool proximity = true;
-  Nanoseconds seen_for = 25ms;   ///< a proximity above 0.1 for so long, without a jump, is a witness
+  Nanoseconds seen_for = 25ms;   ///< time of a proximity above 0.1, without a jump, that makes a witness
   double answer = 0.1;           ///< share of a cell's force that a neighbour has to feel to be its witness
   double other_proximity = 0.3;  ///< proximity of a neighbour from which on it is a witness
   double explained = 0.05;       ///< largest share of a cell that cross-talk leaves unexplained

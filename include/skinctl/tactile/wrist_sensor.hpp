@@ -36,18 +36,18 @@ struct WristInput {
 /// Laws see its wrench as they see that of a skin on link `Ix`: an arm without skin gives way at its tool.
 ///
 /// **Reading.** `w = gain gate(sample - bias - weight)`. `weight` is the gravity of `mass` at `centre` at the
-/// measured pose, and what a moving base (`OnMovingBase`) does to it; the inertial force of an accelerated arm
-/// is not taken off (1 N for 1 kg at 1 m/s^2: choose the thresholds above it). The gates act on the sizes of
-/// force and moment; with the default ones 2 N and 0.2 N m are subtracted, so that a push ends without a step.
+/// measured pose, and what a moving base (`OnMovingBase`) does to it; the inertial force of an accelerated
+/// arm is not taken off (1 N for 1 kg at 1 m/s^2: choose the thresholds above it). The gates act on |force|
+/// and |moment|; the default ones subtract 2 N and 0.2 N m, so that a push ends without a step.
 ///
 /// **Time.** The wrench is linear in time through its stamped samples, or constant until `ramp` before the
 /// next one where they are further apart, and is held after the last; from `max_age - fade` on it goes to
-/// zero. A sample that shows that it had changed before gets its missing impulse added, up to `catch_up`
-/// back.
+/// zero. The impulse of a change that only a later sample shows is added then, up to `catch_up` back.
 ///
-/// **Bias.** `tared` finds it at the start. With `noise` declared a push has to live, as a hand's does: a bias that
-/// creeps or jumps moves the arm by 8 mm, is reported (`push_without_life`), and becomes the reading of rest once
-/// the arm stands. So does a weight that hangs on the tool, and a push of a few newtons without any tremor.
+/// **Bias.** `tared` finds it at the start. With `noise` declared a push has to live, as a hand's does: a
+/// bias that creeps or jumps moves the arm by 8 mm, is reported (`push_without_life`), and becomes the
+/// reading of rest once the arm stands. So does a weight that hangs on the tool, and a push of a few newtons
+/// without any tremor.
 ///
 /// What the skin beyond the sensor feels, the sensor feels too: leave one of them out. A single wrench is one
 /// contact, with a lever no longer than the link's reach (see `contacts_of`).
@@ -234,7 +234,7 @@ class WristSensor : public sensor_sums::Summand {
 
  private:
   static constexpr double shortest_reach = 0.01;  ///< lever by which a moment alone counts as a force [m]
-  /// The axes of the sensor along those of the base, at `q`.
+  /// R_BS: the axes of the sensor as vectors of the base, at `q`.
   [[nodiscard]] Rotation<double> axes_in_base(const JointPosition<M::joints, T>& q) const noexcept {
     const JointAngles<M, T, link_bit<Ix>> angles(model_, q);
     const Poses<M, link_bit<Ix>, T> poses(model_, angles);

@@ -36,7 +36,7 @@ struct WristSensorSettings {
   Nanoseconds fade = 25ms;      ///< last part of `max_age`, in which the wrench goes linearly to 0
   Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample
   Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
-  Nanoseconds max_ahead = 2ms;  ///< a stamp up to this time after the interval counts as its end
+  Nanoseconds max_ahead = 2ms;  ///< time after the interval up to which a stamp counts as its end
 };
 
 SKINCTL_END_NAMESPACE

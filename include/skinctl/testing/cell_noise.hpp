@@ -9,7 +9,7 @@
 
 namespace skinctl::testing {
 
-/// The reading of an untouched cell.
+/// The reading of an untouched cell, in the unit of a `CellSample` (full scale: 1).
 class NoisyCell {
  public:
   struct Settings {
@@ -20,7 +20,7 @@ class NoisyCell {
   };
   NoisyCell(const Settings& settings, std::uint64_t seed) : s_(settings), random_(seeded(seed)) {}
 
-  /// The reading at `t` seconds.
+  /// The next reading, at `t` [s]: mean, drift and noise, rounded to a step.
   double operator()(double t) {
     const double u = uniform(random_, 1e-300, 1.0), v = uniform(random_, 0.0, 6.283185307179586);
     const double gauss = std::sqrt(-2 * std::log(u)) * std::cos(v);

@@ -111,7 +111,7 @@ class Hand {
 /// Two hands that hold a robot from both sides, each pressing with `preload` [N]; they share a goal.
 class Grip {
  public:
-  /// @param x  place of the robot's point between them, at which they begin, pressed on it.
+  /// @param x  position of the robot's point between the hands when they begin, pressed on it [m].
   Grip(const HandSettings& settings, double preload, double x = 0) noexcept
       : hands_{Hand(pressing(settings, preload), x + preload / settings.cover_stiffness),
                Hand(pressing(settings, preload), -x + preload / settings.cover_stiffness)},

@@ -29,6 +29,7 @@ class HeldCup {
   /// Places of the fingertips in their links: 3, 7, 15 [m].
   static constexpr std::array<Xyz<double>, fingers> tips = {Xyz<double>{0.03, 0, 0}, Xyz<double>{0.03, 0, 0},
                                                             Xyz<double>{0.03, 0.01, 0}};
+  /// A fingertip on the cup, along the axes of the base.
   struct Touch {
     Xyz<double> place, normal;   ///< point on the cup [m], unit normal into the cup
     Xyz<double> bend{0, 0, 0};   ///< deflection of the bristles [m]

@@ -61,7 +61,7 @@ class ImpedancePlant {
 
   [[nodiscard]] const JointPosition<joints>& q() const { return q_; }
   [[nodiscard]] const JointVelocity<joints>& dq() const { return dq_; }
-  /// The position about which the springs hold.
+  /// The joint positions about which the springs hold [rad].
   [[nodiscard]] const JointPosition<joints>& reference() const { return reference_; }
   /// The motors' torque at the joints, with that for the weight [N m]: what such robots measure.
   [[nodiscard]] JointTorque<joints> motor_torque() const {

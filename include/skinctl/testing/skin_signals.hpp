@@ -39,7 +39,7 @@ struct SkinTouch {
   /// Position and velocity of the centre at `from`, along the link's axes [m], [m/s].
   Xyz<double> place{0.0, 0.0, 0.0}, velocity{0.0, 0.0, 0.0};
   double radius = 0.03;          ///< radius of the pressed circle [m]
-  double reading = 0.3;          ///< reading of each force sensor at the centre
+  double reading = 0.3;          ///< reading of each force sensor at the centre, 0 to 1
   Nanoseconds from{0}, until{};  ///< beginning and end of the touch
   Nanoseconds rise = 80ms;       ///< duration of the rise, and of the fall
   double tremor = 0.05;          ///< share of the force that trembles at about 8 Hz
@@ -51,7 +51,7 @@ struct SkinSignalSettings {
   Nanoseconds period = 4ms;          ///< period of each cell; each has a phase of its own
   double step = 1.0 / 1024;          ///< step of the readings (LSB)
   double noise = 0.7;                ///< standard deviation of each force sensor and of the proximity [steps]
-  double rest = 0.02;                ///< rest level of a force sensor
+  double rest = 0.02;                ///< rest level of a force sensor, 0 to 1
   double acceleration_noise = 0.05;  ///< standard deviation of an acceleration [m/s^2]
   double acceleration_step = 0.01;
 };
@@ -71,7 +71,7 @@ class SkinSignals {
   [[nodiscard]] const SkinSignalSettings& settings() const noexcept { return s_; }
   [[nodiscard]] std::span<const CellPlace> cells() const noexcept { return cells_; }
 
-  /// The mean reading of a force sensor of cell `i` above its rest level at `t`, without noise.
+  /// The mean reading, 0 to 1, of a force sensor of cell `i` above its rest level at `t`, without noise.
   [[nodiscard]] double force(std::size_t i, Nanoseconds t) const {
     double sum = 0;
     for (const SkinTouch& touch : touches) {
@@ -85,7 +85,7 @@ class SkinSignals {
     }
     return std::min(sum, 1 - s_.rest);
   }
-  /// The proximity of cell `i` at `t`, without noise.
+  /// The proximity reading of cell `i` at `t`, 0 to 1, without noise.
   [[nodiscard]] double proximity(std::size_t i, Nanoseconds t) const {
     double most = 0.01;
     for (const SkinTouch& touch : touches) {

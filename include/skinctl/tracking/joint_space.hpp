@@ -158,8 +158,8 @@ class JointSpace {
     for (std::size_t i = 0; i < N; ++i) error.e[i] = a.q_d[i] - b.q_d[i];
     return error;
   }
-  /// Longest time that an error takes at its joint's largest speed less the target's [s]; NaN or infinite if an
-  /// error is.
+  /// Longest time [s] that an error takes at its joint's largest speed less the target's; NaN or infinite if
+  /// an error is.
   [[nodiscard]] static T slowness(const Errors& error, const Settings& s) noexcept {
     T most(0);
     for (std::size_t i = 0; i < N; ++i) {

@@ -45,10 +45,10 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   using Inputs = SurfaceInputs<coordinates, T, Reference>;
 
   struct Memory {
-    Xyz<T> near{T(0), T(0), T(0)};  ///< branch of the orientation error
+    Xyz<T> near{T(0), T(0), T(0)};  ///< branch of the orientation error, see `OrientationErrors` [rad]
     SingularEscape<N, T> escape;    ///< motion out of a singularity that the damped inverse does not find
     SingularRest<N, T> rest;        ///< rest at a goal next to a singularity
-    JointVelocity<N, T> drift;      ///< the joints' motion at the start beyond what the tool's course takes
+    JointVelocity<N, T> drift;      ///< joint velocity at the start beyond that of the tool's course [rad/s]
     bool slowed = false;            ///< slowed next to a singularity, or at the largest speed of a joint
   };
   struct Surface {
@@ -56,13 +56,13 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     JointVelocity<coordinates, T> dI1, dI2;
     JointVelocity<coordinates, T> dx_r;       ///< reference velocity of the coordinates, eq. (18)
     JointAcceleration<coordinates, T> ddx_r;  ///< derivative of dx_r
-    JointVelocity<N, T> dq_r;                 ///< reference velocity of the joints, eq. (15)
+    JointVelocity<N, T> dq_r;                 ///< reference velocity of the joints, eq. (15) [rad/s]
     JointAcceleration<N, T> ddq_r;
     JointVelocity<N, T> S_q;
-    JointVelocity<N, T> way_out;  ///< joint velocity that `escape` goes over to
+    JointVelocity<N, T> way_out;  ///< joint velocity that `escape` goes over to [rad/s]
     JointPosition<N, T> q;        ///< joint positions, set only next to a singularity [rad]
     bool rests;                   ///< the goal is reached next to a singularity: see `SingularRest`
-    Xyz<T> near;                  ///< branch of the orientation error
+    Xyz<T> near;                  ///< `Memory::near` for the next cycle [rad]
     bool slowed;
   };
   struct Course {
@@ -119,17 +119,17 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   template <class J>
   [[nodiscard]] static Errors errors(const Reference& target, const Site<J>& at,
                                      const Memory& memory) noexcept {
-    return error_rows(target, at, memory).rows.stored();
+    return task_errors(target, at, memory).in_lanes.stored();
   }
   /// The sliding surface and the reference motion of the joints, eqs. (15)-(21).
   template <class Gains, class J>
   [[nodiscard]] SKINCTL_NOINLINE Surface surface(const Gains& gains, const Inputs& in, const Site<J>& at,
                                                  const Memory& memory) const noexcept {
     Surface s;
-    const auto error = error_rows(in.target, at, memory);
+    const auto error = task_errors(in.target, at, memory);
     s.near = error.near;
-    const auto x =
-        sliding_surface(gains, in, error.rows, [](const auto&) { return JointVelocity<coordinates, T>(); });
+    const auto x = sliding_surface(gains, in, error.in_lanes,
+                                   [](const auto&) { return JointVelocity<coordinates, T>(); });
     s.S_delta = x.S_delta, s.dI1 = x.dI1, s.dI2 = x.dI2, s.dx_r = x.dq_r, s.ddx_r = x.ddq_r;
 
     Twist<P, Base, P, Base, T> v{get(x.dq_r.data), {}};
@@ -157,7 +157,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     }
     s.rests = false;
     if (nearness > T(0)) [[unlikely]] {
-      rest(in, at, error.rows.stored(), memory.rest, nearness, s);
+      rest(in, at, error.in_lanes.stored(), memory.rest, nearness, s);
       if (!s.rests) s.way_out = memory.escape.template wish<What>(at.jacobian, v, limit_);
     }
     using R = detail::Row<N, T>;
@@ -196,7 +196,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   }
   template <class J>
   static void follow_branch(Memory& memory, const Reference& target, const Site<J>& at) noexcept {
-    const Xyz<T> near = error_rows(target, at, memory).near;
+    const Xyz<T> near = task_errors(target, at, memory).near;
     const T sum = dot(near, near);
     if (sum - sum == T(0)) memory.near = near;
   }
@@ -259,8 +259,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   }
   using Row = detail::Row<coordinates, T>;
   /// The errors, and the branch of the orientation error.
-  struct Errant {
-    SurfaceErrorRows<coordinates, T> rows;
+  struct TaskErrors {
+    SurfaceErrorRows<coordinates, T> in_lanes;
     Xyz<T> near;
   };
   /// A row of coordinates: linear, then angular.
@@ -271,8 +271,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     });
   }
   template <class J>
-  static SKINCTL_INLINE Errant error_rows(const Reference& target, const Site<J>& at,
-                                          const Memory& memory) noexcept {
+  static SKINCTL_INLINE TaskErrors task_errors(const Reference& target, const Site<J>& at,
+                                               const Memory& memory) noexcept {
     const Xyz<T> de = at.V.linear - target.V.linear;
     OrientationErrors<T> turned{{}, {}, {}, {}, {}, memory.near};
     if constexpr (What == TaskSpace::pose)
@@ -287,10 +287,10 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   Transform<Link<Ix>, P, T> X_LP_;
   T min_damping_;
   SingularityDamping<T> singularities_;
-  JointVelocity<N, T> limit_;  ///< speed of the reference: a hundredth is left for the joints' overshoot
-  T kappa_;                    ///< decay of the drift
-  T slowest_;                  ///< smallest of the limits
-  T per_position_;             ///< one over the tolerances of a goal that is reached
+  JointVelocity<N, T> limit_;  ///< largest reference speed [rad/s]: a hundredth is left for overshoot
+  T kappa_;                    ///< decay rate of `Memory::drift` [1/s]
+  T slowest_;                  ///< smallest element of `limit_` [rad/s]
+  T per_position_;             ///< one over the tolerance of a reached position [1/m]
   T per_orientation_;
 };
 

@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <Real T = double>
 struct OrientationErrors {
   Xyz<T> e, de, slope, v_d, a_d;
-  Xyz<T> near;  ///< branch of the error, for the next call
+  Xyz<T> near;  ///< branch for the next call: error, or the tool's ZYZ angles [rad]
 };
 
 namespace detail {

@@ -28,7 +28,7 @@ struct OperationalSettings {
   /// Zone in which the inverse Jacobian is damped, and the largest damping; the joints' speed determines how
   /// much of it is used.
   SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
-  T min_damping = T(0.02);  ///< damping at a singularity when the reference is nearly at rest
+  T min_damping = T(0.02);  ///< damping l at a singularity for a reference nearly at rest
   /// Next to a singularity a goal that stands still counts as reached within these, and nothing moves.
   T reached_position = T(2e-4);     ///< tolerance of the position [m]
   T reached_orientation = T(1e-3);  ///< tolerance of the orientation [rad]
@@ -48,7 +48,8 @@ SKINCTL_COLD void check(const OperationalSettings<N, T>& s) {
   check(PursuitLimits<T>{T(1), s.max_angular_acceleration, s.max_angular_jerk});
 }
 
-/// Settings of an operational law for this robot: see `tracking_settings`.
+/// Settings of an operational law for this robot: its gains by `tracking_settings`, the limits of the frame
+/// at their defaults.
 ///
 /// @param lighter  nothing, a mass ratio, or the description of the lightest robot.
 template <class Robot, class... Lighter>

@@ -12,8 +12,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// first-order lags behind `wish`, so that neither its velocity nor its acceleration has steps.
 template <std::size_t N, Real T = double>
 struct SingularEscape {
-  JointVelocity<N, T> v;      ///< joint velocity of the escape
-  JointAcceleration<N, T> a;  ///< derivative of `v`
+  JointVelocity<N, T> v;      ///< joint velocity of the escape [rad/s]
+  JointAcceleration<N, T> a;  ///< derivative of `v` [rad/s^2]
 
   static constexpr double zone = 0.03;        ///< singular value below which a direction counts as singular
   static constexpr double lag = 0.03;         ///< time constant of either filter [s]
@@ -81,6 +81,7 @@ struct SingularEscape {
     const T left = T(1) - sigma * sigma / (edge * edge);
     return left > T(0) ? T(left * left) : T(0);
   }
+  /// Removes from the commanded velocity `c` its part along a closed path.
   /// A motion x of the joints bends the frame's path towards `q = u' dJ(x) x`: where q points away from the
   /// commanded velocity c, the workspace ends, at `sigma / |q|` radians along x. The two such x are the
   /// eigenvectors of `c' u' dJ(x) x`; the part of c along a closed one is removed, and the remainder left to
@@ -126,7 +127,7 @@ struct SingularEscape {
     for (std::size_t n = 0; n < 2; ++n) c[n] = c[n] + closed[0] * ((back ? -amount : amount) * f[n] - c[n]);
   }
   static constexpr double bent = 0.0002;  ///< |q| [m/rad^2] below which a path counts as straight
-  static constexpr double ahead = 0.2;    ///< a path is closed if sigma vanishes within this angle [rad]
+  static constexpr double ahead = 0.2;    ///< angle [rad]: a path on which sigma vanishes within it is closed
 };
 
 SKINCTL_END_NAMESPACE

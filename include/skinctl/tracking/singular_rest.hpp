@@ -22,12 +22,13 @@ struct SingularRest {
   static constexpr double lag = 0.03;     ///< time constant of `r` [s]
 
   /// Whether the goal is reached: within half the tolerances, then until it is out of them.
-  /// @param distance_squared  of the goal, over the square of its tolerance.
-  /// @param speed_squared     of the goal [m^2/s^2 + rad^2/s^2].
+  /// @param distance_squared  sum of the squared errors of the frame, each over its tolerance.
+  /// @param speed_squared     square of the goal's velocity [m^2/s^2 + rad^2/s^2].
   [[nodiscard]] bool reached(const T& distance_squared, const T& speed_squared) const noexcept {
     return distance_squared + speed_squared / T(still * still) < (on ? T(1) : T(0.25));
   }
-  /// The state `dt` seconds later, at the position `now`.
+  /// The state `dt` [s] later: `on` if the goal is `reached`, with `q` the joint positions `now` at which
+  /// that began, and `r` behind it.
   [[nodiscard]] SKINCTL_INLINE SingularRest advanced(bool reached, const JointPosition<N, T>& now,
                                                      const T& dt) const noexcept {
     if (!reached && !(r > T(0))) [[likely]]
@@ -44,7 +45,7 @@ struct SingularRest {
   template <TaskSpace What, class J>
   class Directions {
    public:
-    /// @param nearness  of the damped inverse, see `SingularityDamping`.
+    /// @param nearness  of the singularity, 0 to 1: see `DampedInverse::nearness`.
     Directions(const J& jacobian, const T& nearness) noexcept : at_(singular_directions<What>(jacobian)) {
       const T fade = nearness < T(0.25) ? T(T(4) * nearness) : T(1);
       for (std::size_t n = 0; n < 2; ++n) {

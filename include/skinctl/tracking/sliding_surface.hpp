@@ -39,7 +39,8 @@ struct IntegralsUsed {
   JointVelocity<N, T> I1, I2;
 };
 
-/// The state on the surface, and the reference motion that follows from it.
+/// The state on the surface, and the reference motion that follows from it, in units of the velocity of the
+/// coordinates: joints [rad/s], or a frame [m/s], [rad/s].
 template <std::size_t N, Scalar T = double>
 struct SlidingSurface {
   JointVelocity<N, T> S_delta;    ///< `S - S_d`, eq. (12)
@@ -90,7 +91,7 @@ struct SurfaceGains {
   }
 };
 
-/// Errors of the coordinates, and the motion of the target in them.
+/// Errors of the coordinates, joints [rad] or a pose [m], [rad], and the motion of the target in them.
 template <std::size_t N, Scalar T = double>
 struct SurfaceErrors {
   T e[N];      ///< error of position, eqs. (13), (20)

@@ -55,7 +55,8 @@ struct TargetPlan {
   [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {
     return Space::slowness(Space::distance(goal, at(T(0), s)), s) <= seconds<T>(Space::tracking(s).dt);
   }
-  /// The plan, unchanged: the clock of a target from outside does not stop with the law.
+  /// The plan, unchanged, whether the skin pushes against the law or not: the clock of a target from outside
+  /// does not stop.
   [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan held(bool, const Settings&) const noexcept {
     return *this;
   }

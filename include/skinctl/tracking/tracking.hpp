@@ -72,7 +72,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
       : Tracking(Space(X_LP, settings), settings) {}
   Tracking(const Space& space, const Settings& settings, const Damping& damping)
       : Reset(space, settings, damping) {}
-  /// Whether the law fits a robot: throws `ConfigurationError` where times or virtual dynamics are not those
+  /// Checks the law for a robot: throws `ConfigurationError` where times or virtual dynamics are not those
   /// of the robot, and where the gains are too large for the lightest of its configurations, or too small for
   /// the gravity that they differ by.
   void check_for(const LawTerms<N, T>& robot) const {

@@ -23,7 +23,7 @@ struct PoseReference {
 };
 
 /// A spline of poses from `X_i` to `X_g` in `tf` seconds: the origin in a straight line, the axes by the
-/// shortest turn about one axis, both along the quintic (22). At rest at both ends. Trivially copyable.
+/// shortest turn about one axis, both along the quintic, eq. (22). At rest at both ends. Trivially copyable.
 template <Frame P, Real T = double>
 class PoseSpline {
  public:
@@ -47,7 +47,7 @@ class PoseSpline {
     return next;
   }
 
-  /// The reference `t` seconds after the start; exactly the ends before and after.
+  /// The reference `t` [s] after the start: at rest at exactly `X_i` before it, at `X_g` from the end on.
   [[nodiscard]] PoseReference<P, T> at(const T& t) const noexcept {
     const T rate = tf_ > T(0) ? T(T(1) / tf_) : T(0);
     auto way = quintic(tf_ > T(0) ? T(t / tf_) : T(1), rate);

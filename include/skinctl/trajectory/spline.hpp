@@ -22,13 +22,13 @@ struct JointReference {
   }
 };
 
-/// A spline of the joints, `q_d = q_i + a1 (q_g - q_i)` and its derivatives, over `tf` seconds, a1 the
-/// quintic (22). Trivially copyable.
+/// A spline of the joints, `q_d = q_i + a1 (q_g - q_i)` and its derivatives, over `tf` seconds; a1 is the
+/// quintic of the paper's eq. (22). Trivially copyable.
 template <std::size_t N, Real T = double>
 struct JointSpline {
   JointPosition<N, T> q_i;
   JointPosition<N, T> q_g;
-  T tf = T(0);                        ///< duration [s]; if not positive, it is at the goal from the start
+  T tf = T(0);                        ///< duration [s]; if not positive, `q_d` is `q_g` from the start
   JointVelocity<N, T> rate = {};      ///< rate of the start, see `MovingStart` [1/s]
   JointAcceleration<N, T> bend = {};  ///< derivative of `rate` [1/s^2]
   bool moves = false;                 ///< whether a `rate` is not zero

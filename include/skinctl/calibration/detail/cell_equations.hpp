@@ -35,7 +35,7 @@ struct FittedCell {
   Eigen::Matrix3d Q = Eigen::Matrix3d::Identity();  ///< axes of the sensor
   Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< origin of the cell [m]
   Eigen::Vector3d b = Eigen::Vector3d::Zero();      ///< bias [g]
-  Eigen::Vector3d s = Eigen::Vector3d::Zero();      ///< scale [1]
+  Eigen::Vector3d s = Eigen::Vector3d::Zero();      ///< relative error of the scale [1]
   /// Cross-axis sensitivity, the symmetric X: between y and z, z and x, x and y. What is not symmetric of it
   /// is a turn.
   Eigen::Vector3d x = Eigen::Vector3d::Zero();

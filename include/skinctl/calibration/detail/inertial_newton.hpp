@@ -27,7 +27,7 @@ class InertialNewton {
  public:
   /// @param H, b      over all unknowns.
   /// @param prior     bodies of the divergence, P0.
-  /// @param w         its weight, > 0.
+  /// @param w         weight of the divergence, > 0.
   /// @param absent    scalars from here on are not there: they stay 0.
   InertialNewton(Eigen::MatrixXd H, Eigen::VectorXd b, const std::vector<Inertia10>& prior, double w,
                  Eigen::Index absent)

@@ -78,7 +78,7 @@ class LineMotion {
   std::vector<double> compliance;  ///< compliance of each joint [rad/(N m)]
   double lateness;                 ///< lateness of the labels [s]
 
-  /// Standard deviation of a compliance, before the data.
+  /// Standard deviation of a compliance, before the data [rad/(N m)].
   static constexpr double usual_compliance = 1e-4;
 
   [[nodiscard]] int unknowns() const noexcept { return 5 * int(lines.size()) + 1; }

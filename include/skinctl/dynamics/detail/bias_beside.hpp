@@ -18,8 +18,8 @@ namespace detail {
 /// a law that runs one computes the bias in the other half.
 template <std::size_t N, Real T>
 struct BiasBeside {
-  JointVelocity<N, T> v;   ///< velocities half a sub-step ahead
-  JointTorque<N, T> bias;  ///< bias torque, valid if `known`
+  JointVelocity<N, T> v;   ///< joint velocities half a sub-step ahead [rad/s]
+  JointTorque<N, T> bias;  ///< bias torque, valid if `known` [N m]
   bool known = false;      ///< a law has computed it
 };
 

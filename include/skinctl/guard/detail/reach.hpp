@@ -78,7 +78,7 @@ class GuardReach {
 
   JointLimits<N, T> limits_;
   Nanoseconds period_, longest_;
-  JointPosition<N, T> lead_;  ///< largest distance of a command from the measured position
+  JointPosition<N, T> lead_;  ///< largest distance of a command from the measured position [rad], [m]
 };
 
 }  // namespace detail

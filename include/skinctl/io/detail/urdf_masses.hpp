@@ -29,7 +29,7 @@ inline double make_possible(LinkInertia& in) {
 struct UrdfShapes {
   LinkInertia solid{};
   bool any = false;
-  bool unknown = false;  ///< a mesh, whose volume is not read
+  bool unknown = false;  ///< whether a shape is a mesh, whose volume is not read
 
   void add(const UrdfText& text, const tinyxml2::XMLElement& link, const UrdfPlace& X_link) {
     for (auto* c = link.FirstChildElement("collision"); c; c = c->NextSiblingElement("collision")) {
@@ -129,7 +129,7 @@ class UrdfEstimate {
   static constexpr double wrist_share =
       0.05;  ///< length of a link whose joint and end coincide, over the longest reach
 
-  /// The furthest point of each link from its joint, and the length that the joint carries.
+  /// Finds the furthest point of each link from its joint, and the length that the joint carries.
   void measure() {
     const std::size_t n = urdf_.joints.size();
     end_.resize(n);

@@ -14,9 +14,9 @@ struct UrdfFileJoint {
   const tinyxml2::XMLElement* xml;
   std::string name, type;
   std::size_t parent, child;  ///< indices of links
-  bool inside = false;        ///< whether the base carries it, directly or not
-  bool on_chain = true;       ///< whether it is between base and tip, if there is a tip
-  bool carried = true;        ///< whether a joint of the chain carries it, directly or not
+  bool inside = false;        ///< whether the base carries the joint, directly or not
+  bool on_chain = true;       ///< whether the joint is between base and tip, if there is a tip
+  bool carried = true;        ///< whether a joint of the chain carries this one, directly or not
 
   [[nodiscard]] bool fixed() const { return type == "fixed"; }
   [[nodiscard]] bool slides() const { return type == "prismatic"; }

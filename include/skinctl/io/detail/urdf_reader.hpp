@@ -32,8 +32,8 @@ class UrdfReader {
     std::size_t link = 0;  ///< the link that the joint carries
     UrdfShapes shapes{};   ///< shapes of its collision geometry
     const Element* bad{};  ///< a link whose moments of inertia no body has: it counts as a point mass
-    std::string fault{};   ///< fault of these moments
-    double bad_size = 0;   ///< the largest of those moments [kg m^2]
+    std::string fault{};   ///< fault of the moments of `bad`
+    double bad_size = 0;   ///< the largest moment of inertia of `bad` [kg m^2]
   };
 
   void parse(std::string_view text) {

@@ -162,7 +162,7 @@ class ClearanceWays {
     return clear_from(q_, distance_, moved, time, way) &&
            (!seen_.is_off || clear_from(q_ + seen_.off, distance_off_, moved, time, way));
   }
-  /// `clear_along` from the position `q`, where the distances are `here`.
+  /// As `clear_along`, whether the clearances hold from the position `q`, with the distances `here` [m].
   template <class Way>
   [[nodiscard]] bool clear_from(const Position& q, const T (&here)[max_pairs], const Position& moved,
                                 const T& time, const Way& way) const noexcept {

@@ -25,7 +25,7 @@ class Drive {
   const State<N, T>& measured;
   T ahead;                 ///< time of the prediction [s]
   MassMatrix<N, T> mass;   ///< mass matrix of all joints, with their motors
-  JointTorque<N, T> bias;  ///< C dq + G of all joints
+  JointTorque<N, T> bias;  ///< C dq + G of all joints [N m]
   Torque asked;            ///< wished torque of the joints of `Set`, within its limits [N m]
 
   /// @param motors  their inertia at the joints, which outweighs that of a wrist's links [kg m^2].

@@ -12,7 +12,7 @@ namespace detail {
 /// Memory of the last command of a group.
 template <std::size_t N, Real T>
 struct GroupMotionMemory {
-  JointPosition<N, T> position, carry;  ///< the last command's position, and its rounding error
+  JointPosition<N, T> position, carry;  ///< the last command's position, and its rounding error [rad], [m]
 };
 
 /// A group of N joints that follows a velocity within the limits of its joints, or as its `Mover` decides.
@@ -49,7 +49,7 @@ class GroupMotion {
     for (std::size_t i = 0; i < N; ++i) out.acceleration[i] = (motion.velocity[i] - last.velocity[i]) / dt;
     return motion.status.without(Reason::acceleration_limited);
   }
-  /// Whether the acceleration has changed faster from `last` to `command` than the mover allows.
+  /// The status of an acceleration that changed faster from `last` to `command` than the mover allows.
   [[nodiscard]] SKINCTL_INLINE Status exceeded(const Command& last, const Command& command,
                                                const T& dt) const noexcept {
     return mover_.exceeded(last.acceleration, command.acceleration, dt);

@@ -134,7 +134,7 @@ struct JerkJoint {
     return {from.s + share * (towards.s - from.s), from.u + share * (towards.u - from.u),
             from.a + share * (towards.a - from.a)};
   }
-  /// The displacement until rest of a joint that moved as `m` and then stops.
+  /// The displacement until rest of a joint that moved as `m` and then stops [rad].
   [[nodiscard]] T rest_of(const Moved& m) const noexcept {
     return m.s + detail::Stopping<T>(m.u, m.a, A, J).rest();
   }

@@ -62,9 +62,9 @@ class Stopping {
     return {sign_ * m.s, sign_ * m.u, sign_ * m.a};
   }
 
-  /// The signed displacement until the joint is at rest.
+  /// The signed displacement until the joint is at rest [rad].
   [[nodiscard]] SKINCTL_INLINE T rest() const noexcept { return sign_ * end(); }
-  /// The distances covered to both sides before rest.
+  /// The distances covered to both sides before rest [rad].
   [[nodiscard]] SKINCTL_INLINE Reach<T> reach() const noexcept {
     using std::sqrt;
     const T s = end();

@@ -28,7 +28,7 @@ class ContactModes {
     }
   }
 
-  /// A contact's row in these modes: `P' row`.
+  /// Writes a contact's row in these modes, `P' row`, into `mode`.
   void row(const T (&contact)[N], T* mode) const {
     for (std::size_t k = 0; k < N; ++k) {
       mode[k] = T(0);

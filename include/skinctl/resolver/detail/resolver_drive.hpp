@@ -247,7 +247,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
                                                  Stiff::of(robot.last(m)), robot.tool_, &swing);
     }
   }
-  /// The tank pays for what the law does beside contacts and gravity, as far as it can.
+  /// Lets the tank pay for the law's torque beside contacts and gravity; what it cannot pay for is cut.
   template <class K, class Contact, class L>
   SKINCTL_INLINE void draw_from_tank(Memory& m, const K& known, const Contact& contact, const Velocity& v,
                                      const Acceleration& swing, Moved<L>& out) const noexcept {

@@ -23,7 +23,7 @@ inline constexpr bool tracks = [] {
 template <std::size_t N, Real T>
 struct OwnTorque {
   JointTorque<N, T> last;
-  JointTorque<N, T> total;  ///< torque with the reactive parts
+  JointTorque<N, T> total;  ///< torque with the reactive parts [N m]
   bool known = false;
 
   /// Bounds the change of `torque` without its reactive parts since the last call by `step` to either side;

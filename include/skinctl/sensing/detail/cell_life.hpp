@@ -180,8 +180,9 @@ class CellLife {
              life;
     r.alive[k] = life ? seconds<float>(s_.held) : r.alive[k] - dt;
   }
-  /// The life of the sum of a cell and its neighbours, as far as they have been pressed for as long. It moves
-  /// by what a steady creep does not explain: cells that drift alike add up faster than their noise does.
+  /// Finds the life of the sum of a cell and its neighbours, as far as they have been pressed for as long.
+  /// It moves by what a steady creep does not explain: cells that drift alike add up faster than their noise
+  /// does.
   template <class Near>
   void look_around(Memory& m, std::size_t i, const HealthLimitsRow& limits, const Near& near,
                    float dt) const noexcept {

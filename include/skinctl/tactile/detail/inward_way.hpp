@@ -43,8 +43,8 @@ class InwardWay {
   using Vector = std::array<float, 3>;
   struct Link {
     Vector origin;                 ///< displacement of the origin [m]
-    std::array<Vector, 3> axes;    ///< axes now, along those of the base
-    std::array<Vector, 3> turned;  ///< change of the axes
+    std::array<Vector, 3> axes;    ///< axes of the link now, as vectors of the base
+    std::array<Vector, 3> turned;  ///< change of `axes`
   };
   static Vector number(const Xyz<T>& v) noexcept {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
