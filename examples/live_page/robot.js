@@ -9,6 +9,18 @@ const turned = ([roll, pitch, yaw]) => {
 };
 const poseOf = e => ({p: numbers(e && e.getAttribute('xyz'), '0 0 0'), q: turned(numbers(e && e.getAttribute('rpy'), '0 0 0'))});
 
+/// Capsules from joint to joint, for a URDF without shapes that can be drawn (none, or meshes): on a link to each joint that it carries.
+function bonesOf(joints) {
+  const bones = [];
+  for (const {parent, X} of joints) {
+    const length = Math.hypot(...X.p);
+    if (!(length > 1e-6)) continue;
+    const [x, y, z] = X.p.map(v => v / length), h = Math.hypot(y, x, 1 + z);  // turns z onto the way
+    bones.push({link: parent, kind: 'capsule', size: [Math.min(0.03, 0.2 * length), length], X: {p: X.p.map(v => v / 2), q: h > 1e-9 ? [-y / h, x / h, 0, (1 + z) / h] : [1, 0, 0, 0]}});
+  }
+  return bones;
+}
+
 /// The shapes of a URDF: {shapes: [{link, kind, size, X}], fixed: [{parent, child, X}]}.
 export function shapesOf(urdf) {
   const shapes = [], fixed = [], tree = new DOMParser().parseFromString(urdf, 'text/xml');
@@ -21,9 +33,10 @@ export function shapesOf(urdf) {
         sphere: () => [get('radius'), 0], box: () => numbers(shape.getAttribute('size'), '0 0 0')}[shape.tagName];
       if (size) shapes.push({link: link.getAttribute('name'), kind: shape.tagName, size: size(), X: poseOf(visual.querySelector('origin'))});
     }
-  for (const joint of tree.querySelectorAll('robot > joint[type=fixed]'))
-    fixed.push({parent: joint.querySelector('parent').getAttribute('link'), child: joint.querySelector('child').getAttribute('link'),
-      X: poseOf(joint.querySelector('origin'))});
+  const joints = [...tree.querySelectorAll('robot > joint')].map(j => ({type: j.getAttribute('type'), parent: j.querySelector('parent').getAttribute('link'),
+    child: j.querySelector('child').getAttribute('link'), X: poseOf(j.querySelector('origin'))}));
+  for (const {type, parent, child, X} of joints) if (type === 'fixed') fixed.push({parent, child, X});
+  if (shapes.length === 0) shapes.push(...bonesOf(joints));
   return {shapes, fixed};
 }
 /// The shapes on links that frames are known of: one on another link is told in a known link that is fixed to it.
@@ -173,7 +186,7 @@ export class RobotView {
   }
   tf(list) {
     const T = this.THREE;
-    if (this.urdf) this.dress(new Set(list.map(f => f.child)));
+    if (this.urdf) this.dress(new Set(list.flatMap(f => [f.child, f.frame])));
     for (const f of list) {
       const m = this.frames.get(f.child) || this.frames.set(f.child, new T.Matrix4()).get(f.child);
       m.compose(new T.Vector3(...f.p), new T.Quaternion(...f.q), new T.Vector3(1, 1, 1));

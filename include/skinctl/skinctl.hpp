@@ -268,6 +268,7 @@
 #include "skinctl/cycle/apart.hpp"
 #include "skinctl/cycle/apart_definitions.hpp"
 #include "skinctl/cycle/configurations.hpp"
+#include "skinctl/cycle/goal_fault.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/output.hpp"
 #include "skinctl/cycle/scene_parts.hpp"

@@ -324,6 +324,25 @@ TEST_CASE(
   CHECK(page.errors() == "");
 }
 
+TEST_CASE("The live page: a robot whose file has no shapes is drawn from joint to joint") {
+  const browser::Folder folder;
+  Served served(false);
+  browser::Page page(chromium, folder);
+  page.go(served.server->url());
+  const auto drawn = page.evaluate(R"js((async () => {
+    const {shapesOf, onKnown} = await import('./robot.js');
+    const joint = (parent, child, xyz) => `<joint type="revolute"><parent link="${parent}"/><child link="${child}"/><origin xyz="${xyz}"/></joint>`;
+    const link = (name, inside = '') => `<link name="${name}">${inside}</link>`;
+    const mesh = '<visual><geometry><mesh filename="arm.stl"/></geometry></visual>';
+    const sphere = '<visual><geometry><sphere radius="0.1"/></geometry></visual>';
+    const arm = inside => '<robot>' + link('base') + link('upper', inside) + link('hand') + joint('base', 'upper', '0 0 0.4') + joint('upper', 'hand', '0.3 0 0') + '</robot>';
+    const of = inside => onKnown(shapesOf(arm(inside)), new Set(['base', 'upper', 'hand']));
+    return [of(''), of(mesh), of(sphere)].map(l => l.map(s => [s.link, s.kind, s.size[1], ...s.X.p].join(' ')).join('; ')).join(' | ');
+  })())js");
+  const std::string bones = "base capsule 0.4 0 0 0.2; upper capsule 0.3 0.15 0 0";
+  CHECK(drawn == bones + " | " + bones + " | upper sphere 0 0 0 0");
+}
+
 TEST_CASE("The live page: data that are old look so, and the end of the job is said in its words") {
   const browser::Folder folder;
   Served served(false);

@@ -88,12 +88,22 @@ class Impedance : public Composable {
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {
     if (!detail::within_limits<Space>(known, goal)) return {memory, Reason::goal_refused};
+    bool streamed = false;
+    if constexpr (!Plan::streams) {
+      streamed = memory.plan.is_streamed(settings_.space);
+      if (memory.plan.leads_to(goal, settings_.space)) {
+        Received<Memory> same{memory, {}};
+        same.memory.plan.heard = 0ns;
+        return same;
+      }
+    }
     const auto from = Space::where_of(memory.plan.at(T(0), settings_.space));
     const auto planned = memory.plan.to(goal, from, settings_.space);
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
     out.memory.plan = planned.memory;
-    bumpless_transfer(out.memory, memory, known);
+    if (!streamed || !planned.memory.goes_on_from(memory.plan, settings_.space))
+      bumpless_transfer(out.memory, memory, known);
     return out;
   }
   template <GravityTerm G = GravityTerm::included, class K>

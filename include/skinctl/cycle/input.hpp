@@ -39,7 +39,8 @@ struct OptionalGoal : std::optional<Goal> {
 /// The addition of laws that take goals to the input.
 template <class Goal>
 struct GoalInput {
-  OptionalGoal<Goal> goal;  ///< goal, or next sample of a moving target, for this cycle
+  /// Goal, or next sample of a moving target, for this cycle. The same goal in each cycle changes nothing.
+  OptionalGoal<Goal> goal;
 };
 template <>
 struct GoalInput<NoGoal> {};

@@ -23,11 +23,31 @@ struct SplinePlan {
 
   typename Space::Spline spline;
   PlanClock<T> clock;
+  Nanoseconds asked{};            ///< duration that the last goal asked for
+  Nanoseconds heard = clock_end;  ///< time since the last goal
 
   /// The plan of a robot at rest at `at`.
   [[nodiscard]] static SKINCTL_INLINE constexpr SplinePlan standing(const Where& at,
                                                                     const Settings&) noexcept {
     return {Space::spline(at, at, T(0)), {}};
+  }
+  /// Whether goals come one after the other, as samples: the last one is not older than twice `target_age`.
+  [[nodiscard]] bool is_streamed(const Settings& s) const noexcept {
+    return heard <= 2 * Space::tracking(s).target_age;
+  }
+  /// Whether `goal` is the one that the plan leads to already, or that it is sent again and again.
+  [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {
+    return goal.duration == asked && Space::where_of(spline.at(T(1e9))) == Space::place(goal) &&
+           (is_streamed(s) || !Space::stands(at(T(0), s)));
+  }
+  /// Whether the reference goes on from that of `before` without a step of its velocity: one of 2 % of the
+  /// largest speed is none.
+  [[nodiscard]] bool goes_on_from(const SplinePlan& before, const Settings& s) const noexcept {
+    const T x = seconds<T>(Space::tracking(s).dt);
+    const auto soon = [&](const SplinePlan& plan) {
+      return Space::ahead(Space::drifting(plan.at(T(0), s)), x);
+    };
+    return Space::slowness(Space::distance(soon(*this), soon(before)), s) <= T(0.02) * x;
   }
   /// The reference `x` seconds from now.
   [[nodiscard]] SKINCTL_INLINE typename Space::Reference at(const T& x, const Settings& s) const noexcept {
@@ -38,7 +58,7 @@ struct SplinePlan {
   }
   [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan advanced(Nanoseconds dt,
                                                              const Settings& s) const noexcept {
-    return {spline, clock.advanced(dt, Space::tracking(s).bumpless_transfer)};
+    return {spline, clock.advanced(dt, Space::tracking(s).bumpless_transfer), asked, later(heard, dt)};
   }
   /// The plan, which waits for a robot that a limit, an obstacle or a hand keeps off its course: see
   /// `JointControlSettings::waits`.
@@ -49,11 +69,11 @@ struct SplinePlan {
     if (!(share < T(1)) && clock.pace == T(1)) [[likely]]
       return *this;
     const T wish = share < T(slowest) ? T(slowest) : (share < T(1) ? share : T(1));
-    return {spline, clock.paced(wish, dt, Space::tracking(s).bumpless_transfer)};
+    return {spline, clock.paced(wish, dt, Space::tracking(s).bumpless_transfer), asked, heard};
   }
   /// The plan whose spline comes to a stop (`holds`), or goes on.
   [[nodiscard]] SKINCTL_INLINE constexpr SplinePlan held(bool holds, const Settings& s) const noexcept {
-    return {spline, clock.changed(!holds, Space::tracking(s).bumpless_transfer)};
+    return {spline, clock.changed(!holds, Space::tracking(s).bumpless_transfer), asked, heard};
   }
 
   /// The plan of a spline from `where` to the goal, of 10 intervals `dt` or longer. Where its peak speed
@@ -65,15 +85,16 @@ struct SplinePlan {
     const T shortest = Space::shortest_time(where, goal, settings);
     const T intervals = T(10) * seconds<T>(s.dt), least = shortest > intervals ? shortest : intervals;
     if (!(shortest < T(1e9)) || goal.duration < 0ns) return {*this, Reason::goal_refused};
-    const T asked = seconds<T>(goal.duration);
+    const T time = seconds<T>(goal.duration);
     const PlanClock<T> begun{0ns,      clock_end,  clock.to,
                              clock.to, clock.pace, clock.pace_rate};  // a stopped plan stays stopped
     const auto in = [&](const T& tf) {
       return Space::spline(where, Space::place(goal), tf).from(at(T(0), settings));
     };
-    if (asked >= least) return {{in(asked), begun}, {}};
+    if (time >= least) return {{in(time), begun, goal.duration, 0ns}, {}};
     if (goal.duration > 0ns && s.reach == GoalPolicy::refuse) return {*this, Reason::goal_refused};
-    return {{in(least), begun}, goal.duration > 0ns ? Status(Reason::goal_stretched) : Status{}};
+    return {{in(least), begun, goal.duration, 0ns},
+            goal.duration > 0ns ? Status(Reason::goal_stretched) : Status{}};
   }
 };
 

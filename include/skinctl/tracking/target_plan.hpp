@@ -51,9 +51,12 @@ struct TargetPlan {
     }
     return next;
   }
-  /// Whether `goal` is within the distance from this target that the largest speed covers in an interval.
+  /// Whether `goal` is within the distance from this target that the largest speed covers since the last one
+  /// was received, from one to four times the settings' `dt`.
   [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {
-    return Space::slowness(Space::distance(goal, at(T(0), s)), s) <= seconds<T>(Space::tracking(s).dt);
+    const T dt = seconds<T>(Space::tracking(s).dt), gone = seconds<T>(clock.own);
+    const T time = gone < dt ? dt : (gone > T(4) * dt ? T(4) * dt : gone);
+    return Space::slowness(Space::distance(goal, at(T(0), s)), s) <= time;
   }
   /// The plan, unchanged, whether the skin pushes against the law or not: the clock of a target from outside
   /// does not stop.
