@@ -138,14 +138,21 @@ Change lost(double share) {
   };
 }
 
-Change stalled(double duration) {
+Change stalled(double duration, bool in_pieces) {
   using Clock = std::chrono::steady_clock;
-  return [held = std::vector<Bytes>(), until = Clock::time_point(),
+  return [held = std::vector<Bytes>(), until = Clock::time_point(), in_pieces,
           wait = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(duration))](
              Bytes p, const RtdeLayout&) mutable {
     if (until == Clock::time_point()) until = Clock::now() + wait;
     held.push_back(std::move(p));
-    return Clock::now() < until ? std::vector<Bytes>{} : std::exchange(held, {});
+    if (Clock::now() < until) return std::vector<Bytes>{};
+    std::vector<Bytes> out = std::exchange(held, {});
+    if (std::exchange(in_pieces, false)) {
+      const auto rest = out.begin() + static_cast<std::ptrdiff_t>(out.size() / 4);
+      held.assign(rest, out.end());
+      out.erase(rest, out.end());
+    }
+    return out;
   };
 }
 

@@ -219,6 +219,34 @@ TEST_CASE("UR driver: states that wait are waited for, and the clock goes on mea
   CHECK(driver.fault() == Fault::silent);
 }
 
+TEST_CASE("UR driver: the clock does not go back when TCP brings states that waited piece by piece") {
+  SimulatedUr5 robot(robot_config(true));
+  robot.start();
+  simulated_ur5::FaultyWire wire(robot.ports().rtde, true);
+  auto config = driver_config(robot);
+  config.rtde_port = wire.port();
+  config.robot_patience = Timeout(2000);
+  config.give_up = Timeout(1000);
+  Driver driver(config);
+  driver.connect();
+  REQUIRE(hold(driver, 20) == Heard::state);
+  wire.set(simulated_ur5::change::stalled(0.2, true));
+  auto before = driver.clock();
+  skinctl::Nanoseconds back{};
+  int silent = 0;
+  for (int k = 0; k < 100; ++k) {
+    skinctl::State<6> state;
+    const Heard heard = driver.wait(state);
+    REQUIRE(heard != Heard::lost);
+    silent += heard == Heard::silent;
+    back = std::max(back, before - driver.clock());
+    before = driver.clock();
+    REQUIRE(driver.hold());
+  }
+  CHECK(silent >= 15);  // of 200 ms
+  CHECK(back < 20ms);   // and not the 150 of the first piece
+}
+
 TEST_CASE("UR driver: a protective stop is explained, and released on request only") {
   SimulatedUr5 robot(robot_config(true));
   robot.start();

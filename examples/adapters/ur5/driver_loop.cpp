@@ -90,6 +90,8 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
   // After the patience as many cycles as it lasted, at once: the loop's clock stays with the robot's, which has
   // gone on since the newest state, while this computer was busy, too.
   const auto silent_at = heard_at_ + std::max<Clock::duration>(config_.silence, (silent_waits_ + 1) * period);
+  const double stamp = report_.timestamp;
+  std::optional<Clock::time_point> lags;  // until when newer states are waited for
   for (bool fresh = false; !fresh;) {
     const auto now = Clock::now();
     if (now >= lost_at) {
@@ -99,11 +101,12 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
       return fail(why, "for " + std::to_string(config_.give_up.count()) + " ms");
     }
     Package p{};
-    const RtdeEnd end = rtde_.read(p, left_until(std::min(silent_at, lost_at)));
+    const RtdeEnd end = rtde_.read(p, left_until(std::min(lags.value_or(silent_at), lost_at)));
     if (end == RtdeEnd::closed) return fail(Fault::stream_closed);
     if (end == RtdeEnd::nonsense) return fail(Fault::nonsense, "a package of impossible size");
     if (end == RtdeEnd::time_over) {  // also of a cycle that is owed: states may have come meanwhile
-      if (Clock::now() < silent_at) continue;
+      if (Clock::now() < lags.value_or(silent_at)) continue;
+      if (lags) break;  // the robot's clock stood
       ++silent_waits_;
       return Heard::silent;
     }
@@ -111,6 +114,12 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
     // What has waited does not fit the framer at once, and the first part of it is long past.
     for (int k = 0; silent_waits_ > 0 && k < most_reads && rtde_.read(p, Timeout(0)) == RtdeEnd::none; ++k)
       fresh = take(p) || fresh;
+    // TCP brings what waited piece by piece, and the first of it is of a time that the loop has left behind.
+    const double carried = stamp + std::chrono::duration<double>(Clock::now() - heard_at_).count();
+    if (fresh && silent_waits_ > 0 && config_.real_time && carried - report_.timestamp > 2 / config_.rate) {
+      if (!lags) lags = Clock::now() + config_.silence;
+      fresh = Clock::now() >= *lags;
+    }
   }
   heard_at_ = Clock::now();
   if (silent_waits_ > 0)
