@@ -138,19 +138,22 @@ Change lost(double share) {
   };
 }
 
-Change stalled(double duration, bool in_pieces) {
+Change stalled(double duration, double rest_after) {
   using Clock = std::chrono::steady_clock;
-  return [held = std::vector<Bytes>(), until = Clock::time_point(), in_pieces,
-          wait = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(duration))](
-             Bytes p, const RtdeLayout&) mutable {
+  const auto time = [](double s) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+  };
+  return [held = std::vector<Bytes>(), until = Clock::time_point(), wait = time(duration),
+          rest = time(rest_after)](Bytes p, const RtdeLayout&) mutable {
     if (until == Clock::time_point()) until = Clock::now() + wait;
     held.push_back(std::move(p));
     if (Clock::now() < until) return std::vector<Bytes>{};
     std::vector<Bytes> out = std::exchange(held, {});
-    if (std::exchange(in_pieces, false)) {
-      const auto rest = out.begin() + static_cast<std::ptrdiff_t>(out.size() / 4);
-      held.assign(rest, out.end());
-      out.erase(rest, out.end());
+    if (rest > Clock::duration::zero()) {
+      const auto later = out.begin() + static_cast<std::ptrdiff_t>(out.size() / 4);
+      held.assign(later, out.end());
+      out.erase(later, out.end());
+      until += std::exchange(rest, {});
     }
     return out;
   };

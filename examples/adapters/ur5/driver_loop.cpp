@@ -16,6 +16,41 @@ constexpr auto window = std::chrono::milliseconds(250);  // over which the clock
 constexpr int windows = 3;                               // in a row that must disagree
 constexpr int most_reads = 64;                           // of the states that have waited, at once
 
+/// What comes after a silence. TCP brings it piece by piece, and the first of it is of a time that the loop has
+/// left behind: newer states are waited for, and where they stop again the silence goes on. A robot whose clock
+/// stood stays behind, but goes on sending: then its clock counts.
+class CatchUp {
+ public:
+  /// @param stamp     of the newest state by the controller's clock [s], heard at `heard_at`.
+  /// @param patience  time for which states behind the clock are read on from.
+  CatchUp(double stamp, Clock::time_point heard_at, Clock::duration period, Clock::duration patience)
+      : stamp_(stamp), heard_at_(heard_at), period_(period), patience_(patience) {}
+
+  /// Whether a state of this time, which has come now, is the robot's state.
+  bool counts(double stamp) {
+    using Seconds = std::chrono::duration<double>;
+    const auto now = Clock::now();
+    // A way that has become longer by a few periods is no such silence.
+    if (stamp_ + Seconds(now - heard_at_).count() - stamp < 2 * Seconds(patience_).count()) return true;
+    if (!lags_) enough_ = now + patience_;
+    lags_ = true, pause_ = now + 3 * period_;
+    return now >= enough_;
+  }
+  /// Until when the next state is waited for.
+  [[nodiscard]] Clock::time_point until(Clock::time_point without) const {
+    return lags_ ? std::min(enough_, pause_) : without;
+  }
+  /// Whether states have come until the patience was over.
+  [[nodiscard]] bool goes_on() const { return lags_ && enough_ <= pause_; }
+
+ private:
+  double stamp_;
+  Clock::time_point heard_at_;
+  Clock::duration period_, patience_;
+  Clock::time_point enough_{}, pause_{};
+  bool lags_ = false;
+};
+
 }  // namespace
 
 Heard Driver::fail(Fault fault, const std::string& detail) noexcept {
@@ -90,8 +125,8 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
   // After the patience as many cycles as it lasted, at once: the loop's clock stays with the robot's, which has
   // gone on since the newest state, while this computer was busy, too.
   const auto silent_at = heard_at_ + std::max<Clock::duration>(config_.silence, (silent_waits_ + 1) * period);
-  const double stamp = report_.timestamp;
-  std::optional<Clock::time_point> lags;  // until when newer states are waited for
+  const Report newest = report_;
+  CatchUp catch_up(newest.timestamp, heard_at_, period, config_.silence);
   for (bool fresh = false; !fresh;) {
     const auto now = Clock::now();
     if (now >= lost_at) {
@@ -101,12 +136,13 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
       return fail(why, "for " + std::to_string(config_.give_up.count()) + " ms");
     }
     Package p{};
-    const RtdeEnd end = rtde_.read(p, left_until(std::min(lags.value_or(silent_at), lost_at)));
+    const RtdeEnd end = rtde_.read(p, left_until(std::min(catch_up.until(silent_at), lost_at)));
     if (end == RtdeEnd::closed) return fail(Fault::stream_closed);
     if (end == RtdeEnd::nonsense) return fail(Fault::nonsense, "a package of impossible size");
     if (end == RtdeEnd::time_over) {  // also of a cycle that is owed: states may have come meanwhile
-      if (Clock::now() < lags.value_or(silent_at)) continue;
-      if (lags) break;  // the robot's clock stood
+      if (Clock::now() < catch_up.until(silent_at)) continue;
+      if (catch_up.goes_on()) break;
+      report_ = newest;
       ++silent_waits_;
       return Heard::silent;
     }
@@ -114,12 +150,7 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
     // What has waited does not fit the framer at once, and the first part of it is long past.
     for (int k = 0; silent_waits_ > 0 && k < most_reads && rtde_.read(p, Timeout(0)) == RtdeEnd::none; ++k)
       fresh = take(p) || fresh;
-    // TCP brings what waited piece by piece, and the first of it is of a time that the loop has left behind.
-    const double carried = stamp + std::chrono::duration<double>(Clock::now() - heard_at_).count();
-    if (fresh && silent_waits_ > 0 && config_.real_time && carried - report_.timestamp > 2 / config_.rate) {
-      if (!lags) lags = Clock::now() + config_.silence;
-      fresh = Clock::now() >= *lags;
-    }
+    if (fresh && silent_waits_ > 0 && config_.real_time) fresh = catch_up.counts(report_.timestamp);
   }
   heard_at_ = Clock::now();
   if (silent_waits_ > 0)
