@@ -120,7 +120,7 @@ bool Driver::clocks_agree() noexcept {
 Heard Driver::wait(skinctl::State<6>& state) noexcept {
   if (!running_) return fail(Fault::unreachable, "it is not connected");
   if (silent_waits_ == 0) waits_since_ = Clock::now(), nonsense_before_ = nonsense_, stood_before_ = stood_;
-  const auto lost_at = waits_since_ + config_.give_up;
+  auto lost_at = waits_since_ + config_.give_up;
   const Clock::duration period = std::chrono::nanoseconds(skinctl::nanoseconds(1 / config_.rate));
   // After the patience as many cycles as it lasted, at once: the loop's clock stays with the robot's, which has
   // gone on since the newest state, while this computer was busy, too.
@@ -150,7 +150,10 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
     // What has waited does not fit the framer at once, and the first part of it is long past.
     for (int k = 0; silent_waits_ > 0 && k < most_reads && rtde_.read(p, Timeout(0)) == RtdeEnd::none; ++k)
       fresh = take(p) || fresh;
-    if (fresh && silent_waits_ > 0 && config_.real_time) fresh = catch_up.counts(report_.timestamp);
+    if (fresh && silent_waits_ > 0 && config_.real_time && !catch_up.counts(report_.timestamp)) {
+      fresh = false;
+      lost_at = (waits_since_ = Clock::now()) + config_.give_up;  // it is there
+    }
   }
   heard_at_ = Clock::now();
   if (silent_waits_ > 0)
