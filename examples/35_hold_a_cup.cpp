@@ -10,6 +10,7 @@
 #include <random>
 
 #include "examples/support/curves.hpp"
+#include "examples/support/text.hpp"
 #include "skinctl/control/grasp_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/tactile/skin.hpp"
@@ -84,9 +85,7 @@ Run hold(double mu, double fixed) {
   std::normal_distribution<double> noise(0, 0.03);
 
   Run out;
-  char name[32];
-  std::snprintf(name, sizeof name, "friction %.1f", mu);
-  out.grip.name = out.slid.name = name;
+  out.grip.name = out.slid.name = text("friction %.1f", mu);
   std::vector<Seen> instants{
       {"0.2 kg", 3.9, 0.25, 0}, {"0.5 kg", 13.9, 0.85, 0}, {"pulled by 2 N", 15, 0.85, 2}};
   int carried = 0;
@@ -181,12 +180,8 @@ class Side {
   }
   [[nodiscard]] static std::string path(const char* kind, Point origin, const std::vector<Point>& points) {
     std::string out = std::string("<path class=\"") + kind + "\" d=\"";
-    for (const Point& p : points) {
-      char text[64];
-      std::snprintf(text, sizeof text, "%s%.1f %.1f", out.back() == '"' ? "M" : "L", origin[0] + p[0],
-                    origin[1] + p[1]);
-      out += text;
-    }
+    for (const Point& p : points)
+      out += text("%s%.1f %.1f", out.back() == '"' ? "M" : "L", origin[0] + p[0], origin[1] + p[1]);
     return out + "\"/>";
   }
   [[nodiscard]] static std::string arrow(const char* kind, Point origin, Point from, Point way) {
@@ -215,11 +210,9 @@ class Side {
     // The cup, as it hangs.
     const double low = scale * dot(s.cup, down_), wall = scale * (half_ - 0.006);
     const double rim = low - 35, bottom = low + 95, level = bottom - s.fill * (bottom - rim);
-    char water[160];
-    std::snprintf(water, sizeof water,
-                  "<rect class=\"water\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>", x - wall,
-                  origin[1] + level, 2 * wall, bottom - level);
-    out += water + path("cup", origin, {{-wall, rim}, {-wall, bottom}, {wall, bottom}, {wall, rim}});
+    out += text("<rect class=\"water\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/>", x - wall,
+                origin[1] + level, 2 * wall, bottom - level) +
+           path("cup", origin, {{-wall, rim}, {-wall, bottom}, {wall, bottom}, {wall, rim}});
     out += path("palm", origin, {seen_from_side({0, 0, 0}), seen_from_side({0, 0, -0.095})});
     out += finger(std::integral_constant<std::size_t, 12>(), 2) +
            finger(std::integral_constant<std::size_t, 4>(), 1) +

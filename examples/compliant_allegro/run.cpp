@@ -9,6 +9,7 @@
 #include "examples/compliant_allegro/scene.hpp"
 #include "examples/compliant_allegro/touches.hpp"
 #include "examples/simulated_allegro/simulated_hand.hpp"
+#include "examples/support/text.hpp"
 #include "skinctl/guard/faults.hpp"
 #include "skinctl/hardware/loop.hpp"
 #include "skinctl/hardware/scheduling.hpp"
@@ -18,13 +19,8 @@ namespace {
 
 using namespace skinctl;
 using namespace adapters::allegro;
+using examples::text;
 using examples::job::Exit;
-
-std::string text(const char* format, double value) {
-  char out[64];
-  std::snprintf(out, sizeof out, format, value);
-  return out;
-}
 
 /// While the hand holds something, what its cells feel of that is no touch to give way to: readings count
 /// above `level` only.

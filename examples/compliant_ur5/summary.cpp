@@ -3,13 +3,12 @@
 #include <cstdio>
 
 #include "examples/compliant_ur5/noted.hpp"
+#include "examples/support/text.hpp"
 
 namespace compliant_ur5 {
 
 std::string text(const char* format, double value) {
-  char out[64];
-  std::snprintf(out, sizeof out, format, value);
-  return out;
+  return examples::text(format, value);
 }
 
 void print(const Settings& s, const RunLog& log) {

@@ -9,6 +9,7 @@
 
 #include "examples/playground/playground.hpp"
 #include "examples/support/svg_plot.hpp"
+#include "examples/support/text.hpp"
 #include "examples/support/ur5_shape.hpp"
 #include "skinctl/core/contract.hpp"
 
@@ -106,9 +107,7 @@ std::vector<Frame> run(playground::Arms& arms) {
 }
 
 std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", std::round(x * 10) / 10);
-  return text;
+  return examples::text("%.4g", std::round(x * 10) / 10);
 }
 std::string points(const Point* p, std::size_t n) {
   std::string out;

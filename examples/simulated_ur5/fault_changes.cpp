@@ -138,14 +138,24 @@ Change lost(double share) {
   };
 }
 
-Change stalled(double duration) {
+Change stalled(double duration, double rest_after) {
   using Clock = std::chrono::steady_clock;
-  return [held = std::vector<Bytes>(), until = Clock::time_point(),
-          wait = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(duration))](
-             Bytes p, const RtdeLayout&) mutable {
+  const auto time = [](double s) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+  };
+  return [held = std::vector<Bytes>(), until = Clock::time_point(), wait = time(duration),
+          rest = time(rest_after)](Bytes p, const RtdeLayout&) mutable {
     if (until == Clock::time_point()) until = Clock::now() + wait;
     held.push_back(std::move(p));
-    return Clock::now() < until ? std::vector<Bytes>{} : std::exchange(held, {});
+    if (Clock::now() < until) return std::vector<Bytes>{};
+    std::vector<Bytes> out = std::exchange(held, {});
+    if (rest > Clock::duration::zero()) {
+      const auto later = out.begin() + static_cast<std::ptrdiff_t>(out.size() / 4);
+      held.assign(later, out.end());
+      out.erase(later, out.end());
+      until += std::exchange(rest, {});
+    }
+    return out;
   };
 }
 

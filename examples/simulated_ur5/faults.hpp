@@ -55,8 +55,8 @@ Change garbled();
 /// A share of the packages is lost.
 Change lost(double share);
 /// Nothing for so long [s], then all of it at once, as when TCP waits for what it has lost; later packages
-/// pass.
-Change stalled(double duration);
+/// pass. With `rest_after` first the oldest quarter, the rest so much later [s], as TCP begins anew slowly.
+Change stalled(double duration, double rest_after = 0);
 }  // namespace change
 
 /// A TCP connection on loopback through which everything passes until it is told otherwise. Thread-safe.

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "examples/support/svg_plot.hpp"
+#include "examples/support/text.hpp"
 #include "examples/support/ur5_shape.hpp"
 
 namespace examples {
@@ -27,10 +27,7 @@ struct View {
   double foot_x, foot_y;
   bool above;
   std::string operator()(const skinctl::Xyz<double>& p) const {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.1f %.1f", foot_x - scale * p.x,
-                  foot_y - scale * (above ? -p.y : p.z));
-    return text;
+    return text("%.1f %.1f", foot_x - scale * p.x, foot_y - scale * (above ? -p.y : p.z));
   }
 };
 
@@ -38,12 +35,9 @@ inline std::string arm(const View& view, const SeenPose& pose, const char* kind)
   std::string out = std::string("<g class=\"") + kind + "\">";
   auto links = ur5_capsules(ur5_poses(pose.q));
   std::stable_partition(links.begin(), links.end(), [](const Capsule& c) { return !c.covered; });
-  for (const Capsule& c : links) {
-    char width[32];
-    std::snprintf(width, sizeof width, "%.1f", 2 * scale * c.radius);
-    out +=
-        std::string("<path d=\"M") + view(c.from) + 'L' + view(c.to) + "\" stroke-width=\"" + width + "\"/>";
-  }
+  for (const Capsule& c : links)
+    out += "<path d=\"M" + view(c.from) + 'L' + view(c.to) +
+           text("\" stroke-width=\"%.1f\"/>", 2 * scale * c.radius);
   return out + "</g>";
 }
 inline std::string hand(const View& view, const SeenPose& pose) {
@@ -68,9 +62,8 @@ inline plotting::Head sketch(const std::vector<SeenPose>& seen) {
   out.svg = "<g class=\"sketch\">";
   for (const sketching::View& view :
        {sketching::View{"from the side", 150, 220, false}, sketching::View{"from above", 630, 130, true}}) {
-    char name[96];
-    std::snprintf(name, sizeof name, "<text x=\"%.0f\" y=\"16\">%s</text>", view.foot_x - 150, view.name);
-    out.svg += name + sketching::arm(view, seen.front(), "begin");
+    out.svg += text("<text x=\"%.0f\" y=\"16\">%s</text>", view.foot_x - 150, view.name) +
+               sketching::arm(view, seen.front(), "begin");
     if (last != first) out.svg += sketching::arm(view, *(last - 1), "pushed");
     out.svg += sketching::arm(view, seen.back(), "end");
     if (last != first) out.svg += sketching::hand(view, *first);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -69,7 +70,7 @@ TEST_CASE("formatted: what printf writes in the C locale, to the character, in e
 #undef SKINCTL_AGREES
 }
 
-TEST_CASE("CommaLocale: streams write commas and marks between thousands while it lives, and not after") {
+TEST_CASE("CommaLocale: streams and printf write commas while it lives, and not after") {
   const auto streamed = [] {
     std::ostringstream out;
     out << 1234.5 << ' ' << 5678;
@@ -79,8 +80,12 @@ TEST_CASE("CommaLocale: streams write commas and marks between thousands while i
     const CommaLocale comma;
     CHECK(streamed() == "1.234,5 5.678");
     CHECK(formatted("%.1f %d", 1234.5, 5678) == "1234.5 5678");
+    const bool can_make = std::system("command -v localedef >/dev/null 2>&1") == 0;
+    CHECK(printed("%.1f", 1234.5) == (can_make ? "1234,5" : CommaLocale::reaches_c() ? "1234,5" : "1234.5"));
     if (!CommaLocale::reaches_c())
-      MESSAGE("no locale of the system has a comma: C's printf was not tried with one");
+      MESSAGE(
+          "neither a locale of the system has a comma nor is localedef here: C's printf was not tried with "
+          "one");
   }
   CHECK(streamed() == "1234.5 5678");
   CHECK(printed("%.1f", 0.5) == "0.5");

@@ -219,6 +219,62 @@ TEST_CASE("UR driver: states that wait are waited for, and the clock goes on mea
   CHECK(driver.fault() == Fault::silent);
 }
 
+TEST_CASE("UR driver: the clock does not go back when TCP brings states that waited piece by piece") {
+  SimulatedUr5 robot(robot_config(true));
+  robot.start();
+  simulated_ur5::FaultyWire wire(robot.ports().rtde, true);
+  auto config = driver_config(robot);
+  config.rtde_port = wire.port();
+  config.robot_patience = Timeout(2000);
+  config.give_up = Timeout(450);
+  // At once; longer than the silence that is allowed; in all longer than it is waited for without any state.
+  for (const double rest_after : {0.001, 0.1, 0.3}) {
+    CAPTURE(rest_after);
+    wire.set(simulated_ur5::Change());
+    Driver driver(config);
+    driver.connect();
+    REQUIRE(hold(driver, 20) == Heard::state);
+    wire.set(simulated_ur5::change::stalled(0.2, rest_after));
+    auto before = driver.clock();
+    skinctl::Nanoseconds back{};
+    int silent = 0;
+    for (int k = 0; k < 100; ++k) {
+      skinctl::State<6> state;
+      const Heard heard = driver.wait(state);
+      REQUIRE(heard != Heard::lost);
+      silent += heard == Heard::silent;
+      back = std::max(back, before - driver.clock());
+      before = driver.clock();
+      REQUIRE(driver.hold());
+    }
+    CHECK(silent >= 15);  // of 200 ms
+    CHECK(back < 20ms);   // and not the 150 of the first piece
+    driver.stop();
+  }
+}
+
+TEST_CASE("UR driver: a robot whose clock stood is believed after the silence that is allowed") {
+  SimulatedUr5 robot(robot_config(true));
+  robot.start();
+  simulated_ur5::FaultyWire wire(robot.ports().rtde, true);
+  auto config = driver_config(robot);
+  config.rtde_port = wire.port();
+  config.robot_patience = Timeout(2000);
+  config.give_up = Timeout(1000);
+  Driver driver(config);
+  driver.connect();
+  REQUIRE(hold(driver, 20) == Heard::state);
+  wire.set(simulated_ur5::change::lost(1));
+  skinctl::State<6> state;
+  for (int k = 0; k < 25; ++k) REQUIRE(driver.wait(state) == Heard::silent);  // 200 ms
+  wire.set(simulated_ur5::change::clock_back(0.15));
+  Heard heard = Heard::silent;
+  int silent = 0;
+  for (; heard == Heard::silent && silent < 30; ++silent) heard = driver.wait(state);
+  CHECK(heard == Heard::state);
+  CHECK(silent < 10);
+}
+
 TEST_CASE("UR driver: a protective stop is explained, and released on request only") {
   SimulatedUr5 robot(robot_config(true));
   robot.start();

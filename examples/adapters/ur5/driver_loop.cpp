@@ -16,6 +16,41 @@ constexpr auto window = std::chrono::milliseconds(250);  // over which the clock
 constexpr int windows = 3;                               // in a row that must disagree
 constexpr int most_reads = 64;                           // of the states that have waited, at once
 
+/// What comes after a silence. TCP brings it piece by piece, and the first of it is of a time that the loop has
+/// left behind: newer states are waited for, and where they stop again the silence goes on. A robot whose clock
+/// stood stays behind, but goes on sending: then its clock counts.
+class CatchUp {
+ public:
+  /// @param stamp     of the newest state by the controller's clock [s], heard at `heard_at`.
+  /// @param patience  time for which states behind the clock are read on from.
+  CatchUp(double stamp, Clock::time_point heard_at, Clock::duration period, Clock::duration patience)
+      : stamp_(stamp), heard_at_(heard_at), period_(period), patience_(patience) {}
+
+  /// Whether a state of this time, which has come now, is the robot's state.
+  bool counts(double stamp) {
+    using Seconds = std::chrono::duration<double>;
+    const auto now = Clock::now();
+    // A way that has become longer by a few periods is no such silence.
+    if (stamp_ + Seconds(now - heard_at_).count() - stamp < 2 * Seconds(patience_).count()) return true;
+    if (!lags_) enough_ = now + patience_;
+    lags_ = true, pause_ = now + 3 * period_;
+    return now >= enough_;
+  }
+  /// Until when the next state is waited for.
+  [[nodiscard]] Clock::time_point until(Clock::time_point without) const {
+    return lags_ ? std::min(enough_, pause_) : without;
+  }
+  /// Whether states have come until the patience was over.
+  [[nodiscard]] bool goes_on() const { return lags_ && enough_ <= pause_; }
+
+ private:
+  double stamp_;
+  Clock::time_point heard_at_;
+  Clock::duration period_, patience_;
+  Clock::time_point enough_{}, pause_{};
+  bool lags_ = false;
+};
+
 }  // namespace
 
 Heard Driver::fail(Fault fault, const std::string& detail) noexcept {
@@ -85,11 +120,13 @@ bool Driver::clocks_agree() noexcept {
 Heard Driver::wait(skinctl::State<6>& state) noexcept {
   if (!running_) return fail(Fault::unreachable, "it is not connected");
   if (silent_waits_ == 0) waits_since_ = Clock::now(), nonsense_before_ = nonsense_, stood_before_ = stood_;
-  const auto lost_at = waits_since_ + config_.give_up;
+  auto lost_at = waits_since_ + config_.give_up;
   const Clock::duration period = std::chrono::nanoseconds(skinctl::nanoseconds(1 / config_.rate));
   // After the patience as many cycles as it lasted, at once: the loop's clock stays with the robot's, which has
   // gone on since the newest state, while this computer was busy, too.
   const auto silent_at = heard_at_ + std::max<Clock::duration>(config_.silence, (silent_waits_ + 1) * period);
+  const Report newest = report_;
+  CatchUp catch_up(newest.timestamp, heard_at_, period, config_.silence);
   for (bool fresh = false; !fresh;) {
     const auto now = Clock::now();
     if (now >= lost_at) {
@@ -99,11 +136,13 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
       return fail(why, "for " + std::to_string(config_.give_up.count()) + " ms");
     }
     Package p{};
-    const RtdeEnd end = rtde_.read(p, left_until(std::min(silent_at, lost_at)));
+    const RtdeEnd end = rtde_.read(p, left_until(std::min(catch_up.until(silent_at), lost_at)));
     if (end == RtdeEnd::closed) return fail(Fault::stream_closed);
     if (end == RtdeEnd::nonsense) return fail(Fault::nonsense, "a package of impossible size");
     if (end == RtdeEnd::time_over) {  // also of a cycle that is owed: states may have come meanwhile
-      if (Clock::now() < silent_at) continue;
+      if (Clock::now() < catch_up.until(silent_at)) continue;
+      if (catch_up.goes_on()) break;
+      report_ = newest;
       ++silent_waits_;
       return Heard::silent;
     }
@@ -111,6 +150,10 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
     // What has waited does not fit the framer at once, and the first part of it is long past.
     for (int k = 0; silent_waits_ > 0 && k < most_reads && rtde_.read(p, Timeout(0)) == RtdeEnd::none; ++k)
       fresh = take(p) || fresh;
+    if (fresh && silent_waits_ > 0 && config_.real_time && !catch_up.counts(report_.timestamp)) {
+      fresh = false;
+      lost_at = (waits_since_ = Clock::now()) + config_.give_up;  // it is there
+    }
   }
   heard_at_ = Clock::now();
   if (silent_waits_ > 0)
