@@ -5,7 +5,7 @@ target_link_libraries(compliant_ur5_report PUBLIC skinctl_program examples_plot)
 if(SKINCTL_BUILD_TESTS)
   enable_testing()
   set(tests report_test)
-  if(NOT SKINCTL_SANITIZERS)  # a browser that looks at the same page shows the sanitizers nothing new
+  if(NOT SKINCTL_SANITIZERS AND NOT SKINCTL_GATE)  # a browser that looks at the same page shows the sanitizers nothing new
     list(APPEND tests report_in_browser)
     skinctl_runs_once(tests/report_in_browser.cpp)
   endif()
