@@ -54,10 +54,10 @@ Drawn rubbing(std::uint64_t seed) {
 template <class Scene>
 double swing_after_a_touch(const Scene& scene, const Drawn& d) {
   const auto memory = std::make_unique<typename Scene::Memory>();
-  State<6> x{0ns, home, {}};
+  State<6> x{0ns, attacks::home, {}};
   scene.start(*memory, x);
   typename SimulatedJoints<6>::Row row{};
-  for (std::size_t i = 0; i < 6; ++i) row[i] = home[i];
+  for (std::size_t i = 0; i < 6; ++i) row[i] = attacks::home[i];
   SimulatedJoints<6> joints(SimulatedJoints<6>::Kind::position, 0.0, seconds<double>(d.arm.lag), row);
   Swings swings(rests);
   for (Nanoseconds now = d.arm.period; now < 20s; now += d.arm.period) {
