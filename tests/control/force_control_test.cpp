@@ -101,6 +101,26 @@ TEST_CASE("ForceControl: without a wall it approaches no faster and no further t
   CHECK(scene.memory.I1 * s.K_i1 <= s.max_velocity);
 }
 
+TEST_CASE("ForceControl: goals in every cycle reach no further, and press as hard as one goal") {
+  for (const bool wall : {false, true}) {
+    CAPTURE(wall);
+    auto s = settings();
+    s.max_travel = 0.08;
+    Scene scene(s, wall ? 3000 : 0, wall ? 0.03 : 1.0);
+    double pressed = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const double asked = wall ? 15 : 40 + 0.001 * i;  // the same goal, or one that changes each time
+      const Xyz<double> n = wall ? scene.n : Xyz<double>{1e-5 * i, 0, -1};
+      scene.memory =
+          scene.law.receive(scene.memory, K(model, scene.x, 0.002, scene.touch), {n, asked}).memory;
+      pressed = scene.step();
+    }
+    const auto d = scene.place() - scene.start;
+    if (wall) CHECK(pressed == doctest::Approx(15).epsilon(0.04));
+    CHECK(dot(scene.n, d) < 0.085);
+  }
+}
+
 TEST_CASE("ForceControl: forces that cannot be are refused, and no number enters that is none") {
   Scene scene(settings(), 0, 1.0);
   const K known(model, scene.x, 0.002, scene.touch);

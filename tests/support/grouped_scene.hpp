@@ -52,7 +52,7 @@ JointLimits<N> limits(double torque) {
                          .acceleration = JointAcceleration<N>::constant(40),
                          .torque = JointTorque<N>::constant(torque)});
 }
-RobotConfiguration<1> one(bool driven) {
+inline RobotConfiguration<1> one(bool driven) {
   RobotConfiguration<1> c{.limits = limits<1>(driven ? 0.7 : 150), .period = 2ms, .virtual_damping = 0};
   if (!driven) c.delay = 4ms, c.lag = 4ms, c.viscous_friction[0] = 5;
   return c;
@@ -67,7 +67,7 @@ auto robot(const Parts&... parts) {
 }
 
 constexpr double tip[3] = {0.1, 0, 0};
-Xyz<double> tip_at(const JointPosition<3>& q) {
+inline Xyz<double> tip_at(const JointPosition<3>& q) {
   const auto X = Poses<Model3, all_links(3), double>(Model3{}, q).get<2>();
   const auto p = X.axes() * Xyz<double>{tip[0], tip[1], tip[2]};
   return {p.x + X.origin().x, p.y + X.origin().y, p.z + X.origin().z};

@@ -76,7 +76,7 @@ class ForceControl : public Composable {
     ForceGoal<T> goal{{T(0), T(0), T(0)}, T(0)};  ///< goal with a direction of length 1, or 0
     T v = T(0), a = T(0);  ///< speed of the target along the direction [m/s], and its derivative [m/s^2]
     T I1 = T(0), I2 = T(0);
-    T travel = T(0);  ///< distance of the target along the direction since the goal came [m]
+    T travel = T(0);  ///< distance of the target along the direction since it was first asked for [m]
   };
 
   /// Throws `ConfigurationError` for settings that cannot work.
@@ -115,8 +115,10 @@ class ForceControl : public Composable {
     memory.tracker = tracker_.start(known);
     return memory;
   }
-  /// Takes a new direction and force; the target moves on from its present place. Refused if not finite or
-  /// negative.
+  /// Takes a new direction and force; the target moves on from its present place. Speed, integrals and travel
+  /// go on by their parts along the new direction, so the same goal in each cycle changes nothing, and goals
+  /// in a row reach no further than `max_travel`; a direction of 0 or across begins anew. Refused if not
+  /// finite or negative.
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K&, const Goal& goal) const noexcept {
     const T size = norm(goal.direction);
@@ -124,12 +126,11 @@ class ForceControl : public Composable {
     if (!(sum - sum == T(0)) || goal.force < T(0)) return {memory, Reason::goal_refused};
     Received<Memory> out{memory, {}};
     out.memory.goal = {size > T(0) ? Xyz<T>(T(T(1) / size) * goal.direction) : goal.direction, goal.force};
-    out.memory.I1 = out.memory.I2 = out.memory.travel = T(0);
-    const T along =
-        // The speed goes on by its part along the new direction.
-        dot(memory.goal.direction, out.memory.goal.direction);
-    out.memory.v = along * memory.v;
-    out.memory.a = along * memory.a;
+    const T along = dot(memory.goal.direction, out.memory.goal.direction);
+    for (T Memory::* part : {&Memory::v, &Memory::a, &Memory::travel})
+      out.memory.*part = along * memory.*part;
+    for (T Memory::* integral : {&Memory::I1, &Memory::I2})  // of the other way's errors nothing is left
+      out.memory.*integral = along > T(0) ? T(along * memory.*integral) : T(0);
     return out;
   }
 
