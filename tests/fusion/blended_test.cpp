@@ -156,6 +156,13 @@ TEST_CASE("Blended: weights change by request, smoothly, and what fades out is n
   CHECK(run.ask(7) == Status{});
   CHECK(law.memory<0>(run.memory).goal == 7);
 
+  // The same request in every cycle is one request.
+  for (int k = 0; k < 60; ++k) {
+    CHECK(run.ask(BlendWeights<3>{{1, 0, 1}}) == Status{});
+    run.step();
+  }
+  CHECK_FALSE(run.status.has(Reason::bumpless_transfer));
+
   // Back again, and of two requests meanwhile the last one counts.
   CHECK(run.ask(BlendWeights<3>{{0, 1, 1}}) == Status{});
   for (int k = 0; k < 20; ++k) run.step();

@@ -103,6 +103,7 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const BlendWeights<terms>& weights) const noexcept {
+    if (weights.of == memory.asked) return {memory, {}};  // a request in every cycle is one
     return change(memory, known, weights);
   }
   /// The memory after a goal for the one law that takes goals of this type, or after the next sample of a
@@ -117,7 +118,7 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const BlendGoal<G, terms>& goal) const noexcept {
     Received<Memory> out{memory, {}};
-    if (goal.weights) out = change(memory, known, *goal.weights);
+    if (goal.weights) out = receive(memory, known, *goal.weights);
     if (!goal.goal) return out;
     const auto answer = receive(out.memory, known, *goal.goal);
     return {answer.memory, out.status | answer.status};
