@@ -8,9 +8,10 @@
 #include <string>
 #include <utility>
 
-#include "skinctl/core/joint.hpp"
-#include "skinctl/core/time.hpp"
-#include "skinctl/frames/rotation.hpp"
+#include "skinctl/control/velocity_control.hpp"
+#include "skinctl/fusion/detail/blend_goal.hpp"
+#include "skinctl/tracking/joint_space.hpp"
+#include "skinctl/tracking/pose_targets.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -56,6 +57,43 @@ template <class Pose>
   if (!(error <= 2e-3)) return {"axes, |R'R - 1|", "", -1, error, 0, 2e-3};
   return {};
 }
+[[nodiscard]] inline GoalFault first_of(const GoalFault& a, const GoalFault& b) noexcept {
+  return a.quantity != nullptr ? a : b;
+}
+[[nodiscard]] inline GoalFault negative(Nanoseconds duration) noexcept {
+  if (duration >= 0ns) return {};
+  return {"duration", "s", -1, seconds<double>(duration), 0, any_number};
+}
+
+template <class Limits, class Goal>
+[[nodiscard]] GoalFault fault_of(const Limits&, const Goal&) noexcept {
+  return {};
+}
+template <class Limits, std::size_t N, Scalar T>
+[[nodiscard]] GoalFault fault_of(const Limits& limits, const JointGoal<N, T>& goal) noexcept {
+  return first_of(joint_beyond(limits, goal.q_g), negative(goal.duration));
+}
+template <class Limits, std::size_t N, Scalar T>
+[[nodiscard]] GoalFault fault_of(const Limits& limits, const JointReference<N, T>& goal) noexcept {
+  return first_of(joint_beyond(limits, goal.q_d),
+                  first_of(not_finite("velocity", goal.dq_d), not_finite("acceleration", goal.ddq_d)));
+}
+template <class Limits, Frame P, Scalar T>
+[[nodiscard]] GoalFault fault_of(const Limits&, const PoseGoal<P, T>& goal) noexcept {
+  return first_of(pose_fault(goal.X_BP), negative(goal.duration));
+}
+template <class Limits, Frame P, Scalar T>
+[[nodiscard]] GoalFault fault_of(const Limits&, const PoseReference<P, T>& goal) noexcept {
+  return pose_fault(goal.X_BP);
+}
+template <class Limits, std::size_t N, Real T>
+[[nodiscard]] GoalFault fault_of(const Limits&, const VelocityGoal<N, T>& goal) noexcept {
+  return not_finite("velocity", goal.velocity);
+}
+template <class Limits, class G, std::size_t Terms>
+[[nodiscard]] GoalFault fault_of(const Limits& limits, const BlendGoal<G, Terms>& goal) noexcept {
+  return goal.goal ? fault_of(limits, *goal.goal) : GoalFault{};
+}
 }  // namespace detail
 
 /// The first number of a goal that is out of its range, for a goal that a scene refused: positions beyond the
@@ -65,23 +103,7 @@ template <class Pose>
 /// @param goal  goal of a spline, target, velocity, or blend; of other goals nothing is known.
 template <class Scene, class Goal>
 [[nodiscard]] GoalFault goal_fault(const Scene& scene, const Goal& goal) noexcept {
-  GoalFault found;
-  const auto look = [&](const GoalFault& f) {
-    if (found.quantity == nullptr) found = f;
-  };
-  const auto& limits = scene.resolver().limits();
-  if constexpr (requires { goal.q_g; }) look(detail::joint_beyond(limits, goal.q_g));
-  if constexpr (requires { goal.q_d; }) look(detail::joint_beyond(limits, goal.q_d));
-  if constexpr (requires { goal.dq_d; }) look(detail::not_finite("velocity", goal.dq_d));
-  if constexpr (requires { goal.ddq_d; }) look(detail::not_finite("acceleration", goal.ddq_d));
-  if constexpr (requires { goal.velocity; }) look(detail::not_finite("velocity", goal.velocity));
-  if constexpr (requires { goal.X_BP; }) look(detail::pose_fault(goal.X_BP));
-  if constexpr (requires { goal.duration; })
-    if (goal.duration < 0ns)
-      look({"duration", "s", -1, seconds<double>(goal.duration), 0, detail::any_number});
-  if constexpr (requires { goal.weights, goal.goal; })
-    if (goal.goal) look(goal_fault(scene, *goal.goal));
-  return found;
+  return detail::fault_of(scene.resolver().limits(), goal);
 }
 
 /// A sentence about a refused goal, as "position of joint 0: 7 rad or m, allowed: -6.28319 to 6.28319".
