@@ -205,6 +205,7 @@
 
 #include "skinctl/control/force_control.hpp"
 #include "skinctl/control/friction_control.hpp"
+#include "skinctl/control/goal_fault.hpp"
 #include "skinctl/control/grasp_control.hpp"
 #include "skinctl/control/gravity_control.hpp"
 #include "skinctl/control/impedance.hpp"
@@ -268,7 +269,6 @@
 #include "skinctl/cycle/apart.hpp"
 #include "skinctl/cycle/apart_definitions.hpp"
 #include "skinctl/cycle/configurations.hpp"
-#include "skinctl/cycle/goal_fault.hpp"
 #include "skinctl/cycle/no_skin.hpp"
 #include "skinctl/cycle/output.hpp"
 #include "skinctl/cycle/scene_parts.hpp"

@@ -1,12 +1,13 @@
 // Promise: a refused goal names its joint or coordinate, with its value and the allowed range
 // Tried: joints beyond a limit, NaN, axes that are no rotation, a duration below zero, a goal that is too fast
 
-#include "skinctl/cycle/goal_fault.hpp"
+#include "skinctl/control/goal_fault.hpp"
 
 #include <doctest/doctest.h>
 
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_operational.hpp"
+#include "skinctl/cycle/cycle.hpp"
 #include "tests/support/scene.hpp"
 
 using namespace skinctl;

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "skinctl/control/velocity_control.hpp"
-#include "skinctl/fusion/detail/blend_goal.hpp"
 #include "skinctl/tracking/joint_space.hpp"
 #include "skinctl/tracking/pose_targets.hpp"
 
@@ -90,17 +89,13 @@ template <class Limits, std::size_t N, Real T>
 [[nodiscard]] GoalFault fault_of(const Limits&, const VelocityGoal<N, T>& goal) noexcept {
   return not_finite("velocity", goal.velocity);
 }
-template <class Limits, class G, std::size_t Terms>
-[[nodiscard]] GoalFault fault_of(const Limits& limits, const BlendGoal<G, Terms>& goal) noexcept {
-  return goal.goal ? fault_of(limits, *goal.goal) : GoalFault{};
-}
 }  // namespace detail
 
 /// The first number of a goal that is out of its range, for a goal that a scene refused: positions beyond the
 /// limits of `scene`'s robot, numbers that are not finite, axes that are no rotation, a negative duration.
 /// None for a goal that is too fast for its law, and for one that no law or skill takes now.
 ///
-/// @param goal  goal of a spline, target, velocity, or blend; of other goals nothing is known.
+/// @param goal  goal of a spline, target or velocity, in a blend its `*goal`; of others nothing is known.
 template <class Scene, class Goal>
 [[nodiscard]] GoalFault goal_fault(const Scene& scene, const Goal& goal) noexcept {
   return detail::fault_of(scene.resolver().limits(), goal);
