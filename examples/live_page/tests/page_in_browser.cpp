@@ -553,7 +553,7 @@ TEST_CASE("The placing page: a patch is dragged onto a link, laid onto its tube,
     for (const char* axis : {"1, 0, 0", "0, 1, 0", "0, 0, 1"}) {
       if (moved) break;
       // Where an arrow's head is on the screen, and its way.
-      const auto at = page.evaluate(
+      const auto arrow = page.evaluate(
           std::string(
               "(() => { const T = skinctl.view.THREE, h = skinctl.handle, c = skinctl.view.camera, r = "
               "skinctl.view.canvas.getBoundingClientRect(); const far = h.position.distanceTo("
@@ -563,15 +563,15 @@ TEST_CASE("The placing page: a patch is dragged onto a link, laid onto its tube,
           axis +
           ").multiplyScalar(s * far)).project(c); return [r.left + (v.x + 1) / 2 * r.width, "
           "r.top + (1 - v.y) / 2 * r.height]; }; return [on(0.8), on(1.3)]; })()");
-      page.mouse("mouseMoved", at[0][0], at[0][1]);
+      page.mouse("mouseMoved", arrow[0][0], arrow[0][1]);
       ::usleep(100'000);
-      page.mouse("mousePressed", at[0][0], at[0][1]);
+      page.mouse("mousePressed", arrow[0][0], arrow[0][1]);
       for (const double s : {0.3, 0.6, 1.0}) {
-        const double x0 = at[0][0], y0 = at[0][1], x1 = at[1][0], y1 = at[1][1];
+        const double x0 = arrow[0][0], y0 = arrow[0][1], x1 = arrow[1][0], y1 = arrow[1][1];
         page.mouse("mouseMoved", x0 + s * (x1 - x0), y0 + s * (y1 - y0));
         ::usleep(60'000);
       }
-      page.mouse("mouseReleased", at[1][0], at[1][1]);
+      page.mouse("mouseReleased", arrow[1][0], arrow[1][1]);
       moved = page.evaluate("JSON.stringify(skinctl.pose.p)") != before;
     }
     CHECK(moved);
