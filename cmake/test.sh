@@ -45,7 +45,7 @@ configuration() {
 }
 
 install_packages build library tests peers benchmark examples dds python ros urdf camera docs ${nightly:+proofs bare_metal platforms playground}
-# GCC frees memory only above 1 GB a file: an eighth less time, at most 3 GB a compiler.
+# GCC frees memory only above 1 GB a file: an eighth less time, some 3 GB a compiler.
 gcc_flags="-DCMAKE_CXX_FLAGS=${SKINCTL_CXX_FLAGS:-} --param=ggc-min-heapsize=1000000"
 # The gate compiles each room once: with Clang's sanitizers what reads bytes, keeps lists or touches cells, the rest with GCC. What
 # computes is compiled as users do as well.

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "skinctl/control/joint_control.hpp"
+#include "skinctl/control/operational_control.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "tests/support/scene.hpp"
@@ -28,6 +29,9 @@ std::string said(const Scene& scene, const Goal& goal) {
   CHECK(scene.step(memory, input).status.has(Reason::goal_refused));
   return in_words(goal_fault(scene, goal));
 }
+Transform<Base, Tool> tool_at_home() {
+  return link_poses(ur5::Model{}, home_position()).get<5>() * Transform<Link<5>, Tool>();
+}
 }  // namespace
 
 TEST_CASE("goal fault: the joint, its value and its range") {
@@ -44,7 +48,7 @@ TEST_CASE("goal fault: the joint, its value and its range") {
         "position of joint 2: 90 rad or m, allowed: -3.14159 to 3.14159");
   CHECK(said(scene, JointGoal<6>{home_with(5, no_number), 1s}) ==
         "position of joint 5: nan rad or m, allowed: -6.28319 to 6.28319");
-  CHECK(said(scene, JointGoal<6>{home_position(), -1s}) == "duration: -1 s, allowed: any positive number");
+  CHECK(said(scene, JointGoal<6>{home_position(), -1s}) == "duration: -1 s, allowed: 0 or more");
   CHECK(said(scene, JointGoal<6>{home_with(0, 3), 1ms}) ==
         "every number is in its range: too fast for the law's largest speed, or no law takes it now");
 
@@ -61,6 +65,10 @@ TEST_CASE("goal fault: the coordinate of a pose") {
   const Cycle scene(robot, SplineOperational<6, 5>(robot, Transform<Link<5>, Tool>()));
   CHECK(said(scene, PoseGoal<Tool>{Transform<Base, Tool>::translation_xyz(0.3, no_number, 0.2), 1s}) ==
         "origin y: nan m, allowed: any finite number");
+  const Cycle target(robot, OperationalControl<6, 5>(robot, Transform<Link<5>, Tool>()));
+  PoseReference<Tool> moving{tool_at_home(), {}, {}};
+  moving.V.angular.y = no_number;
+  CHECK(said(target, moving) == "velocity: nan, allowed: any finite number");
   const Rotation<double> stretched{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   CHECK(said(scene, PoseGoal<Tool>{Transform<Base, Tool>(stretched, {0.3, 0.1, 0.2}), 1s}) ==
         "axes, |R'R - 1|: 3, allowed: 0 to 0.002");

@@ -1,4 +1,4 @@
-// by night: its hundreds of scenes take a front end a minute; scene_parts_test.cpp and group_parts_test.cpp have some of them
+// by night: hundreds of scenes; scene_parts_test.cpp and group_parts_test.cpp have some of them
 // Cycle::with: parts of a scene in one call or in several, in any order, are the same scene.
 //
 // Promise: parts given to `with` in several calls and any order are those of one call

@@ -2,16 +2,20 @@
 //
 // Promise: a goal that is sent anew in each cycle changes nothing, and one that moves slowly is followed
 // Tried: splines of joints and of a tool, springs, targets without velocities; the same goal and one of 0.4
-// rad/s in each of 1000 cycles of 8 ms
+// rad/s in each of 1000 cycles of 8 ms; an arm by position, velocity and torque that is touched, stopped and
+// resumed meanwhile
 
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "skinctl/control/impedance.hpp"
 #include "skinctl/control/joint_control.hpp"
 #include "skinctl/control/spline_operational.hpp"
 #include "skinctl/kinematics/poses.hpp"
+#include "skinctl/testing/plant.hpp"
 #include "tests/support/scene.hpp"
 
 using namespace skinctl;
@@ -105,7 +109,55 @@ auto to_pose(Nanoseconds duration) {
 }
 const auto target = [](double share) { return JointReference<6>{on_the_way(share), {}, {}}; };
 
+/// The planned motion of an arm that does what it is told, with a goal in the first cycle or in each. It is
+/// touched, stopped on the way and resumed.
+template <Interface I>
+std::vector<JointPosition<6>> touched_and_stopped(bool always) {
+  const SceneSettings settings{.decay = I == Interface::torque ? 0.0 : 6.0, .force_gain = 300};
+  const auto scene = make_scene<I, 260, double>(
+      SplineJoint<6>(test_robot<I, double>(settings)) + SkinJointControl{} + GravityControl{}, settings);
+  using Scene = std::remove_const_t<decltype(scene)>;
+  const auto memory = std::make_unique<typename Scene::Memory>();
+  State<6> now{0ns, home_position(), {}};
+  scene.start(*memory, now);
+  std::vector<JointPosition<6>> way;
+  for (int k = 1; k <= 900; ++k) {
+    typename Scene::Input input;
+    input.now = now.time = k * 8ms;
+    input.measured = now;
+    if (always || k == 1) input.goal = {on_the_way(1), 2s};
+    if (k == 60) input.request = CycleRequest::stop;
+    if (k == 120) input.request = CycleRequest::resume;
+    const float force = (k > 150 && k < 220) || (k > 500 && k < 560) ? 0.4f : 0.f;
+    const CellSample touch{.time = input.now, .cell = 100, .force = {force, force, force}};
+    input.samples = {&touch, 1};
+    const auto planned = scene.step(*memory, input).planned;
+    if constexpr (I == Interface::torque) {
+      now = simulate(ur5::Model{}, now, planned.torque, 0.008, 8);
+    } else {
+      now.q = planned.position, now.dq = planned.velocity;
+    }
+    way.push_back(now.q);
+  }
+  return way;
+}
+template <Interface I>
+void check_touched_and_stopped() {
+  const auto once = touched_and_stopped<I>(false), always = touched_and_stopped<I>(true);
+  CHECK(once == always);
+  CHECK(std::fabs(once.back()[0] - on_the_way(1)[0]) < 0.05);
+  double aside = 0;
+  for (const auto& q : once) aside = std::fmax(aside, std::fabs(q[1] - home_position()[1]));
+  CHECK(aside > 0.01);
+}
+
 }  // namespace
+
+TEST_CASE("streamed goals: the same one in each cycle, touched, stopped and resumed, by each interface") {
+  check_touched_and_stopped<Interface::position>();
+  check_touched_and_stopped<Interface::velocity>();
+  check_touched_and_stopped<Interface::torque>();
+}
 
 TEST_CASE("streamed goals: the same one in each cycle gives the commands of one that was sent once") {
   check_same(SplineJoint<6>(robot), to_joints(2s));

@@ -42,6 +42,18 @@ DriverConfig driver_config(const SimulatedUr5& robot) {
   c.connect_timeout = Timeout(2000);
   return c;
 }
+/// A powered robot behind a wire that can be spoiled, and how a driver reaches it.
+struct WiredRobot {
+  SimulatedUr5 robot{robot_config(true)};
+  simulated_ur5::FaultyWire wire{(robot.start(), robot.ports().rtde), true};
+  DriverConfig config = driver_config(robot);
+
+  explicit WiredRobot(Timeout give_up) {
+    config.rtde_port = wire.port();
+    config.robot_patience = Timeout(2000);
+    config.give_up = give_up;
+  }
+};
 /// Holds the arm where it is for so many cycles; the last state.
 Heard hold(Driver& driver, int cycles) {
   skinctl::State<6> state;
@@ -180,19 +192,13 @@ TEST_CASE("UR driver: the program's echo tells the round trip; an older controll
 }
 
 TEST_CASE("UR driver: states that wait are waited for, and the clock goes on meanwhile") {
-  SimulatedUr5 robot(robot_config(true));
-  robot.start();
-  simulated_ur5::FaultyWire wire(robot.ports().rtde, true);
-  auto config = driver_config(robot);
-  config.rtde_port = wire.port();
-  config.robot_patience = Timeout(2000);
-  config.give_up = Timeout(1000);
-  Driver driver(config);
+  WiredRobot wired(1000ms);
+  Driver driver(wired.config);
   driver.connect();
   REQUIRE(hold(driver, 20) == Heard::state);
   const auto begun = driver.clock();
   auto before = begun;
-  wire.set(simulated_ur5::change::stalled(0.3));
+  wired.wire.set(simulated_ur5::change::stalled(0.3));
   skinctl::State<6> state;
   Heard heard = Heard::state;
   int silent = 0;
@@ -214,27 +220,21 @@ TEST_CASE("UR driver: states that wait are waited for, and the clock goes on mea
   CHECK(least_behind < 3ms);              // however late the loop asked for the state that did not come
   CHECK(driver.clock() - begun > 250ms);  // all of them have come
   CHECK(state.time == driver.clock());
-  wire.set(simulated_ur5::change::lost(1));
+  wired.wire.set(simulated_ur5::change::lost(1));
   while (heard != Heard::lost) heard = driver.wait(state);
   CHECK(driver.fault() == Fault::silent);
 }
 
 TEST_CASE("UR driver: the clock does not go back when TCP brings states that waited piece by piece") {
-  SimulatedUr5 robot(robot_config(true));
-  robot.start();
-  simulated_ur5::FaultyWire wire(robot.ports().rtde, true);
-  auto config = driver_config(robot);
-  config.rtde_port = wire.port();
-  config.robot_patience = Timeout(2000);
-  config.give_up = Timeout(450);
+  WiredRobot wired(450ms);
   // At once; longer than the silence that is allowed; in all longer than it is waited for without any state.
   for (const double rest_after : {0.001, 0.1, 0.3}) {
     CAPTURE(rest_after);
-    wire.set(simulated_ur5::Change());
-    Driver driver(config);
+    wired.wire.set(simulated_ur5::Change());
+    Driver driver(wired.config);
     driver.connect();
     REQUIRE(hold(driver, 20) == Heard::state);
-    wire.set(simulated_ur5::change::stalled(0.2, rest_after));
+    wired.wire.set(simulated_ur5::change::stalled(0.2, rest_after));
     auto before = driver.clock();
     skinctl::Nanoseconds back{};
     int silent = 0;
@@ -254,20 +254,14 @@ TEST_CASE("UR driver: the clock does not go back when TCP brings states that wai
 }
 
 TEST_CASE("UR driver: a robot whose clock stood is believed after the silence that is allowed") {
-  SimulatedUr5 robot(robot_config(true));
-  robot.start();
-  simulated_ur5::FaultyWire wire(robot.ports().rtde, true);
-  auto config = driver_config(robot);
-  config.rtde_port = wire.port();
-  config.robot_patience = Timeout(2000);
-  config.give_up = Timeout(1000);
-  Driver driver(config);
+  WiredRobot wired(1000ms);
+  Driver driver(wired.config);
   driver.connect();
   REQUIRE(hold(driver, 20) == Heard::state);
-  wire.set(simulated_ur5::change::lost(1));
+  wired.wire.set(simulated_ur5::change::lost(1));
   skinctl::State<6> state;
   for (int k = 0; k < 25; ++k) REQUIRE(driver.wait(state) == Heard::silent);  // 200 ms
-  wire.set(simulated_ur5::change::clock_back(0.15));
+  wired.wire.set(simulated_ur5::change::clock_back(0.15));
   Heard heard = Heard::silent;
   int silent = 0;
   for (; heard == Heard::silent && silent < 30; ++silent) heard = driver.wait(state);

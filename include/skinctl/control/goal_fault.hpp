@@ -53,7 +53,13 @@ template <class Pose>
   for (const auto& [quantity, x] : places)
     if (!std::isfinite(x)) return {quantity, "m", -1, x, -any_number, any_number};
   const double error = double(rotation_error(X.axes()));  // targets are checked more finely: see `allows`
-  if (!(error <= 2e-3)) return {"axes, |R'R - 1|", "", -1, error, 0, 2e-3};
+  if (!(error <= worst_goal_axes)) return {"axes, |R'R - 1|", "", -1, error, 0, worst_goal_axes};
+  return {};
+}
+template <class Motion>
+[[nodiscard]] GoalFault motion_fault(const char* quantity, const Motion& m) noexcept {
+  for (const auto& x : {m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z})
+    if (!std::isfinite(double(x))) return {quantity, "", -1, double(x), -any_number, any_number};
   return {};
 }
 [[nodiscard]] inline GoalFault first_of(const GoalFault& a, const GoalFault& b) noexcept {
@@ -83,7 +89,8 @@ template <class Limits, Frame P, Scalar T>
 }
 template <class Limits, Frame P, Scalar T>
 [[nodiscard]] GoalFault fault_of(const Limits&, const PoseReference<P, T>& goal) noexcept {
-  return pose_fault(goal.X_BP);
+  return first_of(pose_fault(goal.X_BP),
+                  first_of(motion_fault("velocity", goal.V), motion_fault("acceleration", goal.A)));
 }
 template <class Limits, std::size_t N, Real T>
 [[nodiscard]] GoalFault fault_of(const Limits&, const VelocityGoal<N, T>& goal) noexcept {
@@ -109,8 +116,8 @@ template <class Scene, class Goal>
   if (f.joint >= 0) std::snprintf(of, sizeof of, " of joint %d", f.joint);
   const char* gap = *f.unit == '\0' ? "" : " ";
   if (f.upper == detail::any_number) {
-    std::snprintf(text, sizeof text, "%s%s: %.6g%s%s, allowed: any %snumber", f.quantity, of, f.value, gap,
-                  f.unit, f.lower == 0 ? "positive " : "finite ");
+    std::snprintf(text, sizeof text, "%s%s: %.6g%s%s, allowed: %s", f.quantity, of, f.value, gap, f.unit,
+                  f.lower == 0 ? "0 or more" : "any finite number");
   } else {
     std::snprintf(text, sizeof text, "%s%s: %.6g%s%s, allowed: %.6g to %.6g", f.quantity, of, f.value, gap,
                   f.unit, f.lower, f.upper);

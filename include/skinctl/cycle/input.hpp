@@ -39,7 +39,8 @@ struct OptionalGoal : std::optional<Goal> {
 /// The addition of laws that take goals to the input.
 template <class Goal>
 struct GoalInput {
-  /// Goal, or next sample of a moving target, for this cycle. The same goal in each cycle changes nothing.
+  /// Goal, or next sample of a moving target, for this cycle. The same goal of a law in each cycle changes
+  /// nothing; a request to a set of skills is carried out each time.
   OptionalGoal<Goal> goal;
 };
 template <>

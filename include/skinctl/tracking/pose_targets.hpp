@@ -58,6 +58,11 @@ template <class Robot, class... Lighter>
   return {.tracking = tracking_settings(robot, lighter...)};
 }
 
+namespace detail {
+/// Largest `rotation_error` of a goal's axes: those of a pose that a person or a file gives with three digits.
+inline constexpr double worst_goal_axes = 2e-3;
+}  // namespace detail
+
 /// A goal pose of a frame and the time to reach it. Refused if its axes are no rotation to three digits.
 template <Frame P, Scalar T = double>
 struct PoseGoal {
@@ -96,13 +101,11 @@ class PoseTargets {
   [[nodiscard]] static bool stands(const Reference& r) noexcept {
     return dot(r.V.linear, r.V.linear) == T(0) && dot(r.V.angular, r.V.angular) == T(0);
   }
-  /// Largest `rotation_error` of a goal's axes: those of a pose that a person or a file gives with three
-  /// digits.
-  static constexpr T worst_goal_axes = T(2e-3);
   /// Shortest time from `from` to `goal` within the largest velocities [s]; NaN or infinite if the goal is
   /// not finite, or its axes are no rotation.
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
-    if (!(rotation_error(goal.X_BP.axes()) <= worst_goal_axes)) return std::numeric_limits<T>::quiet_NaN();
+    if (!(rotation_error(goal.X_BP.axes()) <= T(detail::worst_goal_axes)))
+      return std::numeric_limits<T>::quiet_NaN();
     const T way = norm(Xyz<T>(goal.X_BP.origin() - from.origin()));
     const T turn = What == TaskSpace::pose ? norm(log_so3(goal.X_BP.axes() * from.axes().transpose())) : T(0);
     const T a = shortest_spline_time(way, s.max_linear_velocity);

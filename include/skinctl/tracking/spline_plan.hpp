@@ -2,6 +2,8 @@
 // A static goal, reached along a spline, sections 4.2.4 and 4.2.5.
 #pragma once
 
+#include <limits>
+
 #include "skinctl/law/evaluate.hpp"
 #include "skinctl/tracking/settings.hpp"
 #include "skinctl/trajectory/plan_clock.hpp"
@@ -20,6 +22,11 @@ struct SplinePlan {
   /// Slowest pace of a plan that waits, as a share of its full one: a plan held back by joints' droop still
   /// ends.
   static constexpr double slowest = 0.1;
+  /// Longest time between goals that are samples of one motion, over `target_age`: one may be lost.
+  static constexpr int sample_gap = 2;
+  /// Largest step of the reference's velocity at a sample, as a share of the largest velocity; a larger one
+  /// is ramped out as at a new goal.
+  static constexpr double smooth_step = 0.02;
 
   typename Space::Spline spline;
   PlanClock<T> clock;
@@ -31,23 +38,23 @@ struct SplinePlan {
                                                                     const Settings&) noexcept {
     return {Space::spline(at, at, T(0)), {}};
   }
-  /// Whether goals come one after the other, as samples: the last one is not older than twice `target_age`.
+  /// Whether goals come one after the other, as samples of a motion.
   [[nodiscard]] bool is_streamed(const Settings& s) const noexcept {
-    return heard <= 2 * Space::tracking(s).target_age;
+    return heard <= sample_gap * Space::tracking(s).target_age;
   }
   /// Whether `goal` is the one that the plan leads to already, or that it is sent again and again.
   [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {
-    return goal.duration == asked && Space::where_of(spline.at(T(1e9))) == Space::place(goal) &&
+    return goal.duration == asked &&
+           Space::where_of(spline.at(std::numeric_limits<T>::infinity())) == Space::place(goal) &&
            (is_streamed(s) || !Space::stands(at(T(0), s)));
   }
-  /// Whether the reference goes on from that of `before` without a step of its velocity: one of 2 % of the
-  /// largest speed is none.
+  /// Whether the reference goes on from that of `before` without a step of its velocity.
   [[nodiscard]] bool goes_on_from(const SplinePlan& before, const Settings& s) const noexcept {
     const T x = seconds<T>(Space::tracking(s).dt);
     const auto soon = [&](const SplinePlan& plan) {
       return Space::ahead(Space::drifting(plan.at(T(0), s)), x);
     };
-    return Space::slowness(Space::distance(soon(*this), soon(before)), s) <= T(0.02) * x;
+    return Space::slowness(Space::distance(soon(*this), soon(before)), s) <= T(smooth_step) * x;
   }
   /// The reference `x` seconds from now.
   [[nodiscard]] SKINCTL_INLINE typename Space::Reference at(const T& x, const Settings& s) const noexcept {

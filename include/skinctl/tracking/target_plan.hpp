@@ -21,6 +21,8 @@ struct TargetPlan {
   using Where = typename Space::Where;
   static constexpr bool streams = true, reacts = false, is_movable = true;
   static constexpr const char* name = Space::name;  ///< name of the law
+  /// Longest time between samples whose way is one motion's, in intervals `dt`: a few cycles may be late.
+  static constexpr int longest_gap = 4;
 
   Goal target;
   PlanClock<T> clock;  ///< time since the target was received
@@ -52,10 +54,10 @@ struct TargetPlan {
     return next;
   }
   /// Whether `goal` is within the distance from this target that the largest speed covers since the last one
-  /// was received, from one to four times the settings' `dt`.
+  /// was received, from `dt` of the settings to `longest_gap` times that.
   [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {
     const T dt = seconds<T>(Space::tracking(s).dt), gone = seconds<T>(clock.own);
-    const T time = gone < dt ? dt : (gone > T(4) * dt ? T(4) * dt : gone);
+    const T most = T(longest_gap) * dt, time = gone < dt ? dt : (gone > most ? most : gone);
     return Space::slowness(Space::distance(goal, at(T(0), s)), s) <= time;
   }
   /// The plan, unchanged, whether the skin pushes against the law or not: the clock of a target from outside
