@@ -91,7 +91,8 @@ std::vector<std::uint32_t> cells_of(const Scene& scene) {
 }
 
 /// The receiver as a source of samples on the robot's clock. Of the cycles that a silent robot owes, which
-/// run at once, only the last asks for any: the others are of a time before the samples that have come.
+/// run at once, only the last asks for any: the others are of a time before the samples that have come. So is
+/// the cycle of a state that is late.
 struct SkinOnRobotClock {
   static constexpr Nanoseconds behind = 5ms;  ///< so far the cycle's time may lag
   adapters::skin::Receiver& receiver;

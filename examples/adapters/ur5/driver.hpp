@@ -113,9 +113,10 @@ class Driver {
   /// The robot's clock at the newest report, in whole microseconds, and a period later for each wait since
   /// that ended without one.
   [[nodiscard]] skinctl::Nanoseconds clock() const noexcept;
-  /// The robot's clock now: at the newest report, and after a wait that ended without one as much later as
-  /// this computer's has gone on since it came. Between `silence` and the cycles that it owes, `clock()` is
-  /// behind this one. What sensors send is compared with it: against a clock that lags they would run ahead.
+  /// The robot's clock now: the stamp of the newest report, and as much later as it came later than the
+  /// fastest of the last 30 to 60 ms; after a wait that ended without one also as this computer's clock has
+  /// gone on since. `clock()` is behind this one at a late report, and between `silence` and the cycles that
+  /// it owes. What sensors send is compared with this one: against a clock that lags they would run ahead.
   [[nodiscard]] skinctl::Nanoseconds clock_now() const noexcept;
   /// Version of the controller, as it says.
   [[nodiscard]] const Version& controller() const noexcept { return rtde_.version(); }
@@ -152,6 +153,8 @@ class Driver {
   [[nodiscard]] bool is_state(const Package& package, Report& report) const noexcept;
   [[nodiscard]] Fault halted() noexcept;
   [[nodiscard]] bool clocks_agree() noexcept;
+  void time_state() noexcept;
+  [[nodiscard]] skinctl::Nanoseconds stamp() const noexcept;
   bool take(const Package& first) noexcept;
   [[nodiscard]] std::string explanation() const;
   skinctl::Heard fail(Fault fault, const std::string& detail = {}) noexcept;
@@ -167,9 +170,13 @@ class Driver {
   std::uint64_t nonsense_ = 0, stood_ = 0;
   std::array<double, 6> sent_{}, sent_before_{};  ///< the last two commands
   bool running_ = false;
-  int silent_waits_ = 0;                                  ///< ended without a state, since the last one
-  std::chrono::steady_clock::time_point waits_since_{};   ///< for the state that is missing
-  std::chrono::steady_clock::time_point heard_at_{};      ///< the newest state
+  int silent_waits_ = 0;                                 ///< ended without a state, since the last one
+  std::chrono::steady_clock::time_point waits_since_{};  ///< for the state that is missing
+  std::chrono::steady_clock::time_point heard_at_{};     ///< the newest state
+  /// The robot's clock less this computer's, by the fastest state since `fastest_since_`, and before.
+  skinctl::Nanoseconds fastest_{}, fastest_before_{};
+  std::chrono::steady_clock::time_point fastest_since_{};
+  skinctl::Nanoseconds late_{};  ///< how much later than the fastest the newest state came
   std::uint64_t nonsense_before_ = 0, stood_before_ = 0;  ///< when that wait began
   bool playing_ = false;                                  ///< our program has been seen to run
   double started_ = 0, slider_up_ = 0, finite_at_ = 0;    ///< by the controller's clock [s]

@@ -15,6 +15,8 @@ constexpr double program_starts = 1;  // until our program is seen to run [s]
 constexpr auto window = std::chrono::milliseconds(250);  // over which the clocks are compared
 constexpr int windows = 3;                               // in a row that must disagree
 constexpr int most_reads = 64;                           // of the states that have waited, at once
+constexpr auto fastest_of =
+    std::chrono::milliseconds(30);  // and as long before: states that tell what is in time
 
 /// What comes after a silence. TCP brings it piece by piece, and the first of it is of a time that the loop has
 /// left behind: newer states are waited for, and where they stop again the silence goes on. A robot whose clock
@@ -156,6 +158,7 @@ Heard Driver::wait(skinctl::State<6>& state) noexcept {
     }
   }
   heard_at_ = Clock::now();
+  time_state();
   if (silent_waits_ > 0)
     window_ = Clock::now(), window_stamp_ = report_.timestamp;  // states came late, all at once
   silent_waits_ = 0;
@@ -203,16 +206,34 @@ void Driver::take_echo() noexcept {
   round_trip_ = std::chrono::duration<double>(Clock::now() - at).count();
 }
 
-skinctl::Nanoseconds Driver::clock() const noexcept {
+/// How late the newest state is. TCP keeps all back that comes behind a packet which is lost or overtaken, so
+/// the newest may be as old as that took; a way that has become longer is the way soon. After a silence
+/// nothing is known.
+void Driver::time_state() noexcept {
+  const skinctl::Nanoseconds ahead = stamp() - heard_at_.time_since_epoch();
+  const auto since = heard_at_ - fastest_since_;
+  if (since >= fastest_of) {
+    fastest_before_ = since >= 2 * fastest_of ? ahead : fastest_;
+    fastest_ = ahead;
+    fastest_since_ = heard_at_;
+  }
+  fastest_ = std::max(fastest_, ahead);
+  late_ = config_.real_time ? std::max(fastest_, fastest_before_) - ahead : skinctl::Nanoseconds(0);
+}
+
+skinctl::Nanoseconds Driver::stamp() const noexcept {
   // Whole microseconds: a double of seconds after a boot long ago is not much finer, and equal intervals stay
   // equal.
-  return skinctl::nanoseconds(report_.timestamp * 1e-3) * 1000 +
-         silent_waits_ * skinctl::nanoseconds(1 / config_.rate);
+  return skinctl::nanoseconds(report_.timestamp * 1e-3) * 1000;
+}
+
+skinctl::Nanoseconds Driver::clock() const noexcept {
+  return stamp() + silent_waits_ * skinctl::nanoseconds(1 / config_.rate);
 }
 
 skinctl::Nanoseconds Driver::clock_now() const noexcept {
-  if (silent_waits_ == 0) return clock();
-  return skinctl::nanoseconds(report_.timestamp * 1e-3) * 1000 + (Clock::now() - heard_at_);
+  const skinctl::Nanoseconds at_report = stamp() + late_;
+  return silent_waits_ == 0 ? at_report : at_report + (Clock::now() - heard_at_);
 }
 
 bool Driver::send(skinctl::Interface interface, const double (&numbers)[6]) noexcept {
