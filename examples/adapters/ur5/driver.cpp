@@ -72,6 +72,7 @@ void Driver::connect() {
   }
   started_ = slider_up_ = finite_at_ = window_stamp_ = report_.timestamp;
   window_ = heard_at_ = Clock::now();
+  fastest_since_ = {}, late_ = {};  // a controller that was restarted counts anew
   running_ = true;
 }
 

@@ -15,8 +15,9 @@ constexpr double program_starts = 1;  // until our program is seen to run [s]
 constexpr auto window = std::chrono::milliseconds(250);  // over which the clocks are compared
 constexpr int windows = 3;                               // in a row that must disagree
 constexpr int most_reads = 64;                           // of the states that have waited, at once
-constexpr auto fastest_of =
-    std::chrono::milliseconds(30);  // and as long before: states that tell what is in time
+// One of the states of so long, or of as long before, came in time: four come at 125 Hz, and an overtaken
+// packet keeps back fewer. Cells may be silent for longer.
+constexpr auto fastest_of = std::chrono::milliseconds(30);
 
 /// What comes after a silence. TCP brings it piece by piece, and the first of it is of a time that the loop has
 /// left behind: newer states are waited for, and where they stop again the silence goes on. A robot whose clock
@@ -207,8 +208,8 @@ void Driver::take_echo() noexcept {
 }
 
 /// How late the newest state is. TCP keeps all back that comes behind a packet which is lost or overtaken, so
-/// the newest may be as old as that took; a way that has become longer is the way soon. After a silence
-/// nothing is known.
+/// the newest may be as old as that took; a way that has become longer is the way soon, which `ClockOffset`
+/// would find after a second. After a silence nothing is known.
 void Driver::time_state() noexcept {
   const skinctl::Nanoseconds ahead = stamp() - heard_at_.time_since_epoch();
   const auto since = heard_at_ - fastest_since_;
