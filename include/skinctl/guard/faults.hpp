@@ -141,7 +141,8 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
     {Reason::energy_held, "energy_held", FaultFinder::resolver, Reaction::hold, Reaction::none,
      WayBack::by_itself, "to move on into a contact would cost more energy than it gave: held"},
     {Reason::stopping, "stopping", FaultFinder::resolver, Reaction::stop, Reaction::stop, WayBack::on_request,
-     "a stop was asked for: brakes and holds; by torque a push still moves the arm, damped"},
+     "a stop was asked for: brakes and holds; by torque with 0.2 of each limit, so that a person can still "
+     "move the arm"},
     {Reason::skin_unheard, "skin_unheard", FaultFinder::skin, Reaction::report, Reaction::report,
      WayBack::by_itself, "the skin has not been heard yet: see its watch"},
     {Reason::skin_blind, "skin_blind", FaultFinder::skin, Reaction::report, Reaction::report,

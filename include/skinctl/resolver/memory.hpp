@@ -60,8 +60,10 @@ struct VirtualGroups<T, History, std::tuple<Groups...>> {
 template <std::size_t N, Real T, bool HasTank>
 struct DrivenMemory {
   struct NoTank {};
-  OwnTorque<N, T> own;       ///< the laws' torque in the last cycle [N m]
-  JointTorque<N, T> torque;  ///< the torque that was sent last [N m]
+  OwnTorque<N, T> own;        ///< the laws' torque in the last cycle [N m]
+  JointTorque<N, T> torque;   ///< the torque that was sent last [N m]
+  JointPosition<N, T> stood;  ///< measured position at which a stopped robot is held [rad]
+  T stopped = 0;              ///< time since a stop began [s]
   [[no_unique_address]] std::conditional_t<HasTank, typename EnergyTank<T>::template Held<N>, NoTank> tank;
 };
 template <Real T, bool HasTank>

@@ -72,7 +72,7 @@ struct Resolved {
 /// inertia: that of the motors. A torque acts the loop's delay D late, so friction that would stop a motion
 /// in less time would shake it: it is `(B^-1 + D M^-1)^-1 dq`. Positions and velocities are not limited here.
 /// During a stop, and if the law's torque is not finite, gravity is compensated, and friction brakes with
-/// `0.3 M dq / D` at least; while the state is stale gravity only, as the velocity is unknown.
+/// `0.3 M dq / D` at least; then a stop holds: see `held_in_place`. While the state is stale gravity only.
 ///
 /// To the virtual robot (s) the joints by torque (d) are a load that moves as measured:
 /// `M_ss dv = tau_s - (C v)_s - G_s - B v - M_sd ddq_d`, with v of all joints, and `ddq_d` the change of the

@@ -64,7 +64,7 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     Torque gravity;        ///< torque that holds the weight [N m]
     Torque port;           ///< torque of the contacts [N m]
     DrivenTorque resists;  ///< friction that is added [N m]
-    DrivenTorque brakes;   ///< braking torque where no law is asked, friction included [N m]
+    DrivenTorque brakes;   ///< torque that brakes and holds where no law is asked, friction included [N m]
     DrivenTorque passive;  ///< torque for which a tank does not pay [N m]
     DrivenTorque given;    ///< torque that is sent [N m]
     /// Torque that the motion of the base adds; in `gravity`, too [N m].
@@ -121,11 +121,17 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
             Driven::of(this->torque_of_base(m, begun.stale ? State<joints, T>{now.time, now.q, {}} : now));
         Driven::put(Driven::of(load.gravity) + load.base, load.gravity);
       }
-      // An old velocity is no basis for braking.
+      // An old velocity is no basis for braking, and an old position none for holding.
       if (!begun.stale) {
         const auto resistance = this->resistance(now);
         load.resists = resistance.friction, load.brakes = resistance.brakes;
+        if (m.stop) [[unlikely]] {
+          m.driven.stopped += dt;
+          load.brakes -= this->hold(now, m.driven);
+        }
       }
+      if (!m.stop) [[likely]]
+        m.driven.stopped = T(0);
       if constexpr (has_tank) {
         // The stiff joints draw from the same tank afterwards.
         const auto& tank = passivity_.template get<EnergyTank<T>>();

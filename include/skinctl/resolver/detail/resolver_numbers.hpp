@@ -166,16 +166,15 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
     Resistance out;
     if constexpr (has_driven) {
       const auto mass = real_mass(s.q);
-      const T delay = seconds<T>(driven_delay_ + driven_lag_ + 3 * period_ / 2);  // D
+      const T delay = late();
       if (has_friction_) out.friction = held_friction<Driven>(shape_.viscous, mass, s.dq, delay);
       const DrivenTorque hardest = momentum_of<Driven>(mass, s.dq) * T(T(1) / delay);
       out.brakes = out.friction + T(brake_share) * (hardest - out.friction);
     }
     return out;
   }
-  /// Braking of joints by torque where no law is asked, over the hardest damping that does not shake them,
-  /// `M dq / D`: that of the default gain of tracking by torque.
-  static constexpr double brake_share = 0.3;
+  /// D: the time from a measurement to the middle of the torque that answers it [s].
+  [[nodiscard]] T late() const noexcept { return seconds<T>(driven_delay_ + driven_lag_ + 3 * period_ / 2); }
   /// The virtual robot's torque within its limits, along the motion that `tau` asks for; with Coriolis
   /// forces: at full speed they are as large as what is left of a light joint's torque.
   [[nodiscard]] SKINCTL_COLD Torque limited(const State<joints, T>& now, const Torque& tau) const noexcept {

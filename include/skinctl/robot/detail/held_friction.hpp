@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Friction by a torque that answers a measured speed late.
+// Friction, braking and holding by a torque that answers a measurement late.
 #pragma once
 
 #include "skinctl/core/joint_subset.hpp"
@@ -33,6 +33,43 @@ template <class S, std::size_t N, Real T>
   factors.solve(p.data, after);
   for (std::size_t i = 0; i < n; ++i) drag[i] = b[S::index[i]] * after[i];
   return drag;
+}
+
+/// Braking of joints by torque where no law is asked, over the hardest damping that does not shake them,
+/// `M dq / D`: that of the default gain of tracking by torque.
+inline constexpr double brake_share = 0.3;
+/// Time in which a robot that is stopped only brakes, over D: a hundredth of its speed is left.
+inline constexpr double brake_delays = 15;
+/// Largest torque that holds a stopped joint, over its limit: at the tool of an FR3 some 25 N, less than a
+/// hand gives and than ISO/TS 15066 allows on most of a body, more than a gripper weighs.
+inline constexpr double hold_share = 0.2;
+
+/// The torque that holds the stopped joints of `S`, at `q`, where they stood [N m]: `(c/2)^2 M (stood - q)`
+/// with `c = brake_share / D`, a spring that the braking `c M dq` damps critically. Where it would be more
+/// than `hold_share` of a limit, `stood` is moved towards the robot, as by dry friction: who is held down can
+/// free himself, and it never flies back.
+/// @param mass    mass matrix of all joints.
+/// @param limits  largest torques of all joints [N m].
+/// @param delay   D, as of `held_friction` [s].
+template <class S, std::size_t N, Real T>
+[[nodiscard]] SKINCTL_COLD JointTorque<S::count, T> held_in_place(
+    const MassMatrix<N, T>& mass, const JointTorque<N, T>& limits, const JointPosition<N, T>& q,
+    const T& delay, JointPosition<S::count, T>& stood) noexcept {
+  const T rate = T(brake_share / 2) / delay;
+  JointVelocity<N, T> back;
+  for (std::size_t i = 0; i < S::count; ++i) back[S::index[i]] = rate * (stood[i] - q[S::index[i]]);
+  JointTorque<S::count, T> held = momentum_of<S>(mass, back);
+  T share(1);
+  for (std::size_t i = 0; i < S::count; ++i) {
+    held[i] *= rate;
+    const T most = T(hold_share) * limits[S::index[i]], size = held[i] < T(0) ? -held[i] : held[i];
+    if (share * size > most) share = most / size;
+  }
+  for (std::size_t i = 0; i < S::count; ++i) {
+    held[i] *= share;
+    if (share < T(1)) stood[i] = q[S::index[i]] + share * (stood[i] - q[S::index[i]]);
+  }
+  return held;
 }
 
 }  // namespace detail
