@@ -37,6 +37,9 @@ template <Real T>
 [[nodiscard]] SKINCTL_INLINE constexpr T magnitude(const T& x) noexcept {
   return x < T(0) ? T(-x) : x;
 }
+/// A number whose square is denormal; one below counts as zero, as denormal numbers are slow.
+template <Real T>
+inline const T dust = T(std::same_as<T, float> ? 1e-17 : 1e-150);
 }  // namespace detail
 
 /// The real number inside a scalar: `double` for `double` and for `Lane<double, 4>`.

@@ -13,11 +13,11 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// Calls `f` with 64 poses within +-pi.
-template <std::size_t N, Real T, class F>
-SKINCTL_COLD void each_of_64_poses(F&& f) {
+/// Calls `f` with `Poses` poses within +-pi, the same each time.
+template <int Poses, std::size_t N, Real T, class F>
+SKINCTL_COLD void each_pose(F&& f) {
   std::uint64_t bits = 1;
-  for (int pose = 0; pose < 64; ++pose) {
+  for (int pose = 0; pose < Poses; ++pose) {
     JointPosition<N, T> q;
     for (T& angle : q) {
       bits = bits * 6364136223846793005u + 1442695040888963407u;
@@ -31,7 +31,7 @@ SKINCTL_COLD void each_of_64_poses(F&& f) {
 template <std::size_t N, Real T, class F>
 [[nodiscard]] SKINCTL_COLD T smallest_in_all_poses(const T& from, const F& matrices_of) {
   T found = from;
-  each_of_64_poses<N, T>([&](const JointPosition<N, T>& q) {
+  each_pose<64, N, T>([&](const JointPosition<N, T>& q) {
     if (!(found <= T(1e6))) return;
     const auto is_enough = matrices_of(q);
     T low = found, high = T(1.001) * found;
@@ -64,7 +64,7 @@ template <RobotModel M, Real T>
                                                                     const JointTorque<M::joints, T>& rotors) {
   InertiaRange<M::joints, T> out{JointTorque<M::joints, T>::constant(std::numeric_limits<T>::infinity()),
                                  rotors};
-  detail::each_of_64_poses<M::joints, T>([&](const JointPosition<M::joints, T>& q) {
+  detail::each_pose<64, M::joints, T>([&](const JointPosition<M::joints, T>& q) {
     const auto mass = mass_matrix(model, q);
     for (std::size_t i = 0; i < M::joints; ++i) {
       const T inertia = mass(i, i) + rotors[i];

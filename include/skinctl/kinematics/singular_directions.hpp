@@ -19,6 +19,11 @@ struct SingularDirection<Jacobian<M, Columns, Body, Body, Base, T>, What> {
 };
 
 namespace detail {
+/// Singular value below which a direction counts as singular [m/rad]: the frame follows at 3 cm/s a rad/s.
+inline constexpr double singular_zone = 0.03;
+/// Time constant of motions that begin or end next to a singularity [s]: some cycles, so that none jerks.
+inline constexpr double singular_lag = 0.03;
+
 /// The K eigenvectors of the smallest eigenvalues, by a few steps of inverse iteration; false if A is not
 /// finite.
 template <std::size_t K, std::size_t N, Real T>

@@ -31,8 +31,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// d, that is `v <= sqrt(a^2 T^2 + 2 a (d - d0)) - a T`, with the margin d0, the deceleration a, and T until
 /// braking begins. Two robots of which each keeps clear of the space `occupied` by the other until it stands,
 /// and that decide in turn, may always go on braking within what the other left free; so the space that a
-/// robot may fill stays clear of that of the other by a quarter of the margin, and it slows down beside it.
-/// Where the two are nearer already, only coming nearer is refused.
+/// robot may fill stays clear of that of the other by a quarter of the margin; nearer, neither may approach.
 ///
 /// **A robot that does not follow**, because something holds or pushes it, stands off its commands
 /// (`stand_off`). Then the same holds for both positions; deviations up to a tenth of the margin are ignored.
@@ -42,7 +41,7 @@ class ClearanceLimits {
   static constexpr std::size_t joints = M::joints, around = Around;
   using scalar = T;
   static constexpr std::size_t max_pairs = Clearances<M, T, Around>::max_pairs;
-  static constexpr int looks = 6;  ///< number of positions that are checked along a way to stop
+  static constexpr int looks = 6;  ///< positions that are checked along a way to stop; fewer: less speed
   using Kind = Clearance;
   static constexpr Precedence precedence = Precedence::clearance;
   static constexpr Reason reason = Reason::clearance_kept;
@@ -105,7 +104,7 @@ class ClearanceLimits {
       const T sum = o.shape.from.x + o.shape.from.y + o.shape.from.z + o.shape.to.x + o.shape.to.y +
                     o.shape.to.z + o.shape.radius;
       m.blind = m.blind || !(sum - sum == T(0)) || !(o.shape.radius >= T(0)) || !(o.approach >= T(0)) ||
-                !(o.approach <= T(100));
+                !(o.approach <= T(largest_approach));
     }
   }
   /// Takes the obstacles from the input of a cycle, as a limit of a scene.
@@ -231,8 +230,9 @@ class ClearanceLimits {
  private:
   friend Here;
   static constexpr double spare = 1e-4;  ///< distance kept beyond the margin: braking is planned in steps [m]
-  static constexpr double off_from = 0.1;  ///< share of the margin up to which a deviation is ignored
-  static constexpr int halvings = 12;      ///< steps of the bisection for a share of a motion: known to 2^-12
+  static constexpr double off_from = 0.1;          ///< share of the margin up to which a deviation is but lag
+  static constexpr double largest_approach = 100;  ///< speed of obstacles, beyond which units are wrong [m/s]
+  static constexpr int halvings = 12;  ///< steps of the bisection for a share of a motion: known to 2^-12
 
   /// The deceleration of joint `i` in plans [rad/s^2]: a little less than it brakes with, for rounding.
   [[nodiscard]] SKINCTL_INLINE T brake(std::size_t i) const noexcept {

@@ -44,13 +44,12 @@ inline constexpr bool distinct_links =
 /// For each of these links, with the commanded joint velocities u:
 /// - **Before a contact.** No point of the link is faster than `v = |v_o| + |w| reach`, v_o of its origin,
 ///   and no impact, in any direction n, has more energy than the robot: m_n v_n^2 <= e = u'Mu. So no
-/// transient
-///   force exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin detects
-///   nobody, the speed of separation is allowed if it is higher. With `cells` it is the largest `v_n sqrt(k
-///   mu)` of the cells that move outwards with v_n, mu reduced from the mass felt at the cell, `1/(u'J M^-1
-///   J'u)`, and m_H: what no cell covers is not counted. With `deceleration` a the robot reacts instead of
-///   being slowed for its mass: v is allowed if it comes to rest from it before the region is pressed with
-///   F_t, `k v reaction + k v^2 / (2 a) <= F_t`.
+///   transient force exceeds `sqrt(k e m_H v^2 / (e + m_H v^2))`, which is kept below F_t. Where the skin
+///   detects nobody, the speed of separation is allowed if it is higher. With `cells` it is the largest
+///   `v_n sqrt(k mu)` of the cells that move outwards with v_n, mu reduced from the mass felt at the cell,
+///   `1/(u'J M^-1 J'u)`, and m_H: what no cell covers is not counted. With `deceleration` a the robot reacts
+///   instead of being slowed for its mass: v is allowed if it comes to rest from it before the region is
+///   pressed with F_t, `k v reaction + k v^2 / (2 a) <= F_t`.
 /// - **During a contact** with F, the push of all contacts on the link within 60 degrees of this one: the
 ///   effective mass along F is `|F|^2 / (tau' M^-1 tau)`, `tau = J'F`, and `-tau.u / |F|` the speed into the
 ///   contact, which is kept below `sqrt((F_t^2 - F^2) / (mu k))` (the energy that the region can still take),
@@ -148,7 +147,7 @@ class ContactLimits {
         Xyz<T> push{T(0), T(0), T(0)};
         JointTorque<joints, T> tau;  // a contact whose normal is unknown stands alone
         for (const auto& d : contacts) {
-          if (&d != &c && (d.link != i || !(dot(c.normal, d.normal) >= T(0.5)))) continue;
+          if (&d != &c && (d.link != i || !(dot(c.normal, d.normal) >= T(same_side)))) continue;
           push = push + d.force * d.normal;
           for (std::size_t j = 0; j < joints; ++j) tau[j] = tau[j] - at_[k].newton * d.force * d.row[j];
         }
@@ -204,6 +203,7 @@ class ContactLimits {
     }
   };
 
+  static constexpr double same_side = 0.5;  ///< cosine between normals of contacts that are one push: 60 deg
   static SKINCTL_INLINE T length(const Xyz<T>& x) noexcept {
     using std::sqrt;
     return sqrt(dot(x, x));

@@ -38,17 +38,19 @@ struct FeltPlaces {
   using Kind = FeltPlacesLimit;
   static constexpr std::size_t no_wrist = ~std::size_t(0);
   std::vector<CellPlace> places;  ///< places of the touch's cells, in their order
-  double force = 65;              ///< greatest force on a body that a place meets [N]
-  double stiffness = 0;           ///< k, stiffness of the body with the skin's cover [N/m]; 0: not declared
+  double force = 65;     ///< greatest force on a body that a place meets [N]; 65: of ISO/TS 15066, for a face
+  double stiffness = 0;  ///< k, stiffness of the body with the skin's cover [N/m]; 0: not declared
   /// Largest speed of a place with F_s = 0, where no stiffness is declared [m/s]; of others it goes with
-  /// `force` less F_s.
+  /// `force` less F_s. 0.25: the reduced speed of ISO 10218-1.
   double speed = 0.25;
-  double deceleration = 5;       ///< a, deceleration of a place along its normal [m/s^2]
-  Nanoseconds reaction = 40ms;   ///< T, time from the push to the beginning of braking
+  /// a, deceleration of a place along its normal [m/s^2]. 5: of 0.5 m from its joint, at 10 rad/s^2.
+  double deceleration = 5;
+  /// T, time from the push to the beginning of braking. 40 ms: three cycles at 125 Hz, and a skin's samples.
+  Nanoseconds reaction = 40ms;
   double newtons = 0;            ///< force per unit of a cell's reading [N]; required, > 0
   std::vector<double> motors{};  ///< torque of each joint that its motor notices [N m]; empty: none
   std::size_t wrist = no_wrist;  ///< link behind a wrist sensor, which senses for all links that it carries
-  double wrist_force = 5;        ///< least force that the wrist sensor notices [N]
+  double wrist_force = 5;  ///< least force that the wrist sensor notices [N]; 5: beyond drift, with a payload
 };
 
 /// `FeltPlaces` of a robot, as a limit of a scene.

@@ -152,9 +152,9 @@ class JerkLimits {
   }
 
  private:
-  static constexpr double slowest_rise = 1000;  ///< longest time to the largest acceleration [s]
-  static constexpr double rounding_of_ways =
-      0.01;  ///< share of the longest way to rest that rounding may take
+  /// Longest time to the largest acceleration [s]: a jerk that needs longer is in another unit.
+  static constexpr double slowest_rise = 1000;
+  static constexpr double rounding_of_ways = 0.01;  ///< share of the longest way to rest, for its rounding
 
   using Joint = detail::JerkJoint<T>;
 

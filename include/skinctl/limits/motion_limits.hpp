@@ -46,10 +46,12 @@ class MotionLimits {
   static constexpr bool limits_torque = true;
   using Torque = JointTorque<n, T>;
 
+  /// Number of cycles in which a torque has to resist: their least leaves out blows and noise.
+  static constexpr int cycles = 3;
   /// The torques that resisted in the last cycles. Trivially copyable.
   struct Memory {
     JointVelocity<n, T> dq;  ///< joint velocity in the last cycle [rad/s]
-    Torque resists[3];       ///< r of the last cycles, newest first
+    Torque resists[cycles];  ///< r of the last cycles, newest first
     bool known = false;      ///< whether `dq` is the velocity in the last cycle
     detail::ActedTorque<n, T> sent;
   };
@@ -71,8 +73,7 @@ class MotionLimits {
                               const JointTorque<joints, T>& bias, const State<joints, T>& measured,
                               const Torque& last, const T& delay, const T& dt) const noexcept {
     const JointVelocity<n, T> dq = Set::of(measured.dq);
-    m.resists[2] = m.resists[1];
-    m.resists[1] = m.resists[0];
+    for (int k = cycles - 1; k > 0; --k) m.resists[k] = m.resists[k - 1];
     m.resists[0] = {};
     Torque acted;
     if (m.sent.step(last, dt, delay, acted) && m.known) {
@@ -104,9 +105,7 @@ class MotionLimits {
   /// The bounds of the velocities to which torques lead `ahead` seconds later.
   [[nodiscard]] SKINCTL_INLINE Box box(const JointLimits<joints, T>& limits, const State<joints, T>& measured,
                                        const T& ahead) const noexcept {
-    // The velocity follows with a lag of `ahead`: four times that as reaction comes to rest without
-    // overshoot.
-    const T reaction = T(4) * ahead;
+    const T reaction = T(reaction_leads) * ahead;
     Box out;
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t k = Set::index[i];
@@ -172,7 +171,7 @@ class MotionLimits {
     for (std::size_t i = 0; i < n; ++i) keeps = keeps && out.u[i] >= lower[i] && out.u[i] <= upper[i];
     if (keeps) return out;
     bool again = true;
-    for (int pass = 0; pass < 3 && again; ++pass) {
+    for (int pass = 0; pass < passes && again; ++pass) {
       const auto bounded = detail::nearest_in_box(own, lead_to(), lower, upper);
       out.u = bounded.u;
       again = false;
@@ -195,9 +194,15 @@ class MotionLimits {
   }
 
  private:
-  static constexpr double slowest = 1.0 / 128;  ///< share of the velocity limit over which resistance sets in
-  static constexpr double past_end =
-      1e-3;  ///< distance beyond an end up to which resistance counts, over the velocity limit [s]
+  /// Reaction time of a joint before its end, in times of prediction: the velocity follows with a lag of one,
+  /// and comes to rest without overshoot from four on, the critical damping.
+  static constexpr int reaction_leads = 4;
+  /// Passes over joints whose torque cannot change fast enough; one beyond them brakes as it can.
+  static constexpr int passes = 3;
+  /// Share of the velocity limit over which resistance sets in: a step would let the torque chatter.
+  static constexpr double slowest = 1.0 / 128;
+  /// Distance beyond an end up to which resistance counts, over the velocity limit [s]: a cycle's way.
+  static constexpr double past_end = 1e-3;
 
   [[nodiscard]] static SKINCTL_INLINE JointVelocity<joints, T> whole(
       const JointVelocity<n, T>& part) noexcept {
@@ -212,7 +217,7 @@ class MotionLimits {
   /// 1 or -1.
   [[nodiscard]] static SKINCTL_INLINE Spread spread(const Memory& m, std::size_t i, const T& to) noexcept {
     Spread out{T(to * m.resists[0][i]), T(to * m.resists[0][i])};
-    for (int k = 1; k < 3; ++k) {
+    for (int k = 1; k < cycles; ++k) {
       const T r = to * m.resists[k][i];
       out.least = r < out.least ? r : out.least;
       out.most = r > out.most ? r : out.most;

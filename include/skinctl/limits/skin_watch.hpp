@@ -35,7 +35,8 @@ struct SkinWatch {
   SkinReaction unheard = SkinReaction::hold;       ///< reaction from the start until each patch was heard
   SkinReaction blind = SkinReaction::stop;         ///< reaction later, while no cell of a patch counts
   SkinReaction incomplete = SkinReaction::report;  ///< reaction while each patch is heard, but not every cell
-  Nanoseconds settle = 500ms;                      ///< time after which a state that is over no longer counts
+  /// Time after which a state that is over no longer counts: two lives of a sample, for a loose plug.
+  Nanoseconds settle = 500ms;
 };
 
 /// A `SkinWatch` over the skin of a scene, as a limit of it.

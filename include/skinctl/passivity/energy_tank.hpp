@@ -39,7 +39,7 @@ class EnergyTank {
  public:
   using RobotPart = detail::PassivityPart;
   struct Settings {
-    T start = T(1);      ///< initial energy [J], >= 0
+    T start = T(1);      ///< initial energy [J], >= 0; 1 J brings 8 kg to 0.5 m/s
     T max = T(5);        ///< capacity [J], >= start
     T port_gain = T(1);  ///< weight of the contacts' torque in the law; what differs from it is active
     /// Damping of a robot by torque, in proportion to its mass, times the share that the tank lacks [1/s].
@@ -229,7 +229,11 @@ class EnergyTank {
   }
 
  private:
-  static constexpr T fading = T(0.998), headroom = T(2), reserve = T(1e-3);
+  /// Share of a surprise that is left after a sub-step: it fades over 500, a second of 2 ms each.
+  static constexpr T fading = T(0.998);
+  static constexpr T headroom = T(2);  ///< surprises paid for in advance: the next one may be larger
+  /// Share of `max` for a surprise larger than any so far, on which no torque draws knowingly.
+  static constexpr T reserve = T(1e-3);
 
   /// Learns from a motion by `dq` under the torque `active` how far joints went beyond the predicted motion,
   /// along that torque.

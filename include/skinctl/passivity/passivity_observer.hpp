@@ -33,7 +33,7 @@ class PassivityObserver {
   using RobotPart = detail::PassivityPart;
   static constexpr bool of_virtual_robot = true;
   struct Settings {
-    T start = T(1);        ///< E_0: energy at the start [J], >= 0
+    T start = T(1);        ///< E_0: energy at the start [J], >= 0; 1 J brings 8 kg to 0.5 m/s
     T max = T(5);          ///< energy beyond this is discarded [J], >= start
     T stiffness = T(3e4);  ///< k_max: stiffest contact, the skin's cover in series [N/m], > 0
     /// Longest lever of each joint to a point that may be touched [m]; the last one applies to all further
@@ -149,8 +149,7 @@ class PassivityObserver {
   template <std::size_t N>
   [[nodiscard]] SKINCTL_COLD JointVelocity<N, T> outward(const Memory<N>& memory,
                                                          JointVelocity<N, T> v) const noexcept {
-    // A few rounds: what leaves one contact may lead into another one.
-    for (int round = 0; round < 4; ++round)
+    for (int round = 0; round < rounds; ++round)
       for (std::size_t k = 0; k < memory.count; ++k) {
         const auto& row = memory.felt[k].row;
         const T into = along(row, v), size = along(row, row);
@@ -161,8 +160,10 @@ class PassivityObserver {
   }
 
  private:
-  static constexpr double creeping = 1.0 / 16;  ///< share of the reserve for motions without energy
-  static constexpr double outward_by = 1.001;   ///< factor for rounding: what leaves a contact does leave it
+  /// Share of the reserve for each impact of an arm with an empty account: 16 of them use it up.
+  static constexpr double creeping = 1.0 / 16;
+  static constexpr double outward_by = 1.001;  ///< factor for rounding: what leaves a contact does leave it
+  static constexpr int rounds = 4;  ///< rounds over all contacts: what leaves one may lead into another one
 
   template <std::size_t N, class Q>
   static SKINCTL_INLINE T along(const T (&row)[N], const Q& dq) noexcept {

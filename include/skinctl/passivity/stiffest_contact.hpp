@@ -51,7 +51,8 @@ struct StiffestContact {
   std::optional<double> margin = {};
   /// Required gain margin of two contacts at once, >= 1. Default: 1.5 before walls, 1 before bodies.
   std::optional<double> margin_of_two = {};
-  int poses = 8;  ///< number of poses, 1 to 10 000
+  /// Number of poses, 1 to 10 000: two at quarter turns and six between take some ten milliseconds.
+  int poses = 8;
 
   /// The factor by which the virtual robot has to be felt heavier, so that all contacts have the required
   /// margins; less than 1 where it may be lighter. At least 1/64.
@@ -130,9 +131,21 @@ struct StiffestContact {
     return {.stiffness = T(stiffness), .cover = T(cover), .body = T(body), .skin_delay = skin_delay};
   }
   [[nodiscard]] double series() const noexcept { return environment<double>().series(); }
-  [[nodiscard]] double margin_of_one_contact() const noexcept { return margin.value_or(body > 0 ? 1 : 2); }
+  static constexpr double usual_margin = 2;           ///< default of `margin` before a wall: 6 dB
+  static constexpr double usual_margin_of_two = 1.5;  ///< default before walls: such a grip is rare
+  static constexpr double usual_loss = 0.1;           ///< loss factor of rubber and foam, that of a cover
+  static constexpr std::size_t cells_of_patch = 6;    ///< contacts looked at on each patch
+  static constexpr double end_of_link = 1;            ///< contacts at the ends of a link, over its reach
+  static constexpr double on_link = 0.3;              ///< contacts on it, where they bear more
+  static constexpr int even_poses = 4;  ///< of so many poses one is at quarter turns, where normals meet axes
+  /// Contacts of a pose that are looked at in pairs, which bear least.
+  static constexpr std::size_t pairs = 8;
+
+  [[nodiscard]] double margin_of_one_contact() const noexcept {
+    return margin.value_or(body > 0 ? 1 : usual_margin);
+  }
   [[nodiscard]] double margin_of_two_contacts() const noexcept {
-    return margin_of_two.value_or(body > 0 ? 1 : 1.5);
+    return margin_of_two.value_or(body > 0 ? 1 : usual_margin_of_two);
   }
   void check_numbers() const {
     require(poses >= 1 && poses <= 10000, "StiffestContact: poses", poses, "1 to 10 000");
@@ -160,9 +173,10 @@ struct StiffestContact {
       for (std::size_t i = 0; i < N; ++i) {
         const double lower = std::max(-std::numbers::pi, static_cast<double>(c.limits.lower()[i]));
         const double upper = std::min(std::numbers::pi, static_cast<double>(c.limits.upper()[i]));
-        // Every fourth pose at quarter turns, where normals meet axes; the others evenly over the range.
+        // The poses that are not at quarter turns are spread evenly over the range.
         const double even = lower + (upper - lower) * halton(unsigned(k) + 1, i);
-        q[i] = T(k % 4 == 0 ? 0.5 * std::numbers::pi * std::round(even / (0.5 * std::numbers::pi)) : even);
+        constexpr double quarter = 0.5 * std::numbers::pi;
+        q[i] = T(k % even_poses == 0 ? quarter * std::round(even / quarter) : even);
       }
       const auto felt = stability.felt(q);
       MassMatrix<N, double> inertia, friction;
@@ -175,7 +189,7 @@ struct StiffestContact {
       each_contact(robot.model(), q, skin, [&](const JointTorque<N, T>& tau, double gain) {
         double row[N], size = 0;
         for (std::size_t i = 0; i < N; ++i) row[i] = -static_cast<double>(tau[i]), size += row[i] * row[i];
-        if (!(size > 1e-12) || !(gain > 0)) return;
+        if (!(size > 0) || !(gain > 0)) return;
         auto& mode = pose.rows.emplace_back();
         pose.robot.row(row, mode.data());
         pose.gains.push_back(gain);
@@ -200,7 +214,7 @@ struct StiffestContact {
     if constexpr (Table::has_cell_list)
       skin.each_cell([&](std::size_t link, const Xyz<T>& force, const Xyz<T>& moment,
                          double gain) { touch(link, force, moment, newtons > 0 ? gain / newtons : 1); },
-                     6);
+                     cells_of_patch);
     Table::each_point(skin, touch);
     if constexpr (Table::feels_everywhere || !(Table::has_cell_list || Table::has_points)) {
       const double gain = Table::feels_everywhere ? Table::gain_everywhere(skin) : 1;
@@ -209,7 +223,7 @@ struct StiffestContact {
       for (std::size_t link = 0; link < N; ++link)
         for (int along = 0; along < 3; ++along)
           for (int side = 1; side < 3; ++side)
-            for (const double far : {-1.0, -0.3, 0.3, 1.0}) {
+            for (const double far : {-end_of_link, -on_link, on_link, end_of_link}) {
               const Xyz<T> p = T(far) * reach[link] * axes[along], n = axes[(along + side) % 3];
               touch(link, n, cross(p, n), gain);
             }
@@ -228,7 +242,8 @@ struct StiffestContact {
       return NoToolShape{};
     }
   }
-  /// The `n`-th number of the Halton sequence of the `i`-th prime, 0 to 1.
+  /// The `n`-th number of the Halton sequence of the `i`-th prime, 0 to 1; from the 17th joint on of the same
+  /// primes, seven numbers later.
   [[nodiscard]] static double halton(unsigned n, std::size_t i) {
     constexpr unsigned primes[16] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
     const unsigned base = primes[i % 16];
@@ -251,7 +266,7 @@ struct StiffestContact {
                                                 .b = alone ? nullptr : p.rows[two].data(),
                                                 .gain_b = p.gains[two],
                                                 .heavier = factor};
-    return lack_of(loops, series(), body, loss.value_or(body > 0 ? 0.1 : 0.0),
+    return lack_of(loops, series(), body, loss.value_or(body > 0 ? usual_loss : 0.0),
                    alone ? margin_of_one_contact() : margin_of_two_contacts());
   }
   template <std::size_t N>
@@ -266,7 +281,7 @@ struct StiffestContact {
       const std::size_t n = all.poses[pose].rows.size();
       std::vector<std::pair<double, std::size_t>> order;
       for (std::size_t i = 0; i < n; ++i) order.push_back({-look(pose, i, i), i});
-      const std::size_t most = std::min<std::size_t>(8, n);
+      const std::size_t most = std::min(pairs, n);
       std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(most), order.end());
       for (std::size_t i = 0; i < most; ++i)
         for (std::size_t j = i + 1; j < most; ++j) look(pose, order[i].second, order[j].second);

@@ -65,10 +65,11 @@ inline constexpr Nanoseconds no_time = Nanoseconds::min();
 /// `interval_too_short`: the clock counts in another unit (microseconds, milliseconds), or hardly runs.
 [[nodiscard]] SKINCTL_INLINE Status note_length(std::uint8_t& in_a_row, const Interval& interval,
                                                 Nanoseconds period) noexcept {
-  constexpr int of_period = 100;
-  constexpr std::uint8_t enough = 100;
-  const bool is_short = (interval.to - interval.from) * of_period < period;
-  in_a_row = is_short ? static_cast<std::uint8_t>(in_a_row + (in_a_row < 255)) : std::uint8_t(0);
+  constexpr int per_period = 100;       // jitter is longer, a clock in another unit 1000 times shorter
+  constexpr std::uint8_t enough = 100;  // cycles that catch up come a few at a time
+  constexpr auto last = std::numeric_limits<std::uint8_t>::max();
+  const bool is_short = (interval.to - interval.from) * per_period < period;
+  in_a_row = is_short ? static_cast<std::uint8_t>(in_a_row + (in_a_row < last)) : std::uint8_t(0);
   return in_a_row >= enough ? Status(Reason::interval_too_short) : Status{};
 }
 

@@ -79,10 +79,15 @@ struct HeldByGroup {};
 
 }  // namespace detail
 
+/// Commands under way for which there is room, unless a scene has a `CommandHistory`: those of a delay of 30
+/// periods, 60 ms at 500 Hz.
+inline constexpr std::size_t default_history = 32;
+
 /// A resolver's memory: virtual joints of each group, joints by torque, and the memory of its `Passivity`
 /// parts. Trivially copyable; a default value has not been started and gives no valid command.
 /// @tparam Sets  `JointGroups`.
-template <std::size_t N, Real T, class Sets, std::size_t History = 32, class PassivityParts = Passivity<>>
+template <std::size_t N, Real T, class Sets, std::size_t History = default_history,
+          class PassivityParts = Passivity<>>
 struct ResolverMemory {
   static constexpr std::size_t joints = N;
   using Groups = typename Sets::StiffGroups;

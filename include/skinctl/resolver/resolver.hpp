@@ -88,8 +88,8 @@ struct Resolved {
 /// cannot be mixed up, as their types differ; `part_of<Set>(command)` is that of one group.
 ///
 /// In the loop nothing throws or allocates; the cost is that of the law and the integrator, times sub-steps.
-template <RobotModel M, Real T, class Sets, class Integrator = CrankNicolson, std::size_t History = 32,
-          class PassivityParts = Passivity<>, class Tool = NoToolShape>
+template <RobotModel M, Real T, class Sets, class Integrator = CrankNicolson,
+          std::size_t History = default_history, class PassivityParts = Passivity<>, class Tool = NoToolShape>
 class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, PassivityParts, Tool> {
   using Base = detail::ResolverDriven<M, T, Sets, Integrator, History, PassivityParts, Tool>;
 

@@ -59,7 +59,7 @@ struct ChosenParts {
                 "a description takes one integrator, one tool shape and one command history");
   using Integrator = typename OnlyPart<CrankNicolson, Of<IntegratorPart>>::type;
   using Tool = typename OnlyPart<NoToolShape, Of<ToolShapePart>>::type;
-  using History = typename OnlyPart<CommandHistory<32>, Of<HistoryPart>>::type;
+  using History = typename OnlyPart<CommandHistory<default_history>, Of<HistoryPart>>::type;
   using PassivityParts = PassivityOf<Of<PassivityPart>>;
 };
 
@@ -122,7 +122,7 @@ struct ResolverOf<GroupsDescription<M, T, Groups, Parts...>> {
 
 /// The resolver of a robot that is one group of joints.
 template <Interface Ix, RobotModel M, Real T = double, class Integrator = CrankNicolson,
-          std::size_t History = 32, class PassivityParts = Passivity<>, class Tool = NoToolShape>
+          std::size_t History = default_history, class PassivityParts = Passivity<>, class Tool = NoToolShape>
 using ResolverBy = Resolver<M, T, JointGroups<M::joints, JointGroup<Ix, joints_between(0, M::joints), T>>,
                             Integrator, History, PassivityParts, Tool>;
 

@@ -220,7 +220,7 @@ class JointLimits {
     const R most = select((from > zero) & (stop > above), stop, select(above > zero, above, zero));
     const R least = select((from < zero) & (stop > below), stop, select(below > zero, below, zero));
     // Squares of tiny speeds are denormal numbers, which are slow.
-    const R tiny = T(std::same_as<T, float> ? 1e-17 : 1e-150);
+    const R tiny = detail::dust<T>;
     // Built in place: GCC would first zero it, by an instruction that starts slowly.
     return {JointPosition<N, T>(clamp(half * (from + reached), -least, most)),
             JointVelocity<N, T>(select(magnitude(reached) > tiny, reached, zero)), status, braked};

@@ -11,6 +11,15 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
+namespace detail {
+/// Total delays after which a transient of the loop is over: e^-5, 0.7 %, is left of a first-order lag.
+inline constexpr int settled_delays = 5;
+/// Gain of a loop times its delay, where nothing else is asked for: without overshoot up to 1/e, 0.37.
+inline constexpr double gain_times_delay = 0.3;
+/// Motion of a joint at rest over the dead band, which is chosen at five times the noise or more.
+inline constexpr double resting_share = 0.2;
+}  // namespace detail
+
 /// Limits, timing and virtual dynamics of a robot's joints. Resolver, guard, limits and laws derive their
 /// settings from it; `check` is called when a description is built from it.
 template <std::size_t N, Real T = double>
@@ -93,7 +102,7 @@ struct RobotConfiguration {
   /// Age of the last good measurement at which the robot brakes: `stale_after`, or five times
   /// `total_delay()`, 10 s at most.
   [[nodiscard]] constexpr Nanoseconds stale() const noexcept {
-    const Nanoseconds usual = 5 * total_delay();
+    const Nanoseconds usual = detail::settled_delays * total_delay();
     return stale_after.value_or(usual < Nanoseconds(10s) ? usual : Nanoseconds(10s));
   }
   /// Time by which a robot may be behind its commands: `total_delay()` and the undeclared lag that is borne.
@@ -114,7 +123,7 @@ struct RobotConfiguration {
   /// Speed of a joint that counts as at rest [rad/s]: it leads the leash by a fifth of the dead band.
   [[nodiscard]] JointVelocity<N, T> resting_speed() const noexcept {
     JointVelocity<N, T> u;
-    for (std::size_t i = 0; i < N; ++i) u[i] = T(0.2) * dead_band[i] / seconds<T>(latest());
+    for (std::size_t i = 0; i < N; ++i) u[i] = T(detail::resting_share) * dead_band[i] / seconds<T>(latest());
     return u;
   }
 };
@@ -154,7 +163,7 @@ SKINCTL_COLD void check(const RobotConfiguration<N, T>& c, bool has_virtual_robo
           "0 to 1000 ms");
   require(c.leads_force_by() >= 0ns && c.leads_force_by() <= 2 * total, "force lead", ms(c.leads_force_by()),
           ">= 0, <= 2 (delay + lag + period), in ms");
-  const T drift = c.drift.value_or(T(0)), fastest = T(0.3) / seconds<T>(total);
+  const T drift = c.drift.value_or(T(0)), fastest = T(detail::gain_times_delay) / seconds<T>(total);
   require(drift >= T(0) && drift <= fastest * (T(1) + tolerance<T>), "drift", number(drift),
           ">= 0, <= 0.3/(delay + lag + period) 1/s");
   require(c.torque_rate > T(0) && c.torque_rate <= T(1e6), "torque rate", number(c.torque_rate),

@@ -18,7 +18,7 @@ struct AdaptationSettings {
 };
 
 /// Bounds of the parameters as a share `part` of each one's own scale: of the mass, of the mass times `lever`
-/// [m], of the mass times its square.
+/// [m], of the mass times its square. The default lever is that of a rod of half a metre.
 template <Real T = double, RobotModel M>
 [[nodiscard]] InertialParameters<M::joints, T> deviations(const M& model, const T& part,
                                                           const T& lever = T(0.15)) {

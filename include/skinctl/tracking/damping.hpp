@@ -3,11 +3,11 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <limits>
 
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/eigen.hpp"
-#include "skinctl/dynamics/mass_matrix.hpp"
+#include "skinctl/dynamics/mass_ratio.hpp"
 #include "skinctl/law/needs.hpp"
 #include "skinctl/math/ldlt.hpp"
 
@@ -91,17 +91,12 @@ class ConstantDamping {
     const Square gain = as_square(K_d_);
     const T least = Eigen::SelfAdjointEigenSolver<Square>(gain, values_only).eigenvalues()(0);
     require(least > T(0), "smallest eigenvalue of K_d", static_cast<double>(least), "> 0: positive definite");
-    std::uint64_t bits = 1;
-    for (int pose = 0; pose < 256; ++pose) {
-      JointPosition<N, T> q;
-      for (T& angle : q) {
-        bits = bits * 6364136223846793005u + 1442695040888963407u;
-        angle = T((static_cast<double>(bits >> 32) / 4294967296.0 - 0.5) * 6.2832);
-      }
+    slowest_ = std::numeric_limits<T>::infinity();
+    detail::each_pose<poses, N, T>([&](const JointPosition<N, T>& q) {
       const auto rates = rates_of(gain, mass_matrix(model, q));
       if (rates(N - 1) > fastest_) fastest_ = rates(N - 1);
-      if (pose == 0 || rates(0) < slowest_) slowest_ = rates(0);
-    }
+      if (rates(0) < slowest_) slowest_ = rates(0);
+    });
   }
 
   /// The fastest decay of S_q [1/s], over 256 poses.
@@ -140,6 +135,8 @@ class ConstantDamping {
 
  private:
   using Square = EigenMatrix<T, int(N), int(N)>;
+  /// Number of poses for the decays; the gains' margin of two is for those in between.
+  static constexpr int poses = 256;
   static constexpr int values_only = 0x40;  // Eigen::EigenvaluesOnly
 
   static Square as_square(const T (&rows)[N * N]) {

@@ -12,13 +12,13 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Real T = double>
 struct FrictionLearningSettings {
   /// Rate g of the learning [1/s^2], > 0 and at most a quarter of the law's `lambda` squared: beyond it the
-  /// answer to a step of friction oscillates.
+  /// answer to a step of friction oscillates. 100 suits lambda = 20 and faster.
   T rate = T(100);
   JointTorque<N, T> bound;  ///< largest learnt torque [N m]: the friction that is left over, with a margin
   /// Dead zone e_0 [rad]: a joint that rests within this of its target is left alone. Above the encoder's
-  /// noise, and above half of the slip that stiction makes.
+  /// noise, and above half of the slip that stiction makes. 0.8 mrad: a step of 13 bits.
   T dead_zone = T(0.0008);
-  /// Rate [1/s] at which S_q is smoothed before it is compared with the dead zone.
+  /// Rate [1/s] at which S_q is smoothed before it is compared with the dead zone: noise is shorter.
   T smoothing = T(40);
 };
 
@@ -72,13 +72,13 @@ class FrictionLearning
   FrictionLearning(const L& law, const JointControlSettings<N, T>& of_law, const Settings& settings)
       : Base(law),
         settings_(settings),
-        release_(T(4) * of_law.lambda * of_law.lambda),
-        stop_(std::max(release_, T(T(0.25) / square(seconds<T>(of_law.dt))))),
-        stick_(T(0.0625) / square(seconds<T>(of_law.dt))),
+        release_(square(T(release_over_lambda) * of_law.lambda)),
+        stop_(std::max(release_, T(T(step_share) / square(seconds<T>(of_law.dt))))),
+        stick_(T(step_share * step_share) / square(seconds<T>(of_law.dt))),
         slip_(T(2) / settings.dead_zone),
         dead_(of_law.K_c * settings.dead_zone) {
     require(of_law.dt > 0ns, "dt of a law that learns friction", milliseconds(of_law.dt), "> 0 ms");
-    const T most = T(0.25) * of_law.lambda * of_law.lambda;
+    const T most = square(T(T(0.5) * of_law.lambda));  // critical damping
     require(settings.rate > T(0) && settings.rate <= most, "rate of friction learning",
             static_cast<double>(settings.rate), "> 0, <= lambda^2 / 4, in 1/s^2");
     for (const T& b : settings.bound)
@@ -113,8 +113,8 @@ class FrictionLearning
         const T c = std::min(std::max(T(release_ * M(i, i)), T(bound * slip_)), T(stop_ * M(i, i)));
         const T next = f - dt * c * s;
         f = next * f > T(0) ? Base::kept(next, bound, f) : T(0);
-      } else if (T(16) * dq * dq < dq_r * dq_r && size > T(1.5) * dead_) {
-        const T most = T(0.0625) * bound, step = dt * stick_ * M(i, i) * s;
+      } else if (dq * dq < T(step_share * step_share) * dq_r * dq_r && size > T(stick_from) * dead_) {
+        const T most = T(step_share * step_share) * bound, step = dt * stick_ * M(i, i) * s;
         f = Base::kept(f - Base::kept(step, most, T(0)), bound, f);
       } else {
         f = Base::kept(f - dt * settings_.rate * M(i, i) * s, bound, f);
@@ -123,6 +123,14 @@ class FrictionLearning
   }
 
  private:
+  /// Share of a speed: what a step may stop, and below what a joint sticks; squared: the share of the bound
+  /// by which a torque that friction takes may grow in a step. A quarter leaves a margin of four.
+  static constexpr double step_share = 0.25;
+  /// Root of the least rate of a release, over lambda: faster than it drove.
+  static constexpr double release_over_lambda = 2;
+  /// Dead zones from which on a joint sticks: not at the edge of one.
+  static constexpr double stick_from = 1.5;
+
   [[nodiscard]] static T square(const T& x) noexcept { return x * x; }
 
   Settings settings_;

@@ -84,7 +84,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
       : X_LP_(X_LP),
         min_damping_(settings.min_damping),
         singularities_(settings.singularities),
-        limit_(T(0.99) * settings.tracking.max_velocity),
+        limit_(T(reference_share) * settings.tracking.max_velocity),
         kappa_(settings.tracking.kappa),
         slowest_(limit_[0]),
         per_position_(T(1) / settings.reached_position),
@@ -208,7 +208,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     next.slowed = s.slowed;
     const T stays = T(1) / (T(1) + kappa_ * dt);
     const detail::Row<N, T> drift = next.drift;
-    select(magnitude(drift) > T(1e-30), stays * drift, T(0)).store(next.drift);
+    select(magnitude(drift) > T(detail::smallest_motion), stays * drift, T(0)).store(next.drift);
     next.escape = memory.escape.advanced(s.way_out, dt);
     next.rest = memory.rest.advanced(s.rests, s.q, dt);
     return next;
@@ -287,6 +287,8 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   Transform<Link<Ix>, P, T> X_LP_;
   T min_damping_;
   SingularityDamping<T> singularities_;
+  static constexpr double reference_share = 0.99;  ///< share of a joint's speed that a reference may ask for
+
   JointVelocity<N, T> limit_;  ///< largest reference speed [rad/s]: a hundredth is left for overshoot
   T kappa_;                    ///< decay rate of `Memory::drift` [1/s]
   T slowest_;                  ///< smallest element of `limit_` [rad/s]

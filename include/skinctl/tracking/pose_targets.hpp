@@ -19,6 +19,7 @@ struct OperationalSettings {
   /// Gains and times, as in joint space, of coordinates in metres and radians. `max_velocity` is the largest
   /// reference speed of any joint, next to a singularity too.
   JointControlSettings<N, T> tracking = {};
+  // Accelerations reach these speeds in 0.3 s, jerks the accelerations in 0.1 s: the pace of a hand.
   T max_linear_velocity = T(0.5);      ///< largest linear velocity of any motion to a goal [m/s]
   T max_angular_velocity = T(1.5);     ///< largest angular velocity of any motion to a goal [rad/s]
   T max_linear_acceleration = T(1.5);  ///< largest linear acceleration after a reactive target [m/s^2]

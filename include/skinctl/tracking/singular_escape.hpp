@@ -15,10 +15,12 @@ struct SingularEscape {
   JointVelocity<N, T> v;      ///< joint velocity of the escape [rad/s]
   JointAcceleration<N, T> a;  ///< derivative of `v` [rad/s^2]
 
-  static constexpr double zone = 0.03;        ///< singular value below which a direction counts as singular
-  static constexpr double lag = 0.03;         ///< time constant of either filter [s]
-  static constexpr double share = 0.97;       ///< largest speed of a joint in an escape, over its limit
-  static constexpr double min_speed = 0.004;  ///< commanded speed [m/s, rad/s] for 0.7 of the escape's pace
+  static constexpr double zone = detail::singular_zone;
+  static constexpr double lag = detail::singular_lag;  ///< time constant of either filter [s]
+  /// Largest speed of a joint in an escape, over its limit: the rest is for what the frame follows meanwhile.
+  static constexpr double share = 0.97;
+  /// Commanded speed [m/s, rad/s] for 0.7 of the escape's pace: slower ones are the end of an error.
+  static constexpr double min_speed = 0.004;
 
   /// The state `dt` seconds later, by backward Euler: stable for every dt. A wish that is not finite changes
   /// nothing.
@@ -89,7 +91,7 @@ struct SingularEscape {
   template <class J, class D>
   static void leave_closed_ways(const J& jacobian, const D& at, T (&c)[2]) noexcept {
     using std::sqrt;
-    const T meet = nearness(at[1].sigma, T(zone) / T(3));  // otherwise the second is regular in comparison
+    const T meet = nearness(at[1].sigma, T(zone) / T(second_zone));
     const T part[2] = {T(1), meet};
     const auto bend = [&](const JointVelocity<N, T>& x, T(&q)[2]) {
       const auto acceleration = bias_acceleration(jacobian, x);
@@ -126,8 +128,12 @@ struct SingularEscape {
     const bool back = rest[0] * at[0].sigma * f[0] + rest[1] * at[1].sigma * f[1] < T(0);
     for (std::size_t n = 0; n < 2; ++n) c[n] = c[n] + closed[0] * ((back ? -amount : amount) * f[n] - c[n]);
   }
-  static constexpr double bent = 0.0002;  ///< |q| [m/rad^2] below which a path counts as straight
-  static constexpr double ahead = 0.2;    ///< angle [rad]: a path on which sigma vanishes within it is closed
+  /// |q| [m/rad^2] below which a path counts as straight: a link of 1 m has 1.
+  static constexpr double bent = 0.0002;
+  /// Angle [rad]: a path on which sigma vanishes within it is closed; what dJ tells does not reach further.
+  static constexpr double ahead = 0.2;
+  /// Zone over that of a second direction, which else is regular beside the first.
+  static constexpr int second_zone = 3;
 };
 
 SKINCTL_END_NAMESPACE

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "skinctl/kinematics/singular_directions.hpp"
+#include "skinctl/tracking/detail/thresholds.hpp"
 #include "skinctl/trajectory/quintic.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -17,15 +18,21 @@ struct SingularRest {
   T r = T(0);             ///< weight of the rest, 0 to 1, a first-order lag behind `on`
   bool on = false;
 
-  static constexpr double zone = 0.03;    ///< singular value below which a direction counts as singular
-  static constexpr double still = 0.001;  ///< a goal below this speed stands [m/s, rad/s]
-  static constexpr double lag = 0.03;     ///< time constant of `r` [s]
+  static constexpr double zone = detail::singular_zone;
+  static constexpr double lag = detail::singular_lag;  ///< time constant of `r` [s]
+  /// Share of the tolerances within which a rest begins: it ends at all.
+  static constexpr double inner_share = 0.5;
+  /// Nearness over which the rest fades in, from the damping's edge.
+  static constexpr double fade_nearness = 0.25;
+  /// Weight below which a rest is over: a decay by itself never is.
+  static constexpr double min_weight = 1e-6;
 
   /// Whether the goal is reached: within half the tolerances, then until it is out of them.
   /// @param distance_squared  sum of the squared errors of the frame, each over its tolerance.
   /// @param speed_squared     square of the goal's velocity [m^2/s^2 + rad^2/s^2].
   [[nodiscard]] bool reached(const T& distance_squared, const T& speed_squared) const noexcept {
-    return distance_squared + speed_squared / T(still * still) < (on ? T(1) : T(0.25));
+    return distance_squared + speed_squared / T(detail::standing_speed * detail::standing_speed) <
+           (on ? T(1) : T(inner_share * inner_share));
   }
   /// The state `dt` [s] later: `on` if the goal is `reached`, with `q` the joint positions `now` at which
   /// that began, and `r` behind it.
@@ -37,7 +44,7 @@ struct SingularRest {
     if (reached && !on) next.q = now;
     next.on = reached;
     next.r = r + dt / (T(lag) + dt) * (T(reached ? 1 : 0) - r);
-    if (!reached && next.r < T(1e-6)) next.r = T(0);
+    if (!reached && next.r < T(min_weight)) next.r = T(0);
     return next;
   }
 
@@ -47,7 +54,7 @@ struct SingularRest {
    public:
     /// @param nearness  of the singularity, 0 to 1: see `DampedInverse::nearness`.
     Directions(const J& jacobian, const T& nearness) noexcept : at_(singular_directions<What>(jacobian)) {
-      const T fade = nearness < T(0.25) ? T(T(4) * nearness) : T(1);
+      const T fade = nearness < T(fade_nearness) ? T(T(1 / fade_nearness) * nearness) : T(1);
       for (std::size_t n = 0; n < 2; ++n) {
         const T left = T(1) - at_[n].sigma * at_[n].sigma / T(zone * zone);
         share_[n] = left > T(0) ? T(fade * left * left) : T(0);
@@ -59,7 +66,7 @@ struct SingularRest {
     [[nodiscard]] V of_frame(const V& v) const noexcept {
       V part{};
       for (std::size_t n = 0; n < 2; ++n) {
-        const T c = quintic(T(T(8) * share_[n])).a1 *
+        const T c = quintic(T(T(1 / full_weight) * share_[n])).a1 *
                     (dot(at_[n].u.linear, v.linear) + dot(at_[n].u.angular, v.angular));
         part.linear = part.linear + c * at_[n].u.linear;
         part.angular = part.angular + c * at_[n].u.angular;
@@ -79,6 +86,9 @@ struct SingularRest {
     }
 
    private:
+    /// Weight from which on all of a direction's integral stands.
+    static constexpr double full_weight = 0.125;
+
     decltype(singular_directions<What>(std::declval<const J&>())) at_;
     T share_[2];
   };

@@ -30,6 +30,10 @@ SKINCTL_COLD void limit_far_speed(const JointVelocity<N, T>& limit, JointVelocit
     a[i] = f * (a[i] / most) - dy / y * v[i];
   }
 }
+/// y up to which a speed is unchanged: three quarters of its limit for one joint, half for 25 at once.
+inline constexpr double free_sum = 0.1;
+/// y beyond which terms leave the range of float.
+inline constexpr double far_sum = 1e30;
 }  // namespace detail
 
 /// Slows a motion down along its own direction, `v <- f v`, so that no joint exceeds its limit:
@@ -46,13 +50,13 @@ SKINCTL_NOINLINE bool limit_speed(const JointVelocity<N, T>& limit, JointVelocit
     y = y + x4 * x4;
     dy = dy + T(8) * x4 * x2 * x * (a[i] / limit[i]);
   }
-  if (y <= T(0.1)) [[likely]]
+  if (y <= T(detail::free_sum)) [[likely]]
     return false;
   using std::sqrt;
-  const T w = T(0.9);
-  const T over = y - T(0.1);
+  const T w = T(1 - detail::free_sum);
+  const T over = y - T(detail::free_sum);
   const bool far = !(y < T(1) + w);
-  if (!(y < T(1e30))) [[unlikely]] {
+  if (!(y < T(detail::far_sum))) [[unlikely]] {
     detail::limit_far_speed(limit, v, a);
     return true;
   }
@@ -71,7 +75,7 @@ SKINCTL_NOINLINE bool limit_speed(const JointVelocity<N, T>& limit, JointVelocit
 template <std::size_t N, Real T>
 SKINCTL_INLINE bool limit_speed(const JointVelocity<N, T>& limit, detail::Row<N, T>& v,
                                 detail::Row<N, T>& a) noexcept {
-  static_assert(N <= 25, "y <= 0.1 at half of the limits");
+  static_assert(double(N) <= detail::free_sum * 256, "up to half of the limits, y = 2^-8 of each joint");
   if (all(magnitude(v) <= T(0.5) * detail::Row<N, T>(limit))) [[likely]]
     return false;
   JointVelocity<N, T> velocity(v);

@@ -27,6 +27,10 @@ struct SplinePlan {
   /// Largest step of the reference's velocity at a sample, as a share of the largest velocity; a larger one
   /// is ramped out as at a new goal.
   static constexpr double smooth_step = 0.02;
+  /// Shortest spline, in intervals `dt`: fewer do not show its shape.
+  static constexpr int min_intervals = 10;
+  /// Longest spline [s]: its nanoseconds still count, for 30 years.
+  static constexpr double longest_time = 1e9;
 
   typename Space::Spline spline;
   PlanClock<T> clock;
@@ -90,8 +94,9 @@ struct SplinePlan {
                                         const Settings& settings) const noexcept {
     const auto& s = Space::tracking(settings);
     const T shortest = Space::shortest_time(where, goal, settings);
-    const T intervals = T(10) * seconds<T>(s.dt), least = shortest > intervals ? shortest : intervals;
-    if (!(shortest < T(1e9)) || goal.duration < 0ns) return {*this, Reason::goal_refused};
+    const T intervals = T(min_intervals) * seconds<T>(s.dt),
+            least = shortest > intervals ? shortest : intervals;
+    if (!(shortest < T(longest_time)) || goal.duration < 0ns) return {*this, Reason::goal_refused};
     const T time = seconds<T>(goal.duration);
     const PlanClock<T> begun{0ns,      clock_end,  clock.to,
                              clock.to, clock.pace, clock.pace_rate};  // a stopped plan stays stopped

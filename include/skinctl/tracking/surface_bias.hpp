@@ -7,6 +7,7 @@
 
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
+#include "skinctl/tracking/detail/thresholds.hpp"
 #include "skinctl/trajectory/ramp.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -95,7 +96,8 @@ struct SurfaceBias {
   /// The same bias `dt` seconds later.
   [[nodiscard]] SKINCTL_INLINE SurfaceBias advanced(const T& dt, Nanoseconds ns,
                                                     const detail::Decay<T>& decay) const noexcept {
-    const detail::Row<N, T> s = decay.after(dt) * detail::Row<N, T>(decaying), tiny = T(1e-30);
+    const detail::Row<N, T> s = decay.after(dt) * detail::Row<N, T>(decaying),
+                            tiny = T(detail::smallest_motion);
     return {later(elapsed, ns),
             JointVelocity<N, T>(select(magnitude(s) > tiny, s, T(0))),  // denormal numbers are slow
             dv, da, dj};

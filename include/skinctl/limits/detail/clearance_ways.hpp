@@ -22,11 +22,17 @@ class ClearanceWays {
   using Near = typename Limits::Near;
   using Memory = typename Limits::Memory;
   using Sum = typename Limits::Sum;
-  static constexpr double leaving = 0.05;  ///< largest speed at which a motion along a margin leaves it [m/s]
-  static constexpr double reaction = 0.02;         ///< time before a pair brakes, of a step that slides [s]
-  static constexpr double weakest_braking = 1e-3;  ///< deceleration of a pair that no joint moves [m/s^2]
-  static constexpr double square_of_none = 1e-8;   ///< squared gradient of a pair that no joint moves [m^2]
-  static constexpr double inner_share = 0.25;      ///< part of the margin that is kept while the robot brakes
+  /// Largest speed at which a motion along a margin leaves it [m/s]: a faster one would throw the arm off.
+  static constexpr double leaving = 0.05;
+  /// Time before a pair brakes, of a step that slides [s]: some cycles, so that the next need not brake hard.
+  static constexpr double reaction = 0.02;
+  /// Squared gradient of a pair that no joint moves [m^2]: by 0.1 mm a radian, which no braking needs.
+  static constexpr double square_of_none = 1e-8;
+  /// Part of the margin that is kept between the spaces that robots fill until they stand: all of it would
+  /// keep two from braking side by side.
+  static constexpr double inner_share = 0.25;
+  /// Rounds over all pairs: what leaves one may close another one.
+  static constexpr int rounds = 4;
 
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
   [[nodiscard]] const T& distance(std::size_t k) const noexcept { return distance_[k]; }
@@ -70,7 +76,7 @@ class ClearanceWays {
     T gradient[max_pairs][joints], gradient_off[max_pairs][joints];
     of_.clearances_.gradients(q_, near(), gradient);
     if (seen_.is_off) of_.clearances_.gradients(q_ + seen_.off, near(), gradient_off);
-    for (int round = 0; round < 4; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       open(u, h, gradient, distance_);
       if (seen_.is_off) open(u, h, gradient_off, distance_off_);
     }
@@ -94,10 +100,10 @@ class ClearanceWays {
         if (size(g) * rate > of_.brake(i) * square) rate = of_.brake(i) * size(g);
       }
       const T room = distance[k] - margin(k, T(0)), bend = sum.bend(of_.reach_) * (h + longest);
-      const T braking = rate > T(0) ? rate : T(weakest_braking);
-      const T most = (room > T(0) ? speed_to_stop(room, T(reaction), braking) : T(0)) -
+      if (!(square > T(square_of_none))) continue;
+      const T most = (room > T(0) ? speed_to_stop(room, T(reaction), rate) : T(0)) -
                      (bend < T(leaving) ? bend : T(leaving));
-      if (!(closing > most) || !(square > T(square_of_none))) continue;
+      if (!(closing > most)) continue;
       const T share = (closing - most) / square;
       for (std::size_t i = 0; i < joints; ++i) u[i] = u[i] + share * gradient[k][i];
     }

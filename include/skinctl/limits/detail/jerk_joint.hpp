@@ -159,9 +159,8 @@ struct JerkJoint {
   }
   /// `m` with 0 for a speed and an acceleration whose squares are denormal numbers.
   [[nodiscard]] static Moved without_dust(Moved m) noexcept {
-    const T tiny = T(std::same_as<T, float> ? 1e-17 : 1e-150);
-    if (m.u < tiny && -m.u < tiny) m.u = T(0);
-    if (m.a < tiny && -m.a < tiny) m.a = T(0);
+    if (m.u < dust<T> && -m.u < dust<T>) m.u = T(0);
+    if (m.a < dust<T> && -m.a < dust<T>) m.a = T(0);
     return m;
   }
 };

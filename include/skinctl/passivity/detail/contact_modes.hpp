@@ -66,7 +66,7 @@ class ContactModes {
 template <std::size_t N, Real T>
 struct ContactLoops {
   static constexpr double vanishing = 1e-6;  ///< share of the largest value below which a locus has ended
-  static constexpr int halvings = 10;        ///< halvings of a step of frequency in which a locus crosses
+  static constexpr int halvings = 10;  ///< halvings of a step of frequency in which a locus crosses: to 1e-4
 
   const ContactModes<N, T>& robot;
   const ContactPath<T>& path;

@@ -50,13 +50,13 @@ struct ResolverParameters {
         lag(seconds<T>(c.lag)),
         total_delay(seconds<T>(c.total_delay())),
         latest(seconds<T>(c.latest())),
-        per_held(T(1) / (T(held_delays) * total_delay)),
+        per_held(T(1) / (T(settled_delays) * total_delay)),
         reaction(seconds<T>(c.longest())),
         undeclared(seconds<T>(c.undeclared_lag)),
         lag_of_robot_(c.lag),
         undeclared_lag_(c.undeclared_lag) {
     check(c, has_virtual_robot);
-    const T stable = T(drift_of_delay) / total_delay;
+    const T stable = T(gain_times_delay) / total_delay;
     drift = c.drift.value_or(stable < T(calm_drift) ? stable : T(calm_drift));
     for (std::size_t i = 0; i < N; ++i) has_coulomb = has_coulomb || shape.coulomb[i] > T(0);
   }
@@ -73,11 +73,9 @@ struct ResolverParameters {
             .stale_after = stale_after};
   }
 
-  static constexpr double held_delays = 5;  ///< time of a hold until a joint is blocked, in total delays
-
  private:
-  static constexpr double drift_of_delay = 0.3;  ///< stable gain of a drift, times the total delay
-  static constexpr double calm_drift = 0.2;      ///< gain of a drift that nobody notices [1/s]
+  /// Fastest drift by default [1/s]: a gap of 50 mrad then moves joints at 10 mrad/s, which nobody notices.
+  static constexpr double calm_drift = 0.2;
 
   Nanoseconds lag_of_robot_, undeclared_lag_;
 };

@@ -169,7 +169,7 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
       const T delay = late();
       if (has_friction_) out.friction = held_friction<Driven>(shape_.viscous, mass, s.dq, delay);
       const DrivenTorque hardest = momentum_of<Driven>(mass, s.dq) * T(T(1) / delay);
-      out.brakes = out.friction + T(brake_share) * (hardest - out.friction);
+      out.brakes = out.friction + T(gain_times_delay) * (hardest - out.friction);
     }
     return out;
   }
@@ -234,8 +234,8 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
       stiff_shape_;
   Nanoseconds period_{}, substep_{}, longest_interval_{};
   Nanoseconds stale_after_{};  ///< age of a measurement at which joints by torque are no longer controlled
-  T torque_rate_ = T(50);      ///< rate of the stiff joints' own torque [torque limits per second]
-  T driven_torque_rate_ = T(50);
+  T torque_rate_ = T(0);       ///< rate of the stiff joints' own torque [torque limits per second]
+  T driven_torque_rate_ = T(0);
   Nanoseconds driven_delay_{}, driven_lag_{};
   T force_lead_ = T(0), driven_force_lead_ = T(0);  ///< `RobotConfiguration::force_lead`, the longest [s]
   bool has_coulomb_ = false, has_friction_ = false;

@@ -34,7 +34,8 @@ SKINCTL_NOINLINE void stick_or_slip(const MassMatrix<N, T>& m, const JointTorque
     for (std::size_t j = 0; j < N; ++j) s = s + m(i, j) * v[j];
     b[i] = s;
   }
-  for (int sweep = 0; sweep < 3; ++sweep) {
+  constexpr int sweeps = 3;  // a guess which joints stick, as most often it leaves one round
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (std::size_t k = 0; k < N; ++k) {
       const std::size_t i = N - 1 - k;
       const T s = without(i);
@@ -42,7 +43,9 @@ SKINCTL_NOINLINE void stick_or_slip(const MassMatrix<N, T>& m, const JointTorque
       u[i] = T((s - T(way[i]) * c[i]) / m(i, i)) * T(way[i] == 0 ? 0 : 1);
     }
   }
-  for (std::size_t round = 0; round < 4 * N + 4; ++round) {
+  // Each round stops or frees one joint; the bound is for rounding that repeats.
+  constexpr std::size_t rounds = 4 * N + 4;
+  for (std::size_t round = 0; round < rounds; ++round) {
     MassMatrix<N, T> moving = m;
     JointTorque<N, T> rest;
     for (std::size_t i = 0; i < N; ++i) {

@@ -76,7 +76,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     Begun out;
     out.dt = seconds<T>(interval.to - interval.from);
     out.share = seconds<T>(interval.given(p_.period)) / out.dt;
-    if (interval.clock_set || interval.to - m.command.time > 1s + p_.longest_interval) [[unlikely]] {
+    if (interval.clock_set || interval.to - m.command.time > clock_leap + p_.longest_interval) [[unlikely]] {
       set_clock(m, interval);
     } else if constexpr (!takes_position(Ix)) {
       // The velocity that was sent has been held up to now.
@@ -138,6 +138,9 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
   }
 
  private:
+  /// Time without a cycle, beyond the longest interval, by which a clock was set: no loop stands so long.
+  static constexpr Nanoseconds clock_leap = 1s;
+
   using Base::p_;
   using Base::servo_;
 

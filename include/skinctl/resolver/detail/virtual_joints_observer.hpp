@@ -91,7 +91,7 @@ class VirtualJointsObserver {
   SKINCTL_INLINE void book(Memory& m) const noexcept {
     const Row y = m.measured.q, due = y - m.residual, command = m.q.value, q = y + m.gap;
     const Row least = smaller(due, command), most = due + command - least, away = y - clamp(y, least, most);
-    if (all(magnitude(away) < T(0.5) * Row(p_.dead_band))) [[likely]]
+    if (all(magnitude(away) < T(near_share) * Row(p_.dead_band))) [[likely]]
       return q.store(m.farthest);
     book_gap(m, Position(q), Position(away));
   }
@@ -116,7 +116,7 @@ class VirtualJointsObserver {
   /// Counts for how long the leash has held each joint that rests, up to 5 total delays; while a joint moves
   /// the time runs back. Returns whether it is so long for a joint that the leash holds now.
   SKINCTL_INLINE bool held(Memory& m, const T& dt) const noexcept {
-    const T longest = T(p_.held_delays) * p_.total_delay;
+    const T longest = T(settled_delays) * p_.total_delay;
     bool any = false;
     for (std::size_t i = 0; i < N; ++i) {
       const T u = m.measured.dq[i], most = p_.resting_speed[i];
@@ -133,7 +133,9 @@ class VirtualJointsObserver {
   Servo servo_;
 
  private:
-  static constexpr double noise = 0.2;  ///< motion of a robot at rest in a total delay, over the dead band
+  /// Distance over the dead band within which a robot is where it is told, and the farthest place follows it:
+  /// at 1, noise at the edge of the dead band would book a little more each time.
+  static constexpr double near_share = 0.5;
 
   /// Takes the mean speed since the last measurement where it is more than the measured one: of a robot that
   /// does not tell its speed, or that holds each position, so that it is measured when it has slowed down.
@@ -143,7 +145,7 @@ class VirtualJointsObserver {
     if (!(passed > T(0))) return;
     const Row moved = Row(m.measured.q) - before.q, way = magnitude(moved), top = p_.limits.velocity();
     const auto faster = (way > passed * magnitude(Row(m.measured.dq))) &
-                        (way > T(T(noise) * passed / p_.total_delay) * Row(p_.dead_band));
+                        (way > T(T(resting_share) * passed / p_.total_delay) * Row(p_.dead_band));
     if (any(faster))
       select(faster, clamp(T(T(1) / passed) * moved, -top, top), m.measured.dq).store(m.measured.dq);
   }
@@ -152,7 +154,7 @@ class VirtualJointsObserver {
       const T side = away[i] < T(0) ? T(-1) : T(1), off = side * away[i], band = p_.dead_band[i];
       const T farther = side * (q[i] - m.farthest[i]);
       const bool books = off > band && farther > T(0);
-      if (books || off < T(0.5) * band) m.farthest[i] = q[i];
+      if (books || off < T(near_share) * band) m.farthest[i] = q[i];
       if (!books) continue;
       const T taken = side * (farther < off ? farther : off);
       m.gap[i] = m.gap[i] + taken;

@@ -4,6 +4,7 @@
 
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/math/ldlt.hpp"
+#include "skinctl/robot/robot_configuration.hpp"
 #include "skinctl/robot/virtual_mass.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -35,9 +36,6 @@ template <class S, std::size_t N, Real T>
   return drag;
 }
 
-/// Braking of joints by torque where no law is asked, over the hardest damping that does not shake them,
-/// `M dq / D`: that of the default gain of tracking by torque.
-inline constexpr double brake_share = 0.3;
 /// Time in which a robot that is stopped only brakes, over D: a hundredth of its speed is left.
 inline constexpr double brake_delays = 15;
 /// Largest torque that holds a stopped joint, over its limit: at the tool of an FR3 some 25 N, less than a
@@ -45,9 +43,9 @@ inline constexpr double brake_delays = 15;
 inline constexpr double hold_share = 0.2;
 
 /// The torque that holds the stopped joints of `S`, at `q`, where they stood [N m]: `(c/2)^2 M (stood - q)`
-/// with `c = brake_share / D`, a spring that the braking `c M dq` damps critically. Where it would be more
-/// than `hold_share` of a limit, `stood` is moved towards the robot, as by dry friction: who is held down can
-/// free himself, and it never flies back.
+/// with `c = gain_times_delay / D`, a spring that the braking `c M dq` damps critically. Where it would be
+/// more than `hold_share` of a limit, `stood` is moved towards the robot, as by dry friction: who is held down
+/// can free himself, and it never flies back.
 /// @param mass    mass matrix of all joints.
 /// @param limits  largest torques of all joints [N m].
 /// @param delay   D, as of `held_friction` [s].
@@ -55,7 +53,7 @@ template <class S, std::size_t N, Real T>
 [[nodiscard]] SKINCTL_COLD JointTorque<S::count, T> held_in_place(
     const MassMatrix<N, T>& mass, const JointTorque<N, T>& limits, const JointPosition<N, T>& q,
     const T& delay, JointPosition<S::count, T>& stood) noexcept {
-  const T rate = T(brake_share / 2) / delay;
+  const T rate = T(gain_times_delay / 2) / delay;
   JointVelocity<N, T> back;
   for (std::size_t i = 0; i < S::count; ++i) back[S::index[i]] = rate * (stood[i] - q[S::index[i]]);
   JointTorque<S::count, T> held = momentum_of<S>(mass, back);

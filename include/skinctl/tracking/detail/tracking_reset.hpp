@@ -2,6 +2,7 @@
 // The part of Tracking that runs at a reset: a goal, a contact, a release.
 #pragma once
 
+#include "skinctl/tracking/detail/thresholds.hpp"
 #include "skinctl/tracking/detail/tracking_loop.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -107,7 +108,7 @@ class TrackingReset : public TrackingLoop<Space, Plan, Damping> {
     T fastest(0);  // [rad/s, m/s]
     for (std::size_t i = 0; i < Space::coordinates; ++i)
       if (magnitude(space_.course(old).v[i]) > fastest) fastest = magnitude(space_.course(old).v[i]);
-    if (!(bend > T(0)) || !(fastest > T(1e-3))) return;
+    if (!(bend > T(0)) || !(fastest > T(standing_speed))) return;
     const auto soon = look_ahead(before, known, old), here = look_ahead(next, known, look(next, known));
     for (std::size_t i = 0; i < Space::coordinates; ++i)
       bias.dj[i] = finite((space_.course(soon).a[i] - space_.course(here).a[i]) / bend);
