@@ -90,6 +90,10 @@ int main(int argc, char** argv) {
   app.add_option("--touch-every", s.touch_every, "a person pushes each forearm so often [s]; 0: never")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  app.add_option("--dead-cells", s.dead_cells,
+                 "of the 40 cells that feel on each forearm, so many say nothing")
+      ->check(CLI::Range(0, 40))
+      ->capture_default_str();
   std::string world = "honest";
   app.add_option("--world", world,
                  "ideal: the detector tells which orange it sees, box and bins stand where they are known; "

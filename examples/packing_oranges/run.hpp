@@ -28,6 +28,7 @@ struct RunSettings {
   double touch_lasts = 0.6;       ///< [s]
   std::array<bool, arms> hand{};  ///< the arm has an Allegro hand instead of a gripper
   double skin_noise = 0.1;        ///< deviation of a cell's force [N]
+  std::size_t dead_cells = 0;     ///< cells of each forearm, of 40, that have fallen silent
   bool honest = true;          ///< the detector tells no numbers and is wrong at times; the arms believe less
   bool see_each_other = true;  ///< false: only places and their order keep the arms apart
   double obstacle = 0;         ///< something moves through the room at this speed [m/s]; 0: nothing

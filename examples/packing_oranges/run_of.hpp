@@ -18,8 +18,11 @@ class Toucher {
  public:
   Toucher(const RunSettings& s, std::size_t all, std::uint64_t seed)
       : s_(s), cells_(Arm<R>::cells()), random_(seed) {
-    samples_.resize(all);
-    for (std::size_t i = 0; i < all; ++i) samples_[i].cell = static_cast<std::uint32_t>(i + 1);
+    for (std::size_t i = 0; i < all; ++i)
+      if (!is_dead(i)) samples_.push_back({.cell = static_cast<std::uint32_t>(i + 1)});
+    std::vector<skinctl::CellPlace> places;
+    for (const auto& c : cells_) places.push_back({forearm, 0, c.X_LC.origin(), c.X_LC.axis_z()});
+    near_ = neighbours(places);
   }
   /// From now on `force` newtons along the inward normal of a cell, 0: none.
   void push(World& world, std::size_t arm, double force) {
@@ -28,24 +31,33 @@ class Toucher {
     const auto& X = cells_[cell_].X_LC;
     world.push(arm, forearm, X.origin(), -force * X.axis_z());
   }
-  /// Of all cells; `near`: what they see, nothing where it is empty.
+  /// Of all cells that are heard; `near`: what all see, nothing where it is empty.
   [[nodiscard]] std::span<skinctl::CellSample> samples(skinctl::Nanoseconds now,
                                                        std::span<const double> near = {}) {
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      samples_[i].time = now;
-      samples_[i].proximity = i < near.size() ? static_cast<float>(near[i]) : 0.0f;
-    }
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-      const double f = (i == cell_ ? force_ : 0) + s_.skin_noise * normal_(random_);
+    for (skinctl::CellSample& x : samples_) {
+      const std::size_t i = x.cell - 1;
+      x.time = now;
+      x.proximity = i < near.size() ? static_cast<float>(near[i]) : 0.0f;
+      if (i >= cells_.size()) continue;
+      const bool beside = std::find(near_[cell_].begin(), near_[cell_].end(), i) != near_[cell_].end();
+      const double share = i == cell_ ? 1 : beside ? spread : 0;
+      const double f = share * force_ + s_.skin_noise * normal_(random_);
       const auto reading = static_cast<float>(std::clamp(f / (3 * newtons_per_reading), 0.0, 1.0));
-      samples_[Arm<R>::first_of_forearm + i].force = {reading, reading, reading};
+      x.force = {reading, reading, reading};
     }
     return samples_;
   }
   [[nodiscard]] double force() const { return force_; }
 
  private:
+  /// Whether cell `i` says nothing any more: so many of the forearm's, evenly.
+  [[nodiscard]] bool is_dead(std::size_t i) const {
+    const std::size_t dead = s_.dead_cells;
+    return i < cells_.size() && (i + 1) * dead / cells_.size() > i * dead / cells_.size();
+  }
+
   RunSettings s_;
+  std::vector<std::vector<std::size_t>> near_;
   std::vector<skinctl::PlacedCell<forearm>> cells_;
   std::vector<skinctl::CellSample> samples_;
   std::mt19937_64 random_;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "examples/packing_oranges/arm_body.hpp"
+#include "examples/packing_oranges/arm_skin.hpp"
 #include "examples/packing_oranges/gripper.hpp"
 #include "examples/packing_oranges/hand_room.hpp"
 #include "examples/packing_oranges/obstacle.hpp"
@@ -108,7 +109,7 @@ inline constexpr std::size_t near_most = 16;
 template <class R>
 struct Arm {
   using Model = typename R::Model;
-  static constexpr auto period = skinctl::Nanoseconds(8'000'000);
+  static constexpr skinctl::Nanoseconds period = 8ms, delay = 8ms, lag = 2ms;
 
   /// The second one stands on the other side, turned by half a circle.
   static skinctl::Transform<skinctl::World, skinctl::Base> base(std::size_t arm) {
@@ -128,8 +129,8 @@ struct Arm {
     using namespace skinctl;
     return by_position(Model{}, {.limits = limits_of<typename R::Description>(15.0),
                                  .period = period,
-                                 .delay = 8ms,
-                                 .lag = 2ms,
+                                 .delay = delay,
+                                 .lag = lag,
                                  .virtual_damping = 10});
   }
   /// The links' shapes, and the hand with what it holds: what must not meet the other arm.
@@ -254,14 +255,13 @@ struct Arm {
     const Xyz<double> middle = 0.5 * (s.from + s.to);
     return cover(
         Transform<Link<forearm>, Surface>({{0.0, 1.0, 0.0}, {0.0, 0.0, -1.0}, {-1.0, 0.0, 0.0}}, middle),
-        CylinderSurface{s.radius, norm(Xyz<double>(s.to - s.from))}, forearm_cells,
-        static_cast<std::uint32_t>(first_of_forearm) + 1);
+        CylinderSurface{s.radius, norm(Xyz<double>(s.to - s.from))}, forearm_cells, 1);
   }
   /// The palm and what it holds, as a capsule of the last link.
   static constexpr skinctl::Capsule<> around_hand{
       {0, 0, R::flange + 0.03}, {0, 0, R::flange + reach_of_gripper}, 0.08};
-  /// Cells of the forearm feel what touches them; all see what is near. Ids count from 1 in the order of the patches.
-  static constexpr std::size_t first_of_forearm = R::cells[0];
+  /// Cells of the forearm feel what touches them; all see what is near. Ids count from 1 in the order of the patches:
+  /// those that feel come first.
   static auto skin() {
     using namespace skinctl;
     SkinSettings settings;
@@ -271,14 +271,26 @@ struct Arm {
     const auto first = [](std::size_t before) { return static_cast<std::uint32_t>(before + 1); };
     constexpr std::size_t inner = c[0] + forearm_cells, outer = inner + c[1], last = outer + c[2],
                           more = last + c[3];
-    return Skin<Model, double, Patch<1, c[0]>, Patch<forearm, forearm_cells>, Patch<3, c[1]>, Patch<4, c[2]>,
-                Patch<5, c[3]>, Patch<forearm, c[4]>>(
-        Patch<1, c[0]>(cells_around<1>({R::shapes[1]}, first(0)), gains),
+    using Cells = Skin<Model, double, Patch<forearm, forearm_cells>, Patch<1, c[0]>, Patch<3, c[1]>,
+                       Patch<4, c[2]>, Patch<5, c[3]>, Patch<forearm, c[4]>>;
+    const Cells all(
         Patch<forearm, forearm_cells>(cells(), gains),
+        Patch<1, c[0]>(cells_around<1>({R::shapes[1]}, first(forearm_cells)), gains),
         Patch<3, c[1]>(cells_around<3>({R::shapes[3]}, first(inner)), gains),
         Patch<4, c[2]>(cells_around<4>({R::shapes[4]}, first(outer)), gains),
         Patch<5, c[3]>(cells_around<5>({R::shapes[5], around_hand}, first(last)), gains),
         Patch<forearm, c[4]>(cells_around<forearm>({R::shapes[forearm]}, first(more), 1.2), gains), settings);
+    return ArmSkin<Cells>(all, forearm_cells);
+  }
+  /// No place of the forearm leads faster than a body of 3 kN/m that it meets allows, with at most 65 N, by the least
+  /// force that is noticed there: as the main job, with its numbers.
+  static skinctl::FeltPlaces<forearm_cells> felt_places() {
+    return {.places = skin().felt(forearm_cells),
+            .force = 65,
+            .stiffness = 3e3,
+            .deceleration = 3,
+            .reaction = 2 * period + delay + lag,
+            .newtons = 3 * newtons_per_reading};
   }
   /// The cycle of an arm among trays that stand there.
   static auto scene(std::size_t number = 0, const Trays& trays = first_trays) {
@@ -301,7 +313,7 @@ struct Arm {
                    skill_controller<controller::Velocity>(VelocityControl<6>{}),
                    skill_controller<controller::SplineJoint>(SplineJoint(arm)),
                    skill_controller<controller::SplineOperational>(SplineOperational(tool(), o))))
-        .with(clear);
+        .with(clear, felt_places());
   }
   using Scene = decltype(scene());
   using Set = typename Scene::law_type;
