@@ -1,6 +1,7 @@
 // What an arm believes of oranges, box and bins that its detector sees, and does not number.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
@@ -9,7 +10,7 @@ namespace packing {
 
 class Believed {
  public:
-  static constexpr std::size_t capacity = 24;  ///< all oranges of the world, trays, ghosts and flashes
+  static constexpr std::size_t capacity = 40;  ///< all oranges of the world, trays, ghosts and flashes
   using Tracks = skinctl::Tracks<capacity>;
   using Objects = skinctl::ObjectWorld<capacity>;
   using Place = skinctl::Xyz<double>;
@@ -19,9 +20,11 @@ class Believed {
     constexpr double beside = Detector::hides + 0.06, below = Detector::hides_below + 0.03;
     return std::hypot(hand.x - p.x, hand.y - p.y) <= beside && hand.z - p.z <= below;
   }
-  /// A picture that has arrived, while the arm's hand is there.
-  void see(const Picture& picture, const Place& hand) {
-    const auto shows = [&](const Place& p) { return !hides(hand, p); };
+  /// A picture that has arrived, while hands are there: the arm's own, and the other arm's.
+  void see(const Picture& picture, std::span<const Place> hands) {
+    const auto shows = [&](const Place& p) {
+      return std::none_of(hands.begin(), hands.end(), [&](const Place& hand) { return hides(hand, p); });
+    };
     static_cast<void>(tracks_.see(m_, picture.taken, std::span(picture.things), shows));
   }
   /// Writes what is believed to objects with the numbers of the tracks; not the one in the hand.
@@ -54,6 +57,15 @@ class Believed {
         if (fits && t.seen > known.seen[n]) known.seen[n] = t.seen, tray.x = p.x, tray.y = p.y;
       }
     }
+  }
+  /// Oranges that are believed to lie in a tray, or on others in it.
+  [[nodiscard]] std::vector<Place> lying_in(const Tray& tray) const {
+    std::vector<Place> out;
+    for (const auto& t : m_.tracks)
+      if (const Place p = t.p + m_.bias;
+          t.kind == orange_class && Tracks::belief(m_, t) > 0 && tray.holds({p.x, p.y, 0}))
+        out.push_back(p);
+    return out;
   }
   /// The number of the orange to take, of those that fit, at the least cost; `no_object`: none.
   template <class Fits, class Cost>

@@ -40,6 +40,8 @@ class Gripper {
       rate = std::clamp((goal_.opening - wanted_) / dt, -goal_.speed, goal_.speed);
       right_for_ = 0;
     }
+    const bool blocked = count_ > 0 && !closes && wanted_ - opening > 0.008;
+    blocked_for_ = blocked ? blocked_for_ + dt : 0;
     // What is driven to stays near what is: fingers that something pushes open do not close with a jump.
     wanted_ = std::clamp(wanted_ + rate * dt, std::max(0.0, opening - 0.01), opening + 0.01);
     opening_ = opening;
@@ -49,13 +51,24 @@ class Gripper {
   /// What it reports at `now`; `force`: the sensor's last reading.
   [[nodiscard]] skinctl::GripperState state(skinctl::Nanoseconds now, double force) const {
     const bool holding = right_for_ >= steady;
-    return {now, opening_, force, true, moving_ && !holding, holding, true, skinctl::GripperError::none, 0};
+    return {now,
+            opening_,
+            force,
+            true,
+            moving_ && !holding && blocked_for_ < steady,
+            holding,
+            true,
+            skinctl::GripperError::none,
+            0};
   }
   [[nodiscard]] double wanted() const { return wanted_; }
+  /// Force with which a finger may be driven outwards, half of the goal's, as both are coupled; closing: any [N].
+  [[nodiscard]] double opens_with() const { return goal_.opening < wanted_ ? 1e9 : goal_.force / 2; }
 
  private:
   skinctl::GripperGoal goal_{gripper_range.opening, 1, 0.05};
-  double wanted_ = gripper_range.opening, opening_ = gripper_range.opening, force_ = 0, right_for_ = 0;
+  double wanted_ = gripper_range.opening, opening_ = gripper_range.opening, force_ = 0, right_for_ = 0,
+         blocked_for_ = 0;
   std::uint32_t count_ = 0;
   bool moving_ = false;
 };

@@ -102,6 +102,9 @@ int main(int argc, char** argv) {
                  "classes, what hands hide, and --ghosts")
       ->check(CLI::IsMember({"ideal", "honest"}))
       ->capture_default_str();
+  app.add_flag(
+      "--stay", s.stay,
+      "oranges stay in box and bins until a person puts full ones away; else each leaves after 0.5 s");
   app.add_option("--ghosts", s.detector.ghosts,
                  "oranges that the detector sees in the feeds, and that do not exist")
       ->check(CLI::Range(0, 6))
@@ -160,6 +163,7 @@ int main(int argc, char** argv) {
     s.honest = world == "honest";
     s.detector.bias = 1e-3 * bias;
     if (!s.honest && s.move_box > 0) throw std::runtime_error("--move-box: not with --world ideal");
+    if (!s.honest && s.stay) throw std::runtime_error("--stay: not with --world ideal");
     if (!s.honest && s.detector.ghosts > 0) throw std::runtime_error("--ghosts: not with --world ideal");
     const auto one = [&](const RunSettings& given) {
       return (robot == "ur10e" ? run_ur10e : run_ur5)(given, {}, {});

@@ -16,6 +16,12 @@ WorkSettings by_hand(WorkSettings s) {
   s.judge_to = 3.4;
   s.judge_span = 1.5;
   s.turns = false;
+  s.fingers = {.along = 0.08,
+               .across = 0.08,
+               .below = 0.015,
+               .wall_along = 0.125,
+               .wall_across = 0.125,
+               .aside = 0.04};
   return s;
 }
 

@@ -104,6 +104,7 @@ std::string summary(const Outcome& o, const RunSettings& s) {
     for (const auto& p : m.doubted) out += text(" %+.2f %+.2f", p.x, p.y);
     out += m.doubted.empty() ? " nothing\n" : " m\n";
   }
+  if (o.put_away > 0) out += text("a person put away %d full boxes and bins\n", o.put_away);
   if (s.move_box > 0)
     out += text("a person moved the box by %.0f mm %d times\n", 1e3 * s.move_box, o.box_moved);
   if (s.obstacle > 0)

@@ -30,6 +30,7 @@ struct RunSettings {
   double skin_noise = 0.1;        ///< deviation of a cell's force [N]
   std::size_t dead_cells = 0;     ///< cells of each forearm, of 40, that have fallen silent
   bool honest = true;          ///< the detector tells no numbers and is wrong at times; the arms believe less
+  bool stay = false;           ///< honest: oranges stay in box and bins until a person puts full ones away
   bool see_each_other = true;  ///< false: only places and their order keep the arms apart
   double obstacle = 0;         ///< something moves through the room at this speed [m/s]; 0: nothing
   double move_box = 0;         ///< honest: a person moves the box so far, see `BoxMover` [m]; 0: nobody does
@@ -91,6 +92,7 @@ struct Outcome {
   double cycle = 0;       ///< mean processor time of a cycle of an arm with its executor [us]
   double hand_cycle = 0;  ///< the same of a hand; 0: it has none
   int box_moved = 0;      ///< how often, by a person
+  int put_away = 0;       ///< full boxes and bins, by a person
   int passes = 0;         ///< of the thing that moves through the room
   double nearest = 1e9;   ///< it came to an arm, as capsules [m]
   /// Both plans have ended; all oranges are packed, or the others are doubted (honest), or left by an arm that

@@ -83,6 +83,7 @@ class Run {
     for (std::size_t a = 0; a < arms; ++a) {
       WorkSettings work = s.hand[a] ? by_hand(s.work) : s.work;
       work.honest = s.honest;
+      work.stay = s.honest && s.stay;
       workers_.push_back(std::make_unique<Worker<R>>(a, work, world_.joints(a)));
       if (s.hand[a]) hands_[a] = std::make_unique<Hand>(around_a_ball(), world_.fingers(a));
       touchers_.push_back(std::make_unique<Toucher<R>>(s, skin.places().size(), s.seed * 7919 + 4 + a));
@@ -142,10 +143,12 @@ class Run {
   [[nodiscard]] static WorldSettings worlds(const RunSettings& s) {
     WorldSettings out = s.world;
     out.trays_move = s.honest || s.move_box > 0;
+    if (s.honest && s.stay) out.room = slots, out.opens_gently = true;
     return out;
   }
   [[nodiscard]] static SupplySettings supplies(const RunSettings& s) {
     SupplySettings out = s.supply;
+    out.stay = s.honest && s.stay;
     out.waits = s.obstacle > 0;  // an arm that gives way comes back to where it takes an orange
     return out;
   }
@@ -218,6 +221,8 @@ class Run {
   }
   void cycle() {
     Picture picture;
+    for (std::size_t a = 0; a < arms; ++a)
+      if (s_.see_each_other) workers_[a]->other_hand(workers_[1 - a]->hand().origin());
     while (detector_.take(world_.now(), picture))
       for (auto& w : workers_) w->see(picture);
     std::array<skinctl::PlaceRequest, arms + 1> asked{};
@@ -336,6 +341,7 @@ class Run {
   Outcome collect(double computed) {
     out_.ended = supply_.ended();
     out_.oranges = s_.supply.oranges;
+    out_.put_away = supply_.put_away();
     if (passer_) out_.passes = passer_->passes();
     out_.time = time();
     out_.computed = computed;

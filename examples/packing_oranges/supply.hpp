@@ -1,6 +1,7 @@
 // Puts oranges before the arms, looks where they end, and keeps the count: the judge, who knows which one is good.
 #pragma once
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct SupplySettings {
   double spread = 0.1;             ///< relative deviation of an orange from its kind
   double share = 0.5;              ///< of good ones
   bool waits = false;  ///< a place is filled again when its orange was let go elsewhere, not when it is taken
+  /// Oranges stay in box and bins, until a person puts an empty one in the place of a full one, over which no hand is.
+  bool stay = false;
+  int full_box = 8, full_bin = 3;  ///< so many are full
 };
 
 /// Where an orange has ended.
@@ -38,10 +42,13 @@ class Supply {
         if (world.there(k)) look_at(world, arm, k);
       if (given_ < s_.oranges) fill(world, arm);
     }
+    for (std::size_t k = 0; s_.stay && k < tray_count; ++k) put_away(world, k);
   }
   [[nodiscard]] bool over() const { return static_cast<int>(ended_.size()) == s_.oranges; }
   [[nodiscard]] const std::vector<Packed>& ended() const { return ended_; }
   [[nodiscard]] int given() const { return given_; }
+  /// How often a person has put a full box or bin away.
+  [[nodiscard]] int put_away() const { return put_away_; }
   [[nodiscard]] const SupplySettings& settings() const { return s_; }
   [[nodiscard]] double stiffness(std::size_t slot) const { return kind_[slot].stiffness; }
   [[nodiscard]] bool good(std::size_t slot) const { return kind_[slot].good; }
@@ -52,7 +59,9 @@ class Supply {
     bool good = false;
     double stiffness = 0;
     skinctl::Nanoseconds lies{};  ///< since when it has lain where it is
+    int ended = -1;               ///< its number among `ended_`, where it has ended and stays
   };
+  static constexpr double over_tray = 0.35;  ///< distance of a hand from the middle that is over a tray [m]
 
   void look_at(World& world, std::size_t arm, std::size_t k) {
     const auto p = world.orange(k);
@@ -69,17 +78,33 @@ class Supply {
     for (std::size_t a = 0; a < arms; ++a) in_bin = in_bin || world.tray(1 + a).holds(p);
     const auto patience = in_box || in_bin ? 500ms : 3000ms;
     if (now - o.lies < patience && norm(p) < 3) return;
-    ended_.push_back({arm, o.good, o.stiffness,
-                      in_box   ? Packed::End::box
-                      : in_bin ? Packed::End::bin
-                               : Packed::End::lost,
-                      skinctl::seconds<double>(now)});
-    world.take_out(k);
+    const auto end = in_box ? Packed::End::box : in_bin ? Packed::End::bin : Packed::End::lost;
+    if (o.ended >= 0)
+      ended_[static_cast<std::size_t>(o.ended)].end = end;
+    else
+      ended_.push_back({arm, o.good, o.stiffness, end, skinctl::seconds<double>(now)});
+    const bool stays = s_.stay && end != Packed::End::lost;
+    if (stays && o.ended < 0) o.ended = static_cast<int>(ended_.size()) - 1;
+    if (!stays) world.take_out(k);
+  }
+  void put_away(World& world, std::size_t tray) {
+    const Tray at = world.tray(tray);
+    int in_it = 0;
+    const auto each = [&](const auto& f) {
+      for (std::size_t k = 0; k < arms * slots; ++k)
+        if (world.there(k) && kind_[k].ended >= 0 && at.holds(world.orange(k))) f(k);
+    };
+    each([&](std::size_t) { ++in_it; });
+    if (in_it < (tray == 0 ? s_.full_box : s_.full_bin)) return;
+    for (std::size_t a = 0; a < arms; ++a)
+      if (const auto p = world.hand(a); std::hypot(p.x - at.x, p.y - at.y) < over_tray) return;
+    each([&](std::size_t k) { world.take_out(k); });
+    ++put_away_;
   }
   void fill(World& world, std::size_t arm) {
     for (std::size_t place = 0; place < feed_places; ++place) {
       if (at_[arm][place] != nobody || given_ >= s_.oranges) continue;
-      for (std::size_t k = arm * slots; k < (arm + 1) * slots; ++k) {
+      for (std::size_t k = arm * slots; k < arm * slots + world.room(); ++k) {
         if (world.there(k)) continue;
         const auto p = feed_place(arm, place);
         bool room = norm(skinctl::Xyz<double>(world.hand(arm) - p)) > 0.25;
@@ -91,6 +116,7 @@ class Supply {
         const double z = std::clamp(normal_(random_), -3.0, 3.0);
         o.stiffness = (o.good ? s_.good : s_.bad) * (1 + s_.spread * z);
         o.lies = world.now();
+        o.ended = -1;
         const auto off = [&] { return 0.02 * (uniform_(random_) - 0.5); };
         const double dx = off(), dy = off(), radius = 0.038 + 0.008 * (uniform_(random_) - 0.5);
         world.put(k, {p.x + dx, p.y + dy, 0}, {radius, o.stiffness});
@@ -108,7 +134,7 @@ class Supply {
   std::array<Kind, arms * slots> kind_{};
   std::array<std::array<std::size_t, feed_places>, arms> at_{};
   std::vector<Packed> ended_;
-  int given_ = 0;
+  int given_ = 0, put_away_ = 0;
 };
 
 }  // namespace packing

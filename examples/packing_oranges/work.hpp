@@ -1,6 +1,7 @@
 // The numbers of the work, and its log.
 #pragma once
 
+#include "examples/packing_oranges/free_spot.hpp"
 #include "examples/packing_oranges/hand.hpp"
 #include "examples/packing_oranges/plan.hpp"
 #include "skinctl/semantics/executor.hpp"
@@ -22,7 +23,9 @@ struct WorkSettings {
   double lightly = 1.6;       ///< ... before it is squeezed where it is brought to
   double judge_from = 1.2, judge_to = 5.6;  ///< forces between which a squeeze is judged [N]
   double judge_span = 2.5;                  ///< it must have risen by so much [N]
-  bool turns = true;    ///< the hand turns so that its open fingers come down beside what lies near an orange
+  bool turns = true;  ///< the hand turns so that its open fingers come down beside what lies near an orange
+  bool stay = false;  ///< oranges stay in box and bins: it lets go beside those that lie there, or just above
+  OpenFingers fingers{};
   bool honest = false;  ///< the detector tells no numbers: it takes what it believes, see `Believed`
   /// Ways back in a row, with no orange put, after which a person is asked, once; after half as many more the
   /// arm gives up, and leaves what lies there.

@@ -45,6 +45,8 @@ class Worker {
     return (kept_ && asked_ && way_.waited() > 250ms) || (gives_way_ && kept_);
   }
   void other_waits(bool waits) { other_waits_ = waits; }
+  /// Where the other arm's hand is: it hides things from the detector, too.
+  void other_hand(const skinctl::Xyz<double>& place) { other_hand_ = place; }
   /// Whether it gives way to something that is seen, and the other arm is in its way: the other arm gives way to it then.
   [[nodiscard]] bool presses() const { return gives_way_ && kept_ && now_ - seen_at_ < hesitates; }
   void other_presses(bool presses) {
@@ -161,6 +163,14 @@ class Worker {
   [[nodiscard]] bool goes_to_tray() const {
     return does(skinctl::activity::Put::rule) && plan_.phase == Executor::Phase::run && mark() != 0;
   }
+  /// Whether it goes down there, or is about to.
+  [[nodiscard]] bool lowers_in_tray() const {
+    return goes_to_tray() && part_ < parts_.size() && parts_[part_].to.z < s_.carry;
+  }
+  /// Whether an orange is believed to lie in its way down: it was seen late, or has moved.
+  [[nodiscard]] bool something_lies_there() const;
+  /// Whether its orange has come down on something: it lets go there, and no lower.
+  [[nodiscard]] bool has_come_down_in_tray() const;
   void end(bool well) {
     report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
     judging_ = false;
@@ -212,6 +222,8 @@ class Worker {
   /// base of the arm that was led: so far in front of its own base this arm goes. In box and bins it lets go
   /// `aside` of the place.
   [[nodiscard]] skinctl::Xyz<double> hand_at(std::uint8_t place) const;
+  /// Way of the fingers where it lets go.
+  [[nodiscard]] skinctl::Xyz<double> fingers_along() const { return R_ * skinctl::Xyz<double>{0, 1, 0}; }
   /// The hand is turned from how it points down as it was turned in the lesson from how it took.
   [[nodiscard]] skinctl::Rotation<double> turned_at(std::uint8_t place) const;
   [[nodiscard]] skinctl::Rotation<double> turned(double angle) const {
@@ -239,6 +251,7 @@ class Worker {
   Trays walls_at_ = first_trays;
   Believed::FoundTrays found_;
   skinctl::Xyz<double> goes_to_{0, 0, 0};  ///< place in box or bin to which the present step goes
+  skinctl::Xyz<double> spot_{0, 0, 0};     ///< place in box or bin, from its middle, where there is room
   Executor executor_;
   Grip grip_;
   skinctl::Squeeze<> squeeze_;
@@ -274,7 +287,7 @@ class Worker {
   int gave_way_ = 0, set_right_ = 0, tries_ = 0, in_vain_ = 0;
   bool asked_in_vain_ = false;
   skinctl::JointPosition<6> high_ = A::home();
-  skinctl::Xyz<double> from_{0, 0, 0};
+  skinctl::Xyz<double> from_{0, 0, 0}, other_hand_{0, 0, 9};
   skinctl::Nanoseconds seen_at_{-1s}, pressed_at_{-1s}, return_by_{}, given_way_{};
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};

@@ -45,7 +45,7 @@ void Worker<R>::see(const Picture& picture) {
   last_picture_ = picture.taken;
   for (const auto& d : picture.seen) static_cast<void>(objects_.detect(known_, d));
   if (!s_.honest) return;
-  believed_.see(picture, X_WH_.origin());
+  believed_.see(picture, std::array{X_WH_.origin(), other_hand_});
   believed_.write(known_);
   believed_.find(found_);
   keep_clear_of_trays();

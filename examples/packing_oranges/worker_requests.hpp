@@ -81,9 +81,12 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
   }
   if (parts_.empty()) return look();
   if (way_.is_aside()) return;
-  if (goes_to_tray()) {
-    if (norm(skinctl::Xyz<double>(hand_at(r.place) - goes_to_)) > strays) begin(r);
-    if (!asked_ && parts_[part_].to.z < s_.carry && !has_seen_tray(goes_down_for)) return;
+  if (goes_to_tray() && norm(skinctl::Xyz<double>(hand_at(r.place) - goes_to_)) > strays) begin(r);
+  if (has_come_down_in_tray()) {
+    Part off{Set::start_skill(A::skills(&skinctl::activity::Put::rule)), true,
+             at(X_WH_.origin(), X_WH_.origin().z + 0.005)};
+    ask(off);
+    return end(true);
   }
   if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside(parts_[part_].request);
   const auto told = Set::report_of(memory_->law, ticket_);
@@ -108,7 +111,25 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
   if (!asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
       !is_over(taken_))
     return end(false);
+  if (lowers_in_tray()) {
+    if (!asked_ && !has_seen_tray(goes_down_for)) return;
+    if (something_lies_there()) begin(r);
+  }
   if (!asked_) ask(parts_[part_]);
+}
+
+template <class R>
+bool Worker<R>::something_lies_there() const {
+  constexpr double seen_within = 0.006;  // deviation of places that is no news [m]
+  if (!s_.stay) return false;
+  const auto lying = believed_.lying_in(found_.at[tray_number()]);
+  return least_height(goes_to_, fingers_along(), s_.fingers, lying, -seen_within) >
+         parts_[part_].to.z + 0.003;
+}
+
+template <class R>
+bool Worker<R>::has_come_down_in_tray() const {
+  return s_.stay && lowers_in_tray() && asked_ && gripper_.force > grip_.hold() + stands_on;
 }
 
 template <class R>

@@ -51,12 +51,18 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
     grip({0, grip_.hold(), 0.02});
   } else if (r.does == &activity::Put::rule) {
     R_ = turned_at(r.place);
+    const double floor = s_.honest ? tray_bottom : 0;
+    double low = floor + std::max(hand_at(r.place).z, taken_.z + s_.let_go);
+    if (s_.stay && mark() != 0) {
+      const Tray& tray = found_.at[tray_number()];
+      spot_ = free_spot(arm_, tray, fingers_along(), s_.fingers, believed_.lying_in(tray), low);
+      low = std::min(spot_.z, s_.carry);
+    }
     const auto p = goes_to_ = hand_at(r.place);
     if (here.z < 0.8 * s_.carry && std::hypot(p.x - here.x, p.y - here.y) > strays)
       add(skill, at(here, s_.carry), passing);
-    add(skill, at(p, s_.carry), passing);
-    const double floor = s_.honest ? tray_bottom : 0;
-    add(skill, at(p, floor + std::max(p.z, taken_.z + s_.let_go)), 0.01);
+    add(skill, at(p, s_.carry), s_.stay ? 0.006 : passing);
+    add(skill, at(p, low), 0.01);
   } else if (r.does == &GoBack::rule) {
     R_ = straight_;
     const Tray feed = feed_tray(arm_);
@@ -100,6 +106,7 @@ skinctl::Xyz<double> Worker<R>::hand_at(std::uint8_t place) const {
   const auto p = seen_by(arm_, X_MH.origin());
   if (mark == 0) return p + seen_by(arm_, {-R::stands, 0, 0});
   const Tray& tray = mark == bin_class ? found_.at[1 + arm_] : found_.at[0];
+  if (s_.stay && does(skinctl::activity::Put::rule)) return {tray.x + spot_.x, tray.y + spot_.y, p.z};
   return p + skinctl::Xyz<double>{tray.x, tray.y - side(arm_) * s_.aside, 0};
 }
 

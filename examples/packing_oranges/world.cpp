@@ -164,11 +164,12 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSetti
       collides(is_obstacle, 0) + "/></body>";
   const std::string soft = list({solid, solid, 0.001, 0.5, 2});
   for (std::size_t k = 0; k < arms * slots; ++k)
-    xml += "<body name='orange" + std::to_string(k) + "' pos='" +
-           list({5 + 0.2 * static_cast<double>(k), 0, 1}) + "'><freejoint/><geom name='orange" +
-           std::to_string(k) + "' type='sphere' size='0.038' mass='" + list({orange_mass}) +
-           "' priority='1' condim='6' friction='" + list({settings.friction, 0.01, 0.0005}) + "' solimp='" +
-           soft + "'" + collides(is_orange, is_table | is_orange) + "/></body>";
+    if (k % slots < settings.room)
+      xml += "<body name='orange" + std::to_string(k) + "' pos='" +
+             list({5 + 0.2 * static_cast<double>(k), 0, 1}) + "'><freejoint/><geom name='orange" +
+             std::to_string(k) + "' type='sphere' size='0.038' mass='" + list({orange_mass}) +
+             "' priority='1' condim='6' friction='" + list({settings.friction, 0.01, 0.0005}) + "' solimp='" +
+             soft + "'" + collides(is_orange, is_table | is_orange) + "/></body>";
   xml += thing_text(thing, settings.friction) + "</worldbody><equality>";
   for (std::size_t arm = 0; arm < arms; ++arm)
     if (!bodies[arm].hand)
@@ -301,6 +302,7 @@ struct World::Bodies {
         owner[static_cast<std::size_t>(g)] = static_cast<int>(parts * a + static_cast<std::size_t>(part));
       }
     for (std::size_t k = 0; k < slot.size(); ++k) {
+      if (k % slots >= settings.room) continue;
       Slot& o = slot[k];
       o.body = id(mjOBJ_BODY, "orange" + std::to_string(k));
       o.geom = id(mjOBJ_GEOM, "orange" + std::to_string(k));
@@ -425,11 +427,12 @@ struct World::Bodies {
     m.reading = std::max(0.0, m.record.force + settings.force_noise * normal(random));
     const double half = m.gripper.step(opening, m.reading, tick) / 2;
     constexpr double stiff = 250;
-    for (std::size_t f = 0; f < 2; ++f)
-      data->qfrc_applied[m.slide_v[f]] +=
-          data->qfrc_bias[m.slide_v[f]] +
-          m.slide_inertia *
-              (stiff * stiff * (half - data->qpos[m.slide_q[f]]) - 2 * stiff * data->qvel[m.slide_v[f]]);
+    const double most = settings.opens_gently ? m.gripper.opens_with() : 1e9;
+    for (std::size_t f = 0; f < 2; ++f) {
+      const double drive = m.slide_inertia * (stiff * stiff * (half - data->qpos[m.slide_q[f]]) -
+                                              2 * stiff * data->qvel[m.slide_v[f]]);
+      data->qfrc_applied[m.slide_v[f]] += data->qfrc_bias[m.slide_v[f]] + std::min(drive, most);
+    }
   }
   /// Forces of the fingers, and who touches whom.
   void look_at_contacts() {
@@ -541,7 +544,7 @@ struct World::Bodies {
       }
     }
     for (const Slot& o : slot)
-      if (o.frozen) rest(o);
+      if (o.frozen && o.body > 0) rest(o);
     if (thing_q >= 0 && thing_held) {
       std::copy(thing_rests.begin(), thing_rests.end(), data->qpos + thing_q);
       std::fill_n(data->qvel + thing_v, 6, 0.0);
@@ -731,6 +734,9 @@ void World::take_out(std::size_t k) {
 }
 bool World::there(std::size_t k) const {
   return b_->slot[k].there;
+}
+std::size_t World::room() const {
+  return b_->settings.room;
 }
 Xyz<double> World::orange(std::size_t k) const {
   const double* p = b_->data->qpos + b_->slot[k].q;

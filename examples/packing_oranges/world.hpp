@@ -23,13 +23,15 @@ struct Thing {
 
 /// Numbers of the world.
 struct WorldSettings {
-  double bandwidth = 100;    ///< of every joint's servo, critically damped [rad/s]
-  double force_noise = 0.1;  ///< deviation of the fingers' force sensors [N]
-  double period = 0.008;     ///< between two commands [s]; the servo interpolates over it
-  Thing thing{};             ///< far away until it is put somewhere
-  double friction = 0.8;     ///< of an orange
-  bool trays_move = false;   ///< box and bins slide on the table when they are pushed
-  bool interpolate = true;   ///< false: commands are steps, as a servo without interpolation takes them
+  double bandwidth = 100;               ///< of every joint's servo, critically damped [rad/s]
+  double force_noise = 0.1;             ///< deviation of the fingers' force sensors [N]
+  double period = 0.008;                ///< between two commands [s]; the servo interpolates over it
+  Thing thing{};                        ///< far away until it is put somewhere
+  double friction = 0.8;                ///< of an orange
+  bool trays_move = false;              ///< box and bins slide on the table when they are pushed
+  std::size_t room = slots_if_emptied;  ///< for oranges of each arm, at most `slots`
+  bool opens_gently = false;            ///< a gripper opens with its goal's force at most
+  bool interpolate = true;  ///< false: commands are steps, as a servo without interpolation takes them
 };
 
 /// An orange as it is put on the table.
@@ -114,11 +116,13 @@ class World {
   /// The palm of a hand, or of a gripper.
   [[nodiscard]] skinctl::Transform<skinctl::World, skinctl::Tool> palm(std::size_t arm) const;
 
-  /// Oranges are numbered from 0 to `arms * slots - 1`. One lies at `p` from now on, at rest.
+  /// Oranges are numbered from 0 to `arms * slots - 1`, the first `room` of each arm's `slots` are used. One lies at `p`
+  /// from now on, at rest.
   void put(std::size_t slot, const skinctl::Xyz<double>& p, const Orange& orange);
   /// It is taken out of the world.
   void take_out(std::size_t slot);
   [[nodiscard]] bool there(std::size_t slot) const;
+  [[nodiscard]] std::size_t room() const;
   [[nodiscard]] skinctl::Xyz<double> orange(std::size_t slot) const;
   [[nodiscard]] skinctl::Xyz<double> orange_velocity(std::size_t slot) const;
   /// When fingers touched it last; never: a negative time.
