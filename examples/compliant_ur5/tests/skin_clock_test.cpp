@@ -32,30 +32,29 @@ struct Told {
   [[nodiscard]] std::string leaps() const { return fact("leaps of the skin's clock"); }
 };
 
-/// The job at rest, with a wire to its skin that changes datagrams from 2.5 s on; at 3.5 s a cell is pressed
-/// for half a second.
+/// The job at rest, with a wire to its skin that changes datagrams from its 1.5 s on; at 2.5 s a cell is
+/// pressed for half a second.
 Told run_with_wire(SkinWire::Change change, bool pressed = true) {
   Settings s = settings();
   s.task.clear();
-  s.cycles = 560;
+  s.cycles = 500;
   std::optional<SkinWire> wire;
   Beside beside(s, [&](auto& config) {
     wire.emplace(s.skin_port);
     config.skin_port = wire->port();
   });
-  // The wire's time begins with its first datagram, a second or so before the job listens.
-  wire->set([change, pressed, first = std::optional<skinctl::Nanoseconds>()](const Parcel& p) mutable {
-    if (!first) first = p.sent;
+  wire->set([&, change](const Parcel& p) {
     Parcel felt = p;
-    const auto t = p.sent - *first;
-    if (pressed && t > 3500ms && t < 4s)
+    const double t = beside.robot->snapshot().scenario_time;
+    if (pressed && t > 2.5 && t < 3)
       for (auto& sample : felt.samples)
         if (sample.cell == 170) sample.force = {0.5f, 0.5f, 0.5f};
-    return t > 2500ms && change ? change(felt) : Parcels{felt};
+    return t > 1.5 && change ? change(felt) : Parcels{felt};
   });
   Told out;
   const std::atomic<bool> stop = false;
   out.outcome = run(s, stop, out.log);
+  wire->set({});
   return out;
 }
 
