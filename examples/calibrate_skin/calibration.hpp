@@ -28,9 +28,10 @@ struct ArmOptions {
   /// Of its controller: ur (RTDE), stream_motion, franka, or rsi, egm, fri; of these three `host` is the
   /// address of this computer.
   std::string protocol = "ur";
-  std::uint16_t port = 0;   ///< of all but ur; 0: as the maker has it
-  double period = 0.004;    ///< of rsi, egm, fri [s]
-  double stiffness = 3000;  ///< of franka: of each joint's spring [N m/rad]
+  std::uint16_t port = 0;      ///< of all but ur; 0: as the maker has it
+  double period = 0.004;       ///< of rsi, egm, fri [s]
+  double max_correction = 90;  ///< of rsi: farthest way of a joint from where it stands [deg]
+  double stiffness = 3000;     ///< of franka: of each joint's spring [N m/rad]
   std::uint16_t rtde_port = 0, script_port = 0,
                 dashboard_port = 0;  ///< of a UR's host; 0: as the maker has them
   bool own_clock = false;  ///< the host is a simulation: its clock need not agree with this computer's

@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
+#include <numbers>
 
 #include "examples/calibrate_skin/calibration.hpp"
 #include "examples/support/job.hpp"
@@ -61,15 +63,21 @@ void add_model([[maybe_unused]] CLI::App& app, [[maybe_unused]] UrdfRobot& model
       ->check(CLI::IsMember({"ur", "stream_motion", "rsi", "egm", "fri", "franka"}));
   add("--arm-port", arm.port, "of its controller, or for rsi, egm and fri of this computer");
   add("--arm-period", arm.period, "of rsi, egm, fri [s]")->check(CLI::Range(0.001, 0.1));
+  add("--max-correction", arm.max_correction,
+      "of rsi: of AXISCORR and AXISCORRMON, from where the arm stands [deg]")
+      ->check(CLI::Range(20.0, 360.0));
   add("--stiffness", arm.stiffness, "franka: of each joint's spring [N m/rad]");
 #endif
 }
 /// Masses come from a UR5's currents, and the simulated skin is made for its tubes.
-void take_model([[maybe_unused]] const UrdfRobot& model, const std::string& skin, Options& options) {
+void take_model([[maybe_unused]] UrdfRobot model, const std::string& skin, Options& options) {
   if (skin.empty())
     throw skinctl::ConfigurationError("--model: what is simulated is a UR5; --skin names a skin that exists");
   options.masses = false;
 #ifdef CALIBRATE_SKIN_HAS_URDF
+  constexpr double beside_home = 0.05, degree = std::numbers::pi / 180;  // it need not stand there exactly
+  if (options.arm.protocol == "rsi" && model.reach == UrdfRobot{}.reach)
+    model.reach = std::min(model.reach, degree * options.arm.max_correction - beside_home);
   options.arm.robot = robot_of(model);
 #endif
 }

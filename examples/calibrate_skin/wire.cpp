@@ -37,10 +37,10 @@ ArmOptions WireSkin::listening(ArmOptions arm) {
 
 std::string WireSkin::said() const {
   const auto& s = receiver_.statistics();
-  const std::string refused = adapters::skin::refusals(s);
+  const std::string refused = adapters::skin::refusals(s), leaps = receiver_.leaps();
   return text("%llu datagrams of the skin, %llu lost", static_cast<unsigned long long>(s.datagrams),
               static_cast<unsigned long long>(s.lost)) +
-         (refused.empty() ? "" : "; " + refused);
+         (leaps.empty() ? "" : "; " + leaps) + (refused.empty() ? "" : "; " + refused);
 }
 
 const std::vector<WireSkin::Reading>& WireSkin::of(std::uint16_t id, std::size_t least) const {

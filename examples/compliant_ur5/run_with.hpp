@@ -388,8 +388,9 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
       if constexpr (by_skin) {
         const auto cells_in_words = [&] {
           const std::string refused = adapters::skin::refusals(receiver.statistics()),
-                            frozen = receiver.frozen();
+                            frozen = receiver.frozen(), leaps = receiver.leaps();
           return in_words(scene.skin(), m.skin) + (frozen.empty() ? "" : "; " + frozen) +
+                 (leaps.empty() ? "" : "; " + leaps) +
                  (refused.empty() ? "" : "; datagrams refused: " + refused);
         };
         if (!scene.governor().template memory<SkinWatch>(m.governor).heard && t > s.control.skin_patience) {
@@ -553,7 +554,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     log.cycle.repeated_median = repeated_median(scene, report, log.cycle.repeated);
   }
   const bool real_time = s.robot || s.speed == 1;
-  const std::string refused = adapters::skin::refusals(receiver.statistics()), frozen = receiver.frozen();
+  const std::string refused = adapters::skin::refusals(receiver.statistics()), frozen = receiver.frozen(),
+                    leaps = receiver.leaps();
   log.title = std::string(s.rigid ? "Rigid" : "Compliant") + " UR5, " + (s.robot ? *s.robot : "simulated") +
               ", " + text("%.0f Hz, ", s.rate) + in_words(I) + " interface" +
               (by_skin ? "" : ", by its " + std::string(compliant_ur5::in_words(S)));
@@ -585,6 +587,7 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
     log.result.push_back({"skin datagrams lost", std::to_string(receiver.statistics().lost)});
     log.result.push_back({"stray skin datagrams", std::to_string(receiver.statistics().stray())});
     log.result.push_back({"skin datagrams refused", refused.empty() ? "none" : refused});
+    log.result.push_back({"leaps of the skin's clock", leaps.empty() ? "none" : leaps});
     log.result.push_back({"frozen cells", frozen.empty() ? "none" : frozen});
   } else {
     add_facts(reader, memory->skin, log);

@@ -13,6 +13,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <exception>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -200,127 +202,78 @@ constexpr const char* in_words(Interface by) {
   return by == Interface::position ? "position" : by == Interface::velocity ? "velocity" : "torque";
 }
 
+/// `work` for each of 0 to `count` - 1, several side by side; false where a signal came before the last.
+/// Throws what one of them throws first.
+bool side_by_side(std::size_t count, std::size_t together, bool quiet,
+                  const std::function<void(std::size_t)>& work) {
+  const job::StopSignals signals;
+  job::Progress progress(quiet, 0.5, stderr);
+  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<bool> failed = false;
+  std::exception_ptr why;
+  std::vector<std::thread> lanes;
+  for (std::size_t lane = 0; lane < together; ++lane)
+    lanes.emplace_back([&] {
+      for (std::size_t k; !signals.asked() && !failed && (k = next++) < count; ++done) try {
+          work(k);
+        } catch (...) {
+          if (!failed.exchange(true)) why = std::current_exception();
+        }
+    });
+  while (done < count && !signals.asked() && !failed) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    if (progress.due(std::chrono::duration<double>(Clock::now().time_since_epoch()).count()))
+      progress.show("%zu of %zu runs", done.load(), count);
+  }
+  for (auto& t : lanes) t.join();
+  progress.clear();
+  if (why) std::rethrow_exception(why);
+  return !signals.asked();
+}
+
 /// Plain streams of the messages that the job sends, without job and robot: how often they wait.
-int print_plain(const std::vector<Network>& chosen, std::size_t runs, const std::string& congestion) {
+struct PlainCase {
+  Network network;
+  PlainStream stream;
+  std::vector<std::vector<double>> stalls;  ///< of each run [s]
+};
+std::vector<PlainCase> plain_cases(const std::vector<Network>& chosen, std::size_t runs,
+                                   const std::string& congestion) {
+  std::vector<PlainCase> out;
+  for (const Network& network : chosen)
+    for (const double rate : {125.0, 500.0})
+      for (const int again : {0, rate > 125 ? 4 : 10})
+        out.push_back({network,
+                       {.bytes = 32, .rate = rate, .congestion = congestion, .retransmission = again},
+                       std::vector<std::vector<double>>(runs)});
+  return out;
+}
+void print_plain(const std::vector<PlainCase>& cases) {
   constexpr double patience[] = {0.04, 0.1};  // of the robot's program by torque, and else [s]
   std::printf(
       "| messages | sent again after | network | waits above 40 ms a minute | above 100 ms | longest |\n"
       "|---|---|---|---|---|---|\n");
-  for (const Network& network : chosen)
-    for (const double rate : {125.0, 500.0})
-      for (const int again : {0, rate > 125 ? 4 : 10}) {
-        std::vector<std::vector<double>> all(runs);
-        std::vector<std::thread> lanes;
-        for (std::size_t k = 0; k < runs; ++k)
-          lanes.emplace_back([&, k] {
-            NetworkLink link(1 + k);
-            all[k] = stalls(link, network.fault,
-                            {.bytes = 32, .rate = rate, .congestion = congestion, .retransmission = again},
-                            run_time);
-          });
-        for (auto& lane : lanes) lane.join();
-        double longest = 0, above[2] = {};
-        for (const auto& run : all)
-          for (const double wait : run) {
-            longest = std::max(longest, wait);
-            for (std::size_t i = 0; i < 2; ++i) above[i] += wait > patience[i];
-          }
-        const double minutes = static_cast<double>(runs) * run_time / 60;
-        std::printf("| %.0f a second | %s | %s | %.1f | %.1f | %.0f ms |\n", rate,
-                    again == 0 ? "as the system has it" : (std::to_string(again) + " ms").c_str(),
-                    network.name, above[0] / minutes, above[1] / minutes, 1e3 * longest);
-        std::fflush(stdout);
+  for (const PlainCase& c : cases) {
+    double longest = 0, above[2] = {};
+    for (const auto& run : c.stalls)
+      for (const double wait : run) {
+        longest = std::max(longest, wait);
+        for (std::size_t i = 0; i < 2; ++i) above[i] += wait > patience[i];
       }
-  return job::code(job::Exit::fine);
+    const double minutes = static_cast<double>(c.stalls.size()) * run_time / 60;
+    const int again = c.stream.retransmission;
+    std::printf("| %.0f a second | %s | %s | %.1f | %.1f | %.0f ms |\n", c.stream.rate,
+                again == 0 ? "as the system has it" : (std::to_string(again) + " ms").c_str(), c.network.name,
+                above[0] / minutes, above[1] / minutes, 1e3 * longest);
+  }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app{
-      "Prints what a network that loses, delays, repeats and reorders IP packets does to the main job: job "
-      "and simulated "
-      "robot in two network namespaces of this process."};
-  app.footer(job::exit_help());
-  std::vector<std::string> interfaces{"position", "velocity", "torque"};
-  std::vector<std::size_t> rows;
-  std::size_t runs = 3, together = 4;
-  bool quiet = false, each = false, plain = false;
-  std::string congestion;
-  app.add_option("--interface", interfaces, "position, velocity, torque")
-      ->check(CLI::IsMember({"position", "velocity", "torque"}))
-      ->delimiter(',');
-  app.add_option("--row", rows, "only these networks, from 0 on")->delimiter(',');
-  app.add_option("--runs", runs, "of each")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_option("--together", together, "runs side by side, in real time")
-      ->check(CLI::Range(1, 32))
-      ->capture_default_str();
-  app.add_flag("--plain", plain,
-               "instead: TCP streams of the job's messages on the same wire, without job and robot");
-  app.add_option("--congestion", congestion, "--plain: cubic, reno or bbr; without it as the system has it");
-  app.add_flag("--each", each, "a line for each run, on standard error");
-  app.add_flag("--quiet", quiet, "no progress");
-  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
-  become_root_of_own_namespace();
-  try {
-    NetworkLink(0);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "networks: %s\n", e.what());
-    return job::code(job::Exit::refused);
-  }
-  const job::StopSignals signals;
-  job::Progress progress(quiet, 0.5, stderr);
-
-  if (plain) {
-    std::vector<Network> chosen;
-    const auto all = networks();
-    for (std::size_t k = 0; k < all.size(); ++k)
-      if (rows.empty() || std::find(rows.begin(), rows.end(), k) != rows.end()) chosen.push_back(all[k]);
-    return print_plain(chosen, runs, congestion);
-  }
-  struct Case {
-    Network network;
-    Interface by;
-    std::vector<Result> results;
-  };
-  std::vector<Case> cases;
-  const auto all = networks();
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    if (!rows.empty() && std::find(rows.begin(), rows.end(), k) == rows.end()) continue;
-    for (const std::string& name : interfaces)
-      for (const Interface by : {Interface::position, Interface::velocity, Interface::torque})
-        if (name == in_words(by)) cases.push_back({all[k], by, std::vector<Result>(runs)});
-  }
-  std::atomic<std::size_t> next{0}, done{0}, repeated{0};
-  std::vector<std::thread> lanes;
-  for (std::size_t lane = 0; lane < together; ++lane)
-    lanes.emplace_back([&] {
-      for (std::size_t k; !signals.asked() && (k = next++) < cases.size() * runs; ++done) {
-        Case& c = cases[k / runs];
-        Result& r = c.results[k % runs];
-        // What this computer did not run when it was due is no fault of the network.
-        for (int again = 0; again < 4; ++again) {
-          r = suffer(c.network, c.by, 1 + k % runs);
-          if (r.behind < most_behind && r.moved) break;
-          ++repeated;
-        }
-        if (each)
-          std::fprintf(
-              stderr,
-              "%s, %s: exit %d, %.0f %.0f %.0f N, states %.0f ms, commands %.0f ms, behind %.0f ms: %s\n",
-              in_words(c.by), c.network.name, r.exit, r.peaks[0], r.peaks[1], r.peaks[2], 1e3 * r.states,
-              1e3 * r.commands, 1e3 * r.behind, r.words.c_str());
-      }
-    });
-  while (done < cases.size() * runs && !signals.asked()) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    if (progress.due(std::chrono::duration<double>(Clock::now().time_since_epoch()).count()))
-      progress.show("%zu of %zu runs", done.load(), cases.size() * runs);
-  }
-  for (auto& t : lanes) t.join();
-  progress.clear();
-  if (signals.asked()) return job::code(job::Exit::interrupted);
-
+struct Case {
+  Network network;
+  Interface by;
+  std::vector<Result> results;
+};
+void print(const std::vector<Case>& cases) {
   std::printf(
       "| by | network | finished | other ends | largest force | longest without a state | without a command "
       "|\n"
@@ -343,9 +296,98 @@ int main(int argc, char** argv) {
       words += (words.empty() ? "" : "; ") + std::to_string(times.first) + " with " +
                std::to_string(times.second) + ": " + text;
     std::printf("| %s | %s | %zu of %zu | %s | %.0f N | %.0f ms | %.0f ms |\n", in_words(c.by),
-                c.network.name, finished, runs, words.empty() ? "-" : words.c_str(), force, 1e3 * states,
-                1e3 * commands);
+                c.network.name, finished, c.results.size(), words.empty() ? "-" : words.c_str(), force,
+                1e3 * states, 1e3 * commands);
   }
-  std::printf("\n%zu times a run was repeated, as this computer did not run what was due\n", repeated.load());
-  return job::code(job::Exit::fine);
+}
+
+/// The run of a case that is counted. What this computer did not run when it was due is no fault of the
+/// network: such a run is repeated.
+Result counted_run(const Case& c, std::uint64_t seed, bool each, std::atomic<std::size_t>& repeated) {
+  Result r;
+  for (int again = 0; again < 4; ++again) {
+    r = suffer(c.network, c.by, seed);
+    if (r.behind < most_behind && r.moved) break;
+    ++repeated;
+  }
+  if (each)
+    std::fprintf(stderr,
+                 "%s, %s: exit %d, %.0f %.0f %.0f N, states %.0f ms, commands %.0f ms, behind %.0f ms: %s\n",
+                 in_words(c.by), c.network.name, r.exit, r.peaks[0], r.peaks[1], r.peaks[2], 1e3 * r.states,
+                 1e3 * r.commands, 1e3 * r.behind, r.words.c_str());
+  return r;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Prints what a network that loses, delays, repeats and reorders IP packets does to the main job: job "
+      "and simulated "
+      "robot in two network namespaces of this process."};
+  app.footer(job::exit_help());
+  std::vector<std::string> interfaces{"position", "velocity", "torque"};
+  std::vector<std::size_t> rows;
+  std::size_t runs = 3, together = 4;
+  bool quiet = false, each = false, plain = false;
+  std::string congestion;
+  auto* by = app.add_option("--interface", interfaces, "position, velocity, torque")
+                 ->check(CLI::IsMember({"position", "velocity", "torque"}))
+                 ->delimiter(',');
+  app.add_option("--row", rows, "only these networks, from 0 on")
+      ->check(CLI::Range(std::size_t(0), networks().size() - 1))
+      ->delimiter(',');
+  app.add_option("--runs", runs, "of each")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_option("--together", together, "runs side by side, in real time")
+      ->check(CLI::Range(1, 32))
+      ->capture_default_str();
+  auto* without_job =
+      app.add_flag("--plain", plain,
+                   "instead: TCP streams of the job's messages on the same wire, without job and robot; how "
+                   "often they wait, as the system sends again and as the job asks it to");
+  app.add_option("--congestion", congestion, "--plain: cubic, reno or bbr; without it as the system has it")
+      ->needs(without_job);
+  without_job->excludes(by, app.add_flag("--each", each, "a line for each run, on standard error"));
+  app.add_flag("--quiet", quiet, "no progress");
+  if (const auto end = examples::job::parse(app, argc, argv)) return *end;
+  become_root_of_own_namespace();
+  std::vector<Network> chosen;
+  const auto all = networks();
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (rows.empty() || std::find(rows.begin(), rows.end(), k) != rows.end()) chosen.push_back(all[k]);
+  try {
+    NetworkLink(0);
+    if (plain) {
+      auto cases = plain_cases(chosen, runs, congestion);
+      const auto stream = [&](std::size_t k) {
+        PlainCase& c = cases[k / runs];
+        NetworkLink link(1 + k % runs);
+        c.stalls[k % runs] =
+            stalls(link, c.network.fault, c.stream, run_time, {c.network.from, c.network.until});
+      };
+      if (!side_by_side(cases.size() * runs, together, quiet, stream))
+        return job::code(job::Exit::interrupted);
+      print_plain(cases);
+      return job::code(job::Exit::fine);
+    }
+    std::vector<Case> cases;
+    for (const Network& network : chosen)
+      for (const std::string& name : interfaces)
+        for (const Interface i : {Interface::position, Interface::velocity, Interface::torque})
+          if (name == in_words(i)) cases.push_back({network, i, std::vector<Result>(runs)});
+    std::atomic<std::size_t> repeated{0};
+    const auto suffer_one = [&](std::size_t k) {
+      Case& c = cases[k / runs];
+      c.results[k % runs] = counted_run(c, 1 + k % runs, each, repeated);
+    };
+    if (!side_by_side(cases.size() * runs, together, quiet, suffer_one))
+      return job::code(job::Exit::interrupted);
+    print(cases);
+    std::printf("\n%zu times a run was repeated, as this computer did not run what was due\n",
+                repeated.load());
+    return job::code(job::Exit::fine);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "networks: %s\n", e.what());
+    return job::code(job::Exit::refused);
+  }
 }

@@ -17,9 +17,15 @@ struct PlainStream {
   int retransmission = 0;  ///< `Stream::set_retransmission_wait` [ms]; 0: the system's
 };
 
+/// When the wire is faulty: since the first message [s].
+struct FaultyTime {
+  double from = 0, until = 1e9;
+};
+
 /// Times between two pieces of the stream at its reader, of those that last longer than 3 periods [s]. Throws
-/// `adapters::ConnectionError` where the kernel has no such algorithm or refuses the wait.
+/// `adapters::ConnectionError` where the kernel has no such algorithm or refuses the wait, and where the
+/// stream breaks before its end.
 std::vector<double> stalls(NetworkLink& link, const LinkFault& fault, const PlainStream& stream,
-                           double seconds);
+                           double seconds, const FaultyTime& when = {});
 
 }  // namespace fault_table

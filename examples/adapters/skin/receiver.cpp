@@ -177,6 +177,7 @@ bool ReceiverCore::follows(std::int64_t step) noexcept {
 bool ReceiverCore::open(const Datagram& datagram, const void* from, std::size_t from_size,
                         Nanoseconds now) noexcept {
   if (!has_sender_ || now - heard_at_ > config_.forget) {
+    if (has_sender_) ++statistics_.restarts;
     clock_memory_ = {};
     return true;
   }
@@ -321,6 +322,20 @@ std::string ReceiverCore::frozen() const {
   if (count == 0) return out;
   return std::to_string(count) + (count == 1 ? " cell stands" : " cells stand") +
          " still, without the noise of a sensor: frozen or dead (" + out + (count > most ? ", ...)" : ")");
+}
+
+std::string ReceiverCore::leaps() const {
+  const auto counted = [](std::uint64_t n, const char* one, const char* more) {
+    return n == 0 ? std::string() : std::to_string(n) + (n == 1 ? one : more);
+  };
+  const auto& s = statistics_;
+  const std::string leaps = counted(s.leaps, " leap of the sender's clock", " leaps of the sender's clock"),
+                    anew =
+                        counted(s.restarts, " new beginning of the sender", " new beginnings of the sender");
+  if (leaps.empty() && anew.empty()) return {};
+  const auto gather = std::chrono::duration_cast<std::chrono::milliseconds>(config_.clock.gather);
+  return leaps + (leaps.empty() || anew.empty() ? "" : ", ") + anew + ": no reading counts for " +
+         std::to_string(gather.count()) + (s.leaps + s.restarts == 1 ? " ms after it" : " ms after each");
 }
 
 std::string refusals(const Statistics& s) {

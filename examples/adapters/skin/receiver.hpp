@@ -62,7 +62,7 @@ struct Statistics {
   std::uint64_t untimed = 0;      ///< samples before the sender's clock was known, see `ClockOffset`
   std::uint64_t leaps = 0;        ///< leaps of the sender's clock
   std::uint64_t frozen = 0;       ///< cells now without unrest, see `ReceiverConfig::noise`
-  std::uint64_t restarts = 0;     ///< with a key: the sender has begun again
+  std::uint64_t restarts = 0;     ///< new beginnings of the sender; without a key: of any, after a silence
 
   /// Datagrams that are not of our sender. Those of `unasked` and `deaf` may be: its first ones are.
   [[nodiscard]] std::uint64_t stray() const noexcept {
@@ -87,6 +87,8 @@ class ReceiverCore {
   [[nodiscard]] const Statistics& statistics() const noexcept { return statistics_; }
   /// The frozen cells in words; empty: there are none.
   [[nodiscard]] std::string frozen() const;
+  /// Leaps of the sender's clock, new beginnings of the sender and their price, in words; empty: none.
+  [[nodiscard]] std::string leaps() const;
   /// From the next poll on the lights of these cells, and of no others, are to be on: the sender is told in
   /// each poll, at most every 20 ms, until it has answered. Throws `ConfigurationError` for ids that are
   /// farther apart than a `Picture` has room for.

@@ -244,6 +244,7 @@ TEST_CASE("main job: the skin of a file, by sealed datagrams, is the skin that i
   REQUIRE(run(s, false, from_file) == Outcome::fine);
   CHECK(fact(from_file, "skin datagrams lost") == "0");
   CHECK(fact(from_file, "stray skin datagrams") == "0");
+  CHECK(fact(from_file, "leaps of the skin's clock") == "none");
   REQUIRE(built_in.touches.size() == 1);
   REQUIRE(from_file.touches.size() == 1);
   CHECK(from_file.touches[0].cell == built_in.touches[0].cell);

@@ -35,7 +35,7 @@ class ClockOffset {
   struct Settings {
     Nanoseconds min_delay =
         0ns;  ///< the time that the fastest message takes; what is not declared stays in the stamps
-    Nanoseconds gather = 100ms;  ///< time for which messages are heard before the first stamp
+    Nanoseconds gather = 100ms;  ///< time by either clock for which messages are heard before the first stamp
     Nanoseconds ahead = 1ms, overtaken = 20ms, late = 5ms;  ///< see the class
   };
   static constexpr std::size_t window = 30;  ///< number of seconds of the window
@@ -66,6 +66,7 @@ class ClockOffset {
     std::array<Piece, 4> pieces{};  ///< the newest first
     std::size_t pieces_count = 0;   ///< 0: no stamps yet
     Nanoseconds began{};            ///< beginning of the present second
+    Nanoseconds first_arrived{};    ///< robot's time when the first message since the start or a leap arrived
     Nanoseconds newest{};           ///< time at which the newest message was sent
     bool near = false;              ///< whether a message of this second came within `late` of the line
     std::size_t leaps = 0;          ///< leaps since the start
@@ -94,27 +95,24 @@ class ClockOffset {
     if (sent <= -far || sent >= far || arrived <= -far || arrived >= far) return Heard::refused;
     const Nanoseconds difference = arrived - sent - s_.min_delay;
     if (m.count == 0) {
-      begin(m, {sent, difference});
-      return tie(m) ? Heard::tied : Heard::gathering;
+      begin(m, {sent, difference}, arrived);
+      return tie(m, arrived) ? Heard::tied : Heard::gathering;
     }
     if (leaps(m, sent, difference)) {
-      begin(m, {sent, difference});
+      begin(m, {sent, difference}, arrived);
       ++m.leaps;
-      static_cast<void>(tie(m));
+      static_cast<void>(tie(m, arrived));
       return Heard::leapt;
     }
     if (sent > m.newest) m.newest = sent;
     Point& present = m.points[m.count - 1];
     if (difference < present.difference) present = {sent, difference};
     ++m.messages;
-    if (ready(m) && difference <= offset(m, sent) + s_.late) m.near = true;
-    if (ready(m)) {
-      if (m.newest - m.pieces[0].at >= 125ms) revise(m);
-    } else {
-      static_cast<void>(tie(m));
-    }
+    if (!ready(m)) return tie(m, arrived) ? Heard::tied : Heard::gathering;
+    if (difference <= offset(m, sent) + s_.late) m.near = true;
+    if (m.newest - m.pieces[0].at >= 125ms) revise(m);
     if (m.newest - m.began >= 1s) next_second(m, {sent, difference});
-    return ready(m) ? Heard::tied : Heard::gathering;
+    return Heard::tied;
   }
 
   /// Whether `stamp` can give stamps.
@@ -147,10 +145,11 @@ class ClockOffset {
     return p.offset + rounded(p.rate * since + error);
   }
 
-  void begin(Memory& m, const Point& first) const noexcept {
+  void begin(Memory& m, const Point& first, Nanoseconds arrived) const noexcept {
     const std::size_t leaps_so_far = m.leaps;
     m = {};
     m.leaps = leaps_so_far;
+    m.first_arrived = arrived;
     m.points[0] = first;
     m.count = m.messages = 1;
     m.began = m.newest = first.sent;
@@ -163,9 +162,11 @@ class ClockOffset {
     if (difference < offset(m, sent) - s_.ahead) return true;
     return sent - m.began >= 1s && m.messages >= 10 && !m.near && difference > offset(m, sent) + s_.late;
   }
-  /// Begins the map at the least difference so far, once enough was gathered; whether it did.
-  [[nodiscard]] bool tie(Memory& m) const noexcept {
-    if (m.newest - m.points[0].sent < s_.gather && m.newest - m.began < s_.gather) return false;
+  /// Begins the map at the least difference so far, once enough was gathered; whether it did. By the robot's
+  /// clock, too: of messages that had waited to be read only the newest tells the delay.
+  [[nodiscard]] bool tie(Memory& m, Nanoseconds arrived) const noexcept {
+    if (arrived < m.first_arrived) m.first_arrived = arrived;
+    if (m.newest - m.began < s_.gather || arrived - m.first_arrived < s_.gather) return false;
     m.pieces[0] = {m.newest, m.points[m.count - 1].difference, 0, 0};
     m.pieces_count = 1;
     m.near = true;
