@@ -239,7 +239,8 @@ class FaultInjection {
       // The resolver reports `state_stale` earlier, and brakes in its own way.
       if (here && faulty && (f.reason != Reason::state_stale || k - from > 27))
         fits.look(*this, last, out.planned, input.now, k - from, input.measured);
-      if (k > over && k < resumed) fits.stop &= waits && at_rest(out.planned, k > over + 23, input.measured);
+      if (k > over && k < resumed)
+        fits.stop &= waits && at_rest(out.planned, k > over + 23, k - from, input.measured);
       if (!latches) awaited |= waits;
       if (k > resumed + 1) sum.came_back &= !waits;
       calm |= k > resumed && (!out.status.has(f.reason) || f.reason == Reason::sample_stale);
@@ -319,7 +320,7 @@ class FaultInjection {
               Nanoseconds now, int k, const State<6>& state) {
       hold &= c.position == last.position && c.torque == last.torque;
       brake &= torque || of.brakes(last, c, now);
-      fade &= !torque || k < 5 || of.near_fallback(c, state);
+      fade &= !torque || k < 5 || of.near_fallback(c, k, state);
     }
     [[nodiscard]] bool fits(Reaction r) const {
       switch (r) {
@@ -484,17 +485,20 @@ class FaultInjection {
     }
     return true;
   }
-  [[nodiscard]] bool at_rest(const JointCommand<6>& c, bool by_now, const State<6>& state) const {
-    if (torque) return near_fallback(c, state);
+  [[nodiscard]] bool at_rest(const JointCommand<6>& c, bool by_now, int since, const State<6>& state) const {
+    if (torque) return near_fallback(c, since, state);
     double fastest = 0;
     for (const double u : c.velocity) fastest = std::max(fastest, std::abs(u));
     return !by_now || fastest == 0;
   }
-  /// Whether the torque is gravity compensation, with or without the damping of a robot that stops.
-  [[nodiscard]] bool near_fallback(const JointCommand<6>& c, const State<6>& state) const {
+  /// Whether the torque is gravity compensation, with or without the damping of a robot that stops; of one that
+  /// stopped 15 loop delays ago, with what holds it, a fifth of each limit at most.
+  /// @param since  cycles since the fault began.
+  [[nodiscard]] bool near_fallback(const JointCommand<6>& c, int since, const State<6>& state) const {
     const auto g = gravity_torque(ur5::Model{}, state.q);
     const auto mass = mass_matrix(ur5::Model{}, state.q);
-    const double time = seconds<double>(s_.delay + s_.lag + 3 * s_.period / 2) / 0.3;
+    const double late = seconds<double>(s_.delay + s_.lag + 3 * s_.period / 2), time = late / 0.3;
+    bool held = since * seconds<double>(s_.period) > 15 * late;
     auto damped = g;
     for (std::size_t i = 0; i < 6; ++i)
       for (std::size_t j = 0; j < 6; ++j) damped[i] -= mass(i, j) * state.dq[j] / time;
@@ -502,9 +506,11 @@ class FaultInjection {
     double off = 0, off_damped = 0;
     for (std::size_t i = 0; i < 6; ++i) {
       off = std::max(off, std::abs(c.torque[i] - g[i]));
-      off_damped = std::max(off_damped, std::abs(c.torque[i] - damped[i]));
+      const double by = std::abs(c.torque[i] - damped[i]);
+      off_damped = std::max(off_damped, by);
+      held = held && by <= 0.2 * limits_.torque()[i] * (1 + 1e-9);
     }
-    return off <= 1e-9 || off_damped <= 1e-9;
+    return off <= 1e-9 || off_damped <= 1e-9 || held;
   }
 
   SceneSettings s_;
