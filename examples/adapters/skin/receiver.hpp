@@ -125,7 +125,7 @@ class ReceiverCore {
   struct Batch;
 
   void receive(std::span<const std::uint8_t> bytes, const void* from, std::size_t from_size,
-               skinctl::Nanoseconds now, skinctl::Nanoseconds waited) noexcept;
+               skinctl::Nanoseconds now) noexcept;
   bool admit(const Datagram& datagram, std::span<const std::uint8_t> bytes, const void* from,
              std::size_t from_size, skinctl::Nanoseconds now) noexcept;
   bool open(const Datagram& datagram, const void* from, std::size_t from_size,
@@ -138,7 +138,7 @@ class ReceiverCore {
   void tell_lights(skinctl::Nanoseconds now) noexcept;
   bool is_sender(const void* from, std::size_t from_size) const noexcept;
   void watch(std::uint32_t cell, std::uint16_t measured, std::uint16_t unrest, bool at_zero) noexcept;
-  void hear(const Datagram& datagram, skinctl::Nanoseconds arrived) noexcept;
+  void hear(const Datagram& datagram, skinctl::Nanoseconds now) noexcept;
 
   ReceiverConfig config_;
   boost::asio::io_context io_;
@@ -168,7 +168,6 @@ class ReceiverCore {
   bool has_sender_ = false;
   std::uint32_t newest_ = 0;
   skinctl::Nanoseconds heard_at_{};
-  std::optional<skinctl::Nanoseconds> polled_;  ///< robot's time of the last poll
   skinctl::ClockOffset clock_;
   skinctl::ClockOffset::Memory clock_memory_;
 };
@@ -191,8 +190,7 @@ class ReceiverOf final : public ReceiverCore {
   }
 
   /// The samples that have arrived, on the robot's clock, which shows `now`; the sender's clock is followed
-  /// by a `ClockOffset`, which first listens for a tenth of a second, from when the system received each
-  /// datagram: two clocks that drift would else carry the arrivals past the polls.
+  /// by a `ClockOffset`, which first listens for a tenth of a second.
   ///
   /// What is no datagram of the sender's is counted and dropped; the sender's own go on. Time is bounded by
   /// `max_datagrams` and `max_samples`. With a key it asks: the sender every 20 ms, and whoever holds the
