@@ -19,8 +19,8 @@ struct OpenFingers {
       0;  ///< of the middle of its places from that of the tray, away from the other arm's feed [m]
 };
 
-/// Least height of a hand over `p`, so that neither its open fingers, which move along the unit vector `e`, nor what it holds
-/// meet oranges whose middles are `lying` [m]; `margin`: added to the distances beside them [m].
+/// Least height of a hand over `p`, so that neither its open fingers, which move along the unit vector `e`, nor
+/// what it holds meet oranges whose middles are `lying` [m]; `margin`: added to the distances beside them [m].
 [[nodiscard]] inline double least_height(const skinctl::Xyz<double>& p, const skinctl::Xyz<double>& e,
                                          const OpenFingers& fingers,
                                          std::span<const skinctl::Xyz<double>> lying, double margin = 0) {
@@ -40,8 +40,9 @@ struct OpenFingers {
   return out;
 }
 
-/// The place in a tray, from its middle, at which the hand of an arm gets lowest; of such, the one nearest to a corner on its
-/// own side, as the middle has no room for fingers once the corners are full. z: the hand's height, at least `lowest` [m].
+/// The place in a tray, from its middle, at which the hand of an arm gets lowest; of such, the one nearest to a
+/// corner on its own side, as the middle has no room for fingers once the corners are full. z: the hand's
+/// height, at least `lowest` [m].
 [[nodiscard]] inline skinctl::Xyz<double> free_spot(std::size_t arm, const Tray& tray,
                                                     const skinctl::Xyz<double>& e, const OpenFingers& fingers,
                                                     std::span<const skinctl::Xyz<double>> lying,

@@ -22,7 +22,7 @@ struct Tray {
 };
 
 inline constexpr std::size_t arms = 2;
-/// Oranges of each arm that a world has room for at most, and that it has room for where box and bins are emptied at once.
+/// Oranges of each arm that a world has room for at most, and where box and bins are emptied at once.
 inline constexpr std::size_t slots = 12, slots_if_emptied = 4;
 /// Places for oranges in the feed of an arm.
 inline constexpr std::size_t feed_places = 3;

@@ -17,12 +17,9 @@ template <class R>
 class Toucher {
  public:
   Toucher(const RunSettings& s, std::size_t all, std::uint64_t seed)
-      : s_(s), cells_(Arm<R>::cells()), random_(seed) {
+      : s_(s), graph_(Arm<R>::skin().graph()), cells_(Arm<R>::cells()), random_(seed) {
     for (std::size_t i = 0; i < all; ++i)
       if (!is_dead(i)) samples_.push_back({.cell = static_cast<std::uint32_t>(i + 1)});
-    std::vector<skinctl::CellPlace> places;
-    for (const auto& c : cells_) places.push_back({forearm, 0, c.X_LC.origin(), c.X_LC.axis_z()});
-    near_ = neighbours(places);
   }
   /// From now on `force` newtons along the inward normal of a cell, 0: none.
   void push(World& world, std::size_t arm, double force) {
@@ -39,8 +36,7 @@ class Toucher {
       x.time = now;
       x.proximity = i < near.size() ? static_cast<float>(near[i]) : 0.0f;
       if (i >= cells_.size()) continue;
-      const bool beside = std::find(near_[cell_].begin(), near_[cell_].end(), i) != near_[cell_].end();
-      const double share = i == cell_ ? 1 : beside ? spread : 0;
+      const double share = i == cell_ ? 1 : graph_.joined(cell_, i) ? spread : 0;
       const double f = share * force_ + s_.skin_noise * normal_(random_);
       const auto reading = static_cast<float>(std::clamp(f / (3 * newtons_per_reading), 0.0, 1.0));
       x.force = {reading, reading, reading};
@@ -57,7 +53,7 @@ class Toucher {
   }
 
   RunSettings s_;
-  std::vector<std::vector<std::size_t>> near_;
+  skinctl::CellGraph graph_;
   std::vector<skinctl::PlacedCell<forearm>> cells_;
   std::vector<skinctl::CellSample> samples_;
   std::mt19937_64 random_;

@@ -116,8 +116,8 @@ class World {
   /// The palm of a hand, or of a gripper.
   [[nodiscard]] skinctl::Transform<skinctl::World, skinctl::Tool> palm(std::size_t arm) const;
 
-  /// Oranges are numbered from 0 to `arms * slots - 1`, the first `room` of each arm's `slots` are used. One lies at `p`
-  /// from now on, at rest.
+  /// Oranges are numbered from 0 to `arms * slots - 1`, the first `room` of each arm's `slots` are used. One
+  /// lies at `p` from now on, at rest.
   void put(std::size_t slot, const skinctl::Xyz<double>& p, const Orange& orange);
   /// It is taken out of the world.
   void take_out(std::size_t slot);

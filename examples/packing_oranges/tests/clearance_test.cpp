@@ -323,8 +323,9 @@ TEST_CASE(
     return m;
   };
   constexpr std::size_t cell = forearm_cells - 1;
-  auto patch = neighbours(skin.felt(forearm_cells))[cell];
-  REQUIRE(patch.size() >= 3);
+  const auto near = skin.graph().neighbours(cell);
+  REQUIRE(near.size() >= 3);
+  std::vector<std::size_t> patch(near.begin(), near.end());
   patch.push_back(cell);
   const auto healthy = judged({}), one = judged({cell}), blind = judged(patch);
   const double usual = healthy.speed[0];

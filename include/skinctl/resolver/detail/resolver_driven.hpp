@@ -121,17 +121,12 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
             Driven::of(this->torque_of_base(m, begun.stale ? State<joints, T>{now.time, now.q, {}} : now));
         Driven::put(Driven::of(load.gravity) + load.base, load.gravity);
       }
+      m.driven.stopped = m.stop ? m.driven.stopped + dt : T(0);
       // An old velocity is no basis for braking, and an old position none for holding.
       if (!begun.stale) {
-        const auto resistance = this->resistance(now);
+        const auto resistance = this->resistance(now, m.stop ? &m.driven : nullptr);
         load.resists = resistance.friction, load.brakes = resistance.brakes;
-        if (m.stop) [[unlikely]] {
-          m.driven.stopped += dt;
-          load.brakes -= this->hold(now, m.driven);
-        }
       }
-      if (!m.stop) [[likely]]
-        m.driven.stopped = T(0);
       if constexpr (has_tank) {
         // The stiff joints draw from the same tank afterwards.
         const auto& tank = passivity_.template get<EnergyTank<T>>();

@@ -158,23 +158,25 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
     for (const std::size_t i : Driven::index) m(i, i) = m(i, i) + shape_.inertia[i];
     return m;
   }
-  /// The friction added to the joints by torque, and the torque that brakes them, friction included [N m].
+  /// Friction added to the joints by torque, and what brakes and holds them, friction included [N m].
   struct Resistance {
     DrivenTorque friction, brakes;
   };
-  [[nodiscard]] SKINCTL_INLINE Resistance resistance(const State<joints, T>& s) const noexcept {
+  /// @param stopped  where the joints are held, and since when they stop; null: they do not.
+  [[nodiscard]] SKINCTL_INLINE Resistance
+  resistance(const State<joints, T>& s, decltype(Memory::driven)* stopped = nullptr) const noexcept {
     Resistance out;
     if constexpr (has_driven) {
       const auto mass = real_mass(s.q);
-      const T delay = late();
+      const T delay = seconds<T>(driven_delay_ + driven_lag_ + 3 * period_ / 2);  // D
       if (has_friction_) out.friction = held_friction<Driven>(shape_.viscous, mass, s.dq, delay);
       const DrivenTorque hardest = momentum_of<Driven>(mass, s.dq) * T(T(1) / delay);
       out.brakes = out.friction + T(gain_times_delay) * (hardest - out.friction);
+      if (stopped != nullptr) [[unlikely]]
+        out.brakes -= held_in_place<Driven>(mass, limits_.torque(), s.q, delay, *stopped);
     }
     return out;
   }
-  /// D: the time from a measurement to the middle of the torque that answers it [s].
-  [[nodiscard]] T late() const noexcept { return seconds<T>(driven_delay_ + driven_lag_ + 3 * period_ / 2); }
   /// The virtual robot's torque within its limits, along the motion that `tau` asks for; with Coriolis
   /// forces: at full speed they are as large as what is left of a light joint's torque.
   [[nodiscard]] SKINCTL_COLD Torque limited(const State<joints, T>& now, const Torque& tau) const noexcept {
@@ -232,11 +234,10 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   /// Virtual dynamics of the stiff joints.
   [[no_unique_address]] std::conditional_t<has_virtual, VirtualDynamics<Stiff::count, T>, NoShape>
       stiff_shape_;
-  Nanoseconds period_{}, substep_{}, longest_interval_{};
+  Nanoseconds period_{}, substep_{}, longest_interval_{}, driven_delay_{}, driven_lag_{};
   Nanoseconds stale_after_{};  ///< age of a measurement at which joints by torque are no longer controlled
   T torque_rate_ = T(0);       ///< rate of the stiff joints' own torque [torque limits per second]
   T driven_torque_rate_ = T(0);
-  Nanoseconds driven_delay_{}, driven_lag_{};
   T force_lead_ = T(0), driven_force_lead_ = T(0);  ///< `RobotConfiguration::force_lead`, the longest [s]
   bool has_coulomb_ = false, has_friction_ = false;
   [[no_unique_address]] PassivityParts passivity_;

@@ -113,13 +113,6 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     if (!m.base.seen) return {};
     return base_torque(model_.at_rest(), now.q, now.dq, m.base.now);
   }
-  /// The torque that holds the joints by torque where they came to rest after a stop, see `held_in_place`.
-  template <class D>
-  [[nodiscard]] SKINCTL_COLD auto hold(const State<joints, T>& s, D& driven) const noexcept {
-    if (driven.stopped < T(brake_delays) * this->late()) driven.stood = Driven::of(s.q);
-    return held_in_place<Driven>(this->real_mass(s.q), this->limits_.torque(), s.q, this->late(),
-                                 driven.stood);
-  }
   /// The torque that holds the joints by torque without a law, within their limits: gravity, and what brakes;
   /// zero for the others.
   [[nodiscard]] JointTorque<joints, T> held([[maybe_unused]] const Memory& m,
@@ -128,9 +121,8 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
     if constexpr (has_driven) {
       Torque weight = gravity_torque(model_, robot.q);
       if constexpr (base_moves<M>) weight += this->torque_of_base(m, robot);
-      auto driven = m.driven;
-      const auto spring = this->hold(robot, driven);
-      Driven::put(Driven::of(weight) + spring - this->resistance(robot).brakes, out);
+      auto stopped = m.driven;
+      Driven::put(Driven::of(weight) - this->resistance(robot, m.stop ? &stopped : nullptr).brakes, out);
     }
     return this->limits_.within(out, robot.dq);
   }

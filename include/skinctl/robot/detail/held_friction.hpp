@@ -45,14 +45,19 @@ inline constexpr double hold_share = 0.2;
 /// The torque that holds the stopped joints of `S`, at `q`, where they stood [N m]: `(c/2)^2 M (stood - q)`
 /// with `c = gain_times_delay / D`, a spring that the braking `c M dq` damps critically. Where it would be
 /// more than `hold_share` of a limit, `stood` is moved towards the robot, as by dry friction: who is held down
-/// can free himself, and it never flies back.
+/// can free himself.
 /// @param mass    mass matrix of all joints.
 /// @param limits  largest torques of all joints [N m].
 /// @param delay   D, as of `held_friction` [s].
-template <class S, std::size_t N, Real T>
-[[nodiscard]] SKINCTL_COLD JointTorque<S::count, T> held_in_place(
-    const MassMatrix<N, T>& mass, const JointTorque<N, T>& limits, const JointPosition<N, T>& q,
-    const T& delay, JointPosition<S::count, T>& stood) noexcept {
+/// @param m       `stopped`, the time since the stop began [s], and `stood` [rad], which is where the joints
+///                are until they have braked.
+template <class S, std::size_t N, Real T, class Memory>
+[[nodiscard]] SKINCTL_COLD JointTorque<S::count, T> held_in_place(const MassMatrix<N, T>& mass,
+                                                                  const JointTorque<N, T>& limits,
+                                                                  const JointPosition<N, T>& q,
+                                                                  const T& delay, Memory& m) noexcept {
+  auto& stood = m.stood;
+  if (m.stopped < T(brake_delays) * delay) stood = S::of(q);
   const T rate = T(gain_times_delay / 2) / delay;
   JointVelocity<N, T> back;
   for (std::size_t i = 0; i < S::count; ++i) back[S::index[i]] = rate * (stood[i] - q[S::index[i]]);
