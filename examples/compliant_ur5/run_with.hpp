@@ -280,7 +280,8 @@ Outcome run_with(const Settings& given, const std::atomic<bool>& stop, RunLog& l
                                      .port = s.skin_port,
                                      .sender = s.skin_sender,
                                      .key = key,
-                                     .noise = force_noise});
+                                     .noise = force_noise,
+                                     .real_time = s.robot || s.speed == 1});
   std::unique_ptr<simulated_ur5::SimulatedUr5> simulation;
   adapters::ur5::DriverConfig config;
   config.rate = s.rate;

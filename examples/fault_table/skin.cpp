@@ -40,7 +40,7 @@ struct Fault {
 };
 
 Row suffer(const Fault& fault) {
-  adapters::skin::Receiver receiver({});
+  adapters::skin::Receiver receiver({.real_time = false});
   boost::asio::io_context io;
   const ip::udp::endpoint to(ip::address_v4::loopback(), receiver.port());
   ip::udp::socket socket(io, ip::udp::v4()), stranger(io, ip::udp::v4());

@@ -123,9 +123,11 @@ job::Exit run(Options& o, bool simulate) {
           static_cast<unsigned long long>(s.lost), static_cast<unsigned long long>(s.stray()),
           static_cast<unsigned long long>(screen.unknown()), finger ? "  (simulated)" : "");
       const std::string frozen = receiver.frozen(), refused = adapters::skin::refusals(s);
+      const std::string leaps = receiver.leaps();
       std::string text = screen.draw(t, status);
       if (!frozen.empty()) text += frozen + "\n";
       if (!refused.empty()) text += "refused: " + refused + "\n";
+      if (!leaps.empty()) text += leaps + "\n";
       if (terminal) {  // in place, and what is left of longer lines goes
         std::string lines = "\x1b[H";
         for (const char c : text) lines += c == '\n' ? std::string("\x1b[K\n") : std::string(1, c);

@@ -159,6 +159,8 @@ job::Exit from_datagrams(const std::string& at, const Options& o, const Sink& si
   }
   if (const std::string refused = skin::refusals(receiver.statistics()); !refused.empty())
     std::fprintf(stderr, "skin_bridge: refused: %s\n", refused.c_str());
+  if (const std::string leaps = receiver.leaps(); !leaps.empty())
+    std::fprintf(stderr, "skin_bridge: %s\n", leaps.c_str());
   return job::Exit::interrupted;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <ctime>
 
 #include "examples/adapters/socket.hpp"
 #include "skinctl/core/contract.hpp"
@@ -13,6 +14,7 @@
 namespace adapters::skin {
 
 using skinctl::Nanoseconds;
+using namespace std::chrono_literals;
 namespace ip = boost::asio::ip;
 
 namespace {
@@ -30,6 +32,10 @@ struct ReceiverCore::Batch {
   std::array<sockaddr_storage, size> from{};
   std::array<iovec, size> part{};
   std::array<mmsghdr, size> message{};
+  struct alignas(cmsghdr) Control {
+    std::array<std::uint8_t, CMSG_SPACE(sizeof(timespec))> bytes;
+  };
+  std::array<Control, size> control;  // when the system received it
 
   Batch() {
     for (std::size_t i = 0; i < size; ++i) {
@@ -37,13 +43,28 @@ struct ReceiverCore::Batch {
       message[i].msg_hdr.msg_name = &from[i];
       message[i].msg_hdr.msg_iov = &part[i];
       message[i].msg_hdr.msg_iovlen = 1;
+      message[i].msg_hdr.msg_control = control[i].bytes.data();
     }
   }
   /// How many datagrams arrived, at most `most`; 0 where there are none.
   std::size_t receive(int handle, std::size_t most) noexcept {
-    for (std::size_t i = 0; i < most; ++i) message[i].msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+    for (std::size_t i = 0; i < most; ++i) {
+      message[i].msg_hdr.msg_namelen = sizeof(sockaddr_storage);
+      message[i].msg_hdr.msg_controllen = sizeof(Control);
+    }
     const int n = ::recvmmsg(handle, message.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
     return n > 0 ? static_cast<std::size_t>(n) : 0;
+  }
+  /// How long datagram `i` had waited at `now` of the system's clock, at most `longest`; 0 where the system
+  /// does not tell.
+  Nanoseconds waited(std::size_t i, const timespec& now, Nanoseconds longest) noexcept {
+    const cmsghdr* const told = CMSG_FIRSTHDR(&message[i].msg_hdr);
+    if (told == nullptr || told->cmsg_level != SOL_SOCKET || told->cmsg_type != SCM_TIMESTAMPNS) return {};
+    timespec at{};
+    std::memcpy(&at, CMSG_DATA(told), sizeof at);
+    const Nanoseconds since =
+        std::chrono::seconds(now.tv_sec - at.tv_sec) + Nanoseconds(now.tv_nsec - at.tv_nsec);
+    return std::clamp(since, Nanoseconds(0), longest);
   }
 };
 
@@ -82,6 +103,10 @@ ReceiverCore::ReceiverCore(const ReceiverConfig& config, const Kind& kind)
     socklen_t size = sizeof given;
     if (::getsockopt(handle, SOL_SOCKET, SO_RCVBUF, &given, &size) == 0)
       buffer_ = static_cast<std::size_t>(given) / 2;  // Linux counts its own part as well
+    if (config.real_time) {
+      const int on = 1;
+      static_cast<void>(::setsockopt(handle, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on));
+    }
     socket_.bind(endpoint);
     socket_.non_blocking(true);
   } catch (const boost::system::system_error& e) {
@@ -97,6 +122,16 @@ ReceiverCore::~ReceiverCore() = default;
 void ReceiverCore::receive(Nanoseconds now) noexcept {
   taken_ = 0;
   replies_ = most_replies;
+  // The sender's clock against this computer's, since both are steady, where the robot's is known as well as
+  // its states come.
+  timespec system_now{};
+  ::clock_gettime(CLOCK_REALTIME, &system_now);
+  const Nanoseconds here = config_.real_time ? std::chrono::steady_clock::now().time_since_epoch() : now;
+  robot_ahead_ = now - here;
+  // What came since the last poll cannot have waited longer, whatever a clock that was set says.
+  const Nanoseconds longest =
+      std::clamp(polled_ ? here - *polled_ : Nanoseconds(0), Nanoseconds(0), Nanoseconds(1s));
+  polled_ = here;
   if (config_.key && questions_.ask(now) && has_sender_) ask(sender_.data(), sender_size_);
   if (!shown() && has_sender_) tell_lights(now);
   // Bounded: a flood cannot keep the loop here.
@@ -108,7 +143,8 @@ void ReceiverCore::receive(Nanoseconds now) noexcept {
     for (std::size_t i = 0; i < n; ++i) {
       const mmsghdr& message = batch_->message[i];
       receive(std::span(batch_->bytes[i]).first(std::min<std::size_t>(message.msg_len, largest + 1)),
-              message.msg_hdr.msg_name, message.msg_hdr.msg_namelen, now);
+              message.msg_hdr.msg_name, message.msg_hdr.msg_namelen, now,
+              here - batch_->waited(i, system_now, longest));
     }
     left -= n;
     if (n < most || n == 0) break;
@@ -116,7 +152,7 @@ void ReceiverCore::receive(Nanoseconds now) noexcept {
 }
 
 void ReceiverCore::receive(std::span<const std::uint8_t> bytes, const void* from, std::size_t from_size,
-                           Nanoseconds now) noexcept {
+                           Nanoseconds now, Nanoseconds arrived) noexcept {
   Datagram datagram;
   if (!parse(bytes, datagram)) {
     const auto number = parse_shown(bytes, config_.key ? &*config_.key : nullptr);
@@ -134,7 +170,7 @@ void ReceiverCore::receive(std::span<const std::uint8_t> bytes, const void* from
   newest_ = datagram.sequence;
   heard_at_ = now;
   ++statistics_.datagrams;
-  hear(datagram, now);
+  hear(datagram, arrived);
 }
 
 /// Whether the datagram is one of our sender's, and fresh.
@@ -267,8 +303,8 @@ void ReceiverCore::tell_lights(Nanoseconds now) noexcept {
                              static_cast<const sockaddr*>(to), static_cast<socklen_t>(sender_size_)));
 }
 
-void ReceiverCore::hear(const Datagram& datagram, Nanoseconds now) noexcept {
-  const auto heard = clock_.hear(clock_memory_, datagram.sent, now);
+void ReceiverCore::hear(const Datagram& datagram, Nanoseconds arrived) noexcept {
+  const auto heard = clock_.hear(clock_memory_, datagram.sent, arrived);
   if (heard == skinctl::ClockOffset::Heard::refused) {
     ++statistics_.nonsense;
     return;

@@ -40,7 +40,11 @@ struct ReceiverConfig {
   /// they have no unrest are reported as frozen. 0: not declared.
   double noise = 0;
   std::size_t max_cells = 4096;               ///< watched for that
-  skinctl::ClockOffset::Settings clock = {};  ///< the sender's clock against the robot's
+  skinctl::ClockOffset::Settings clock = {};  ///< of the sender's clock
+  /// The time of the polls passes as this computer's does: the sender's clock is compared with the
+  /// computer's, when the system received a datagram. false: with the time of the poll that reads it, as for
+  /// a simulated robot that is slower or faster.
+  bool real_time = true;
 };
 
 /// What arrived and what was refused, since the start.
@@ -117,7 +121,7 @@ class ReceiverCore {
   bool counts(bool plausible, std::uint32_t cell, std::uint16_t measured, std::uint16_t unrest,
               bool at_zero) noexcept;
   [[nodiscard]] skinctl::Nanoseconds stamp(skinctl::Nanoseconds t) const noexcept {
-    return skinctl::ClockOffset::stamp(clock_memory_, t);
+    return skinctl::ClockOffset::stamp(clock_memory_, t) + robot_ahead_;
   }
   [[nodiscard]] const ReceiverConfig& config() const noexcept { return config_; }
 
@@ -125,7 +129,7 @@ class ReceiverCore {
   struct Batch;
 
   void receive(std::span<const std::uint8_t> bytes, const void* from, std::size_t from_size,
-               skinctl::Nanoseconds now) noexcept;
+               skinctl::Nanoseconds now, skinctl::Nanoseconds arrived) noexcept;
   bool admit(const Datagram& datagram, std::span<const std::uint8_t> bytes, const void* from,
              std::size_t from_size, skinctl::Nanoseconds now) noexcept;
   bool open(const Datagram& datagram, const void* from, std::size_t from_size,
@@ -138,7 +142,7 @@ class ReceiverCore {
   void tell_lights(skinctl::Nanoseconds now) noexcept;
   bool is_sender(const void* from, std::size_t from_size) const noexcept;
   void watch(std::uint32_t cell, std::uint16_t measured, std::uint16_t unrest, bool at_zero) noexcept;
-  void hear(const Datagram& datagram, skinctl::Nanoseconds now) noexcept;
+  void hear(const Datagram& datagram, skinctl::Nanoseconds arrived) noexcept;
 
   ReceiverConfig config_;
   boost::asio::io_context io_;
@@ -168,7 +172,9 @@ class ReceiverCore {
   bool has_sender_ = false;
   std::uint32_t newest_ = 0;
   skinctl::Nanoseconds heard_at_{};
-  skinctl::ClockOffset clock_;
+  std::optional<skinctl::Nanoseconds> polled_;  ///< time of the last poll, by the clock of the arrivals
+  skinctl::Nanoseconds robot_ahead_{};          ///< the robot's clock less that of the arrivals
+  skinctl::ClockOffset clock_;                  ///< the sender's clock against that of the arrivals
   skinctl::ClockOffset::Memory clock_memory_;
 };
 
