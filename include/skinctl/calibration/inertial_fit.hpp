@@ -19,11 +19,15 @@
 SKINCTL_BEGIN_NAMESPACE
 
 struct InertialFitSettings {
-  double prior = 4;     ///< prior's weight lambda, 0.01 to 1000; relative error of its masses 1/sqrt(lambda)
+  /// Weight lambda of the prior, 0.01 to 1000: its masses are off by 1/sqrt(lambda), relative. Or `chosen`.
+  double prior = 4;
   double reach = 0.15;  ///< size of a link, for the prior's first and second moments [m]
   bool rotors = true;   ///< whether rotor inertias I_a are fitted
   double latest = 0;    ///< largest lateness of the torques behind the positions [s], 0 to 0.1; 0: none
-  int steps = 60;
+  int steps = 200;      ///< most Newton steps of each of the three rounds
+  /// As `prior`: that of 0.01, 0.1, 1, 10 with which the first four fifths of each recording tell the most of
+  /// the last fifth, where nobody knows how good the prior is.
+  static constexpr double chosen = 0;
 };
 
 /// The result of `fit_inertia`. `theta` is of bodies that have a density; friction and rotors are not
@@ -33,6 +37,7 @@ struct InertialFit {
   InertialParameters<N> theta;
   /// Viscous and Coulomb friction, rotor inertia [N m s/rad], [N m], [kg m^2].
   std::array<double, N> viscous{}, coulomb{}, rotor{};
+  double prior = 0;                    ///< weight of the prior that was used
   double lateness = 0;                 ///< lateness of the torques behind the positions [s]
   std::array<double, N> presliding{};  ///< presliding distance x0 in which friction reverses [rad]
   std::array<double, N> noise{};       ///< standard deviation of a torque from the fit [N m]
@@ -100,6 +105,79 @@ template <RobotModel M>
   }
   return middle;
 }
+/// Parameters of the bodies, friction and rotors, and what was found beside them.
+struct InertialSolution {
+  Eigen::VectorXd x, linear;  ///< of the fit, and of ordinary least squares
+  Eigen::VectorXd weight;     ///< the prior's, of each parameter
+  int steps = 0;
+  bool converged = false;
+};
+/// Fits equations with the weight `lambda` of a prior. Leaves them weighted by what the fit leaves.
+template <RobotModel M>
+[[nodiscard]] InertialSolution solve_inertia(TorqueEquations<M>& equations, const BaseParameters& base,
+                                             const InertialParameters<M::joints>& prior, double lambda,
+                                             const InertialFitSettings& s) {
+  constexpr auto N = Eigen::Index(M::joints), bodies = 10 * N, all = bodies + 3 * N;
+  // A little of the divergence tr(P0^-1 P) - log det P, too: it keeps bodies what they can be.
+  const double divergence = 0.25 * lambda;
+  InertialSolution out;
+  out.weight = Eigen::VectorXd::Zero(all), out.x = Eigen::VectorXd::Ones(all);
+  Eigen::VectorXd theta0 = Eigen::VectorXd::Zero(all);
+  std::vector<Inertia10> bodies_of_prior;
+  for (Eigen::Index i = 0; i < N; ++i) {
+    const Eigen::Map<const Inertia10> t(prior.data + 10 * i);
+    const Eigen::Index at = 10 * i;
+    const double m = std::max(t(0), 0.05), r = s.reach;
+    bodies_of_prior.push_back(body_near(t, r));
+    theta0.segment<10>(at) = t, out.x.segment<10>(at) = bodies_of_prior.back();
+    for (int k = 0; k < 10; ++k)
+      out.weight(at + k) = lambda / std::pow(m * (k == 0 ? 1 : k < 4 ? r : r * r), 2);
+  }
+  const Eigen::Index absent = s.rotors ? all : all - N;
+  for (Eigen::Index i = all - N; i < all; ++i) out.x(i) = s.rotors ? 0.1 : 0;
+  out.linear = equations.least_squares(base, s.rotors);
+  for (int round = 0; round < 3; ++round) {
+    equations.refine(out.linear);  // what a wrong prior leaves is no noise, which would give it more weight
+    Eigen::MatrixXd H = equations.H();
+    H.diagonal() += out.weight;
+    const Eigen::VectorXd b = equations.b() + out.weight.cwiseProduct(theta0);
+    const auto end = InertialNewton(H, b, bodies_of_prior, divergence, absent).minimise(out.x, s.steps);
+    out.steps += end.steps, out.converged = end.converged;
+    if (round == 0) equations.set_presliding(out.x);
+    if (round == 1) out.linear = equations.least_squares(base, s.rotors);
+  }
+  equations.refine(out.x);
+  return out;
+}
+
+/// The part of a recording from row `begin` to before row `end`.
+[[nodiscard]] inline TorqueRecording part_of(const TorqueRecording& r, std::size_t begin, std::size_t end) {
+  TorqueRecording out;
+  const auto at = static_cast<std::ptrdiff_t>(begin), size = static_cast<std::ptrdiff_t>(end - begin);
+  out.joints.time.assign(r.joints.time.begin() + at, r.joints.time.begin() + at + size);
+  out.joints.q = r.joints.q.middleRows(at, size), out.torque = r.torque.middleRows(at, size);
+  return out;
+}
+/// The weight of a prior with which the first four fifths of each recording tell the most of the last one.
+template <RobotModel M>
+[[nodiscard]] double chosen_prior(const M& model, const std::vector<TorqueRecording>& recordings,
+                                  const BaseParameters& base, const InertialParameters<M::joints>& prior,
+                                  double lateness, const InertialFitSettings& s) {
+  std::vector<TorqueRecording> seen, held_out;
+  for (const TorqueRecording& r : recordings) {
+    const std::size_t rows = r.joints.time.size(), end = rows * 4 / 5;
+    seen.push_back(part_of(r, 0, end)), held_out.push_back(part_of(r, end, rows));
+  }
+  TorqueEquations<M> rest(model, held_out, lateness);
+  double best = 0, least = 1e300;
+  for (const double lambda : {10.0, 1.0, 0.1, 0.01}) {
+    TorqueEquations<M> equations(model, seen, lateness);
+    const InertialSolution found = solve_inertia(equations, base, prior, lambda, s);
+    const double left = rest.unexplained(found.x, equations.presliding());
+    if (left < least) least = left, best = lambda;
+  }
+  return best;
+}
 }  // namespace detail::fit
 
 /// Identifies `tau = Y theta + F_v dq + F_c z + I_a ddq + o`, an offset `o` per joint and recording; `z` is
@@ -124,7 +202,8 @@ template <RobotModel M>
   using detail::fit::operator+, detail::fit::operator-, detail::fit::operator*,
       detail::fit::operator/;  // of Eigen alone
   constexpr Eigen::Index bodies = 10 * Eigen::Index(N), all = bodies + 3 * Eigen::Index(N);
-  require(s.prior >= 0.01 && s.prior <= 1000, "lambda of the prior", s.prior, "0.01 to 1000");
+  require(s.prior == InertialFitSettings::chosen || (s.prior >= 0.01 && s.prior <= 1000),
+          "lambda of the prior", s.prior, "0.01 to 1000, or chosen");
   require(s.reach > 0.01 && s.reach < 10, "reach of the prior", s.reach, "0.01 to 10 m");
   require(s.latest >= 0 && s.latest <= 0.1, "lateness of torques", s.latest, "0 to 0.1 s");
   InertialFit<N> out;
@@ -133,35 +212,13 @@ template <RobotModel M>
     out.lateness = detail::fit::torque_lateness(model, recordings, out.base, s.rotors, s.latest);
   detail::fit::TorqueEquations<M> equations(model, recordings, out.lateness);
 
-  // A little of the divergence tr(P0^-1 P) - log det P, too: it keeps bodies what they can be.
-  const double divergence = 0.25 * s.prior;
-  Eigen::VectorXd prior_weight = Eigen::VectorXd::Zero(all), theta0 = Eigen::VectorXd::Zero(all);
-  Eigen::VectorXd x = Eigen::VectorXd::Ones(all);
-  std::vector<detail::fit::Inertia10> bodies_of_prior;
-  for (std::size_t i = 0; i < N; ++i) {
-    const Eigen::Map<const detail::fit::Inertia10> t(prior.data + 10 * i);
-    const Eigen::Index at = 10 * Eigen::Index(i);
-    const double m = std::max(t(0), 0.05), r = s.reach;
-    bodies_of_prior.push_back(detail::fit::body_near(t, r));
-    theta0.segment<10>(at) = t, x.segment<10>(at) = bodies_of_prior.back();
-    for (int k = 0; k < 10; ++k)
-      prior_weight(at + k) = s.prior / std::pow(m * (k == 0 ? 1 : k < 4 ? r : r * r), 2);
-  }
-  const Eigen::Index absent = s.rotors ? all : all - Eigen::Index(N);
-  for (Eigen::Index i = all - Eigen::Index(N); i < all; ++i) x(i) = s.rotors ? 0.1 : 0;
-  Eigen::VectorXd linear = equations.least_squares(out.base, s.rotors);
-  for (int round = 0; round < 3; ++round) {
-    equations.refine(round == 0 ? linear : x);
-    Eigen::MatrixXd H = equations.H();
-    H.diagonal() += prior_weight;
-    const Eigen::VectorXd b = equations.b() + prior_weight.cwiseProduct(theta0);
-    const auto end =
-        detail::fit::InertialNewton(H, b, bodies_of_prior, divergence, absent).minimise(x, s.steps);
-    out.steps += end.steps, out.converged = end.converged;
-    if (round == 0) equations.set_presliding(x);
-    if (round == 1) linear = equations.least_squares(out.base, s.rotors);
-  }
-  equations.refine(x);
+  out.prior = s.prior;
+  if (s.prior == InertialFitSettings::chosen)
+    out.prior = detail::fit::chosen_prior(model, recordings, out.base, prior, out.lateness, s);
+  const detail::fit::InertialSolution found =
+      detail::fit::solve_inertia(equations, out.base, prior, out.prior, s);
+  const Eigen::VectorXd &x = found.x, &linear = found.linear;
+  out.steps = found.steps, out.converged = found.converged;
   for (std::size_t k = 0; k < 10 * N; ++k)
     out.theta.data[k] = x(Eigen::Index(k)), out.least_squares.data[k] = linear(Eigen::Index(k));
   for (std::size_t i = 0; i < N; ++i) {
@@ -172,7 +229,7 @@ template <RobotModel M>
     out.noise[i] = equations.noise()[i], out.explained[i] = equations.explained()[i];
   }
   Eigen::MatrixXd H = equations.H();
-  H.diagonal() += prior_weight;
+  H.diagonal() += found.weight;
   const Eigen::MatrixXd C = detail::solve_symmetric(H, Eigen::MatrixXd::Identity(all, all));
   const Eigen::MatrixXd of_bodies = C.topLeftCorner(bodies, bodies), base = out.base.K * of_bodies;
   out.base_values.value = out.base.K * x.head(bodies);

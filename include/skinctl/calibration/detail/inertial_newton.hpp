@@ -55,7 +55,7 @@ class InertialNewton {
     while (out.steps < most) {
       const double gain = newton(x, more, d), now = value(x, more);
       ++out.steps;
-      if (more > 1 && gain < 0.1 * more) {
+      if (more > 1 && gain < 0.1 * more * std::min(w_, 0.5)) {  // within a full step of that minimum
         more = std::max(1.0, 0.1 * more);
         continue;
       }

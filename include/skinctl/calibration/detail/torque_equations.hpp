@@ -154,6 +154,17 @@ class TorqueEquations {
     }
     return x;
   }
+  /// Variance of the torques that parameters `x` leave, as a share of all: 1 - R^2, the sum over the joints.
+  /// @param presliding  presliding distance x0 of each joint [rad], of the fit that found `x`.
+  [[nodiscard]] double unexplained(const Eigen::VectorXd& x, const std::array<double, N>& presliding) {
+    double sum = 0;
+    for (std::size_t j = 0; j < N; ++j) {
+      friction(j, presliding[j], A_[j].col(bodies + 1));
+      centre(A_[j].col(bodies + 1));
+      sum += residual(j, x).squaredNorm() / std::max(tau_[j].squaredNorm(), 1e-18);
+    }
+    return sum;
+  }
   /// Sets each joint's presliding distance, 0.02 to 0.2 degrees, to that with the smallest residuals.
   void set_presliding(const Eigen::VectorXd& x) {
     for (std::size_t j = 0; j < N; ++j) {
