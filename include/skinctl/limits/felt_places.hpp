@@ -145,8 +145,8 @@ class PlaceSpeed {
     }
     return {scale, scale < T(1) ? Status(reason) : Status()};
   }
-  /// Whether a smooth motion may end at `v`: no place that kept its speed is carried beyond it. One that was
-  /// too fast when its cell died is slowed smoothly.
+  /// Whether a smooth motion may end at `v`: no place that kept its largest speed is carried beyond that. One
+  /// that was too fast when its cell died is slowed smoothly.
   template <class Going>
   [[nodiscard]] SKINCTL_NOINLINE bool keeps(const Memory& m, const Going& going,
                                             const JointVelocity<joints, T>& v,

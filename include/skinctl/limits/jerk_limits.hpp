@@ -154,7 +154,7 @@ class JerkLimits {
  private:
   /// Longest time to the largest acceleration [s]: a jerk that needs longer is in another unit.
   static constexpr double slowest_rise = 1000;
-  static constexpr double rounding_of_ways = 0.01;  ///< share of the longest way to rest, for its rounding
+  static constexpr double rounding_of_ways = 0.01;  ///< margin for rounding: share of the longest way to rest
 
   using Joint = detail::JerkJoint<T>;
 

@@ -43,7 +43,7 @@ struct Features {
   double elapsed = 0;        ///< time since contact began, or ended [s]; at most 10
 };
 
-/// Numbers of the features.
+/// Settings of a feature extractor.
 struct FeatureSettings {
   SpeedEstimate<>::Settings speed{};
   Bit<>::Settings moving{0.035, 0.025, 10ms, 20ms};  ///< thresholds of the hand's speed [m/s]

@@ -188,7 +188,7 @@ class Cutter {
   static constexpr double about = 0.05;     ///< time about a change of contact in which the hand stands [s]
   static constexpr double moves_from = 0.06;   ///< share of the speed `fast` above which a hand moves
   static constexpr double moves_to = 0.67;     ///< share of that speed at which it has come to rest
-  static constexpr double beyond = 1.3;        ///< margin over what was seen where nothing was meant
+  static constexpr double beyond = 1.3;        ///< factor on values seen where no motion or squeeze was meant
   static constexpr double just_beyond = 1.1;   ///< margin over the speed `stands`, to come to rest
   static constexpr double on_way = 0.25;       ///< share of the speed `fast` above which nobody squeezes
   static constexpr double level_sigma = 0.03;  ///< deviation of the Gaussian over a grip [s]

@@ -46,7 +46,7 @@ struct Object {
   bool known = false;       ///< the object has a place
 };
 
-/// Numbers of a world of objects.
+/// Settings of a world of objects.
 struct ObjectWorldSettings {
   double wander = 0.002;      ///< random walk of objects that nobody holds [m/sqrt(s)]
   double max_deviations = 4;  ///< number of deviations, along any axis, beyond which a detection is a miss
