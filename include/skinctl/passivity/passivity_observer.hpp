@@ -50,13 +50,13 @@ class PassivityObserver {
       Xyz<T> place = {T(0), T(0), T(0)}, normal = {T(0), T(0), T(0)};
       T force = T(0);     ///< push of the contact [N]
       T expected = T(0);  ///< push predicted for the time at which a present command is carried out [N]
-      T ahead = T(0);     ///< furthest command under way [m]
+      T ahead = T(0);     ///< distance of the furthest command under way into the contact [m]
       T row[N] = {};
     };
     T energy = T(0);
     std::size_t count = 0;
     Felt felt[max_contacts<N>];
-    T under_way = T(0);     ///< furthest command under way for a contact not felt yet [m]
+    T under_way = T(0);     ///< largest distance of a command under way, at the longest levers [m]
     JointPosition<N, T> q;  ///< measured position at the last cycle [rad]
     bool started = false;
   };

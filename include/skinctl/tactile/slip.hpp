@@ -49,10 +49,10 @@ class Slip {
   struct Memory {
     Xyz<T> force = {T(0), T(0), T(0)};                  ///< low-passed force [N]
     T normal = T(0), shear = T(0);                      ///< normal and tangential part of `force` [N]
-    T unrest = T(0);                                    ///< u^2 [N^2]
-    T peak = T(0), peak_demand = T(0), highest = T(0);  ///< P [N], D, H
+    T unrest = T(0);                                    ///< u^2, mean square of `peak` less `shear` [N^2]
+    T peak = T(0), peak_demand = T(0), highest = T(0);  ///< peaks of shear [N] and demand; its highest
     T friction = T(0);                                  ///< learnt mu; 0: that of the settings
-    T from = T(0), pressed = T(0), before = T(0);       ///< shear, normal force, friction before the slip
+    T from = T(0), pressed = T(0), before = T(0);       ///< shear [N], normal force [N] and mu before a slip
     T slide = T(0);                                     ///< shear at `pressed` while it slid [N]
     T since = T(1e9);                                   ///< time since the last drop [s]
     bool touches = false, slipped = false;  ///< slipped: the friction of this contact has been told
