@@ -29,7 +29,7 @@ struct JointSignature {
   bool moves = false;     ///< the joint moves the cell
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();    ///< n, unit vector of the axis, along the cell's axes
   Eigen::Vector3d to_axis = Eigen::Vector3d::Zero();  ///< way from the cell to the axis' nearest point [m]
-  Eigen::Vector3d up = Eigen::Vector3d::Zero();       ///< e + b at home, along the cell's axes [g]
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();       ///< reading at rest at home: upwards, plus bias [g]
 };
 
 struct ActivationSettings {

@@ -16,12 +16,12 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace kind {
-struct Position {};      ///< [rad] revolute, [m] prismatic
-struct Velocity {};      ///< [rad/s], [m/s]
-struct Acceleration {};  ///< [rad/s^2], [m/s^2]
-struct Torque {};        ///< generalised force [N m], [N]
-struct Jerk {};          ///< [rad/s^3], [m/s^3]
-struct Power {};         ///< [W]
+struct Position {};      ///< kind of joint positions: [rad] revolute, [m] prismatic
+struct Velocity {};      ///< kind of joint velocities [rad/s], [m/s]
+struct Acceleration {};  ///< kind of joint accelerations [rad/s^2], [m/s^2]
+struct Torque {};        ///< kind of generalised forces at joints [N m], [N]
+struct Jerk {};          ///< kind of joint jerks [rad/s^3], [m/s^3]
+struct Power {};         ///< kind of powers at joints [W]
 }  // namespace kind
 
 /// `N` numbers of one kind, in the order of the model's joints. Zero by default, trivially copyable, as cheap

@@ -141,7 +141,7 @@ class DelayLag {
   T lag_;
 };
 
-/// In place of a servo, for joints that take torques: nothing says where they should be.
+/// Stand-in for a servo, for joints that take torques, which have no commanded position.
 struct NoServo {};
 
 namespace detail {
