@@ -137,7 +137,7 @@ class MassFactors {
   }
   struct WithCare {};
   explicit MassFactors(const MassMatrix<joints, T>& mass, WithCare) noexcept { factorise<true>(mass); }
-  /// By value, so that the matrix of the usual case may stay in registers.
+  /// The factors without bad pivots; `mass` by value, so that in the usual case it may stay in registers.
   [[gnu::cold, gnu::noinline]] static MassFactors without_bad_pivots(MassMatrix<joints, T> mass) noexcept {
     return MassFactors(mass, WithCare{});
   }

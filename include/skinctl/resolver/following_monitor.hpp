@@ -17,7 +17,7 @@ struct Following {
   T lag_deviation = T(0);             ///< standard deviation of `lag` [s]; infinite without motion
   JointPosition<N, T> gap;            ///< measured minus commanded position of a robot at rest [rad]
   JointPosition<N, T> gap_deviation;  ///< standard deviation of `gap` [rad]
-  T observed = T(0);                  ///< time that counts [s]
+  T observed = T(0);                  ///< total time of the cycles that count [s]
 };
 
 /// Estimates lag and gap of a robot by position or velocity while it works: the line `r = gap - lag u`

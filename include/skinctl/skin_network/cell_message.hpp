@@ -17,9 +17,9 @@ SKINCTL_BEGIN_NAMESPACE
 struct CellNet {
   static constexpr int ports = 4;
   static constexpr std::uint16_t highest_id = 16382;
-  /// Epochs of healthy cells stay below: at one each 5 ms for 124 days.
+  /// Bound of the epochs of healthy cells, which at one each 5 ms reach it after 124 days.
   static constexpr std::uint32_t last_epoch = 0x7fffffff;
-  /// A neighbour that is further ahead than this is broken: a day of epochs without pause.
+  /// Largest lead of a neighbour's epoch, a day of epochs without pause; one further ahead is broken.
   static constexpr std::uint32_t leap = 1u << 24;
 };
 

@@ -9,7 +9,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// Peak of `a2 tf`: the largest speed of a quintic over the mean speed, at r = 1/2.
 template <Real T>
 inline const T quintic_peak_speed = T(1.875);
-/// Peak of `|a3| tf^2`, `10 / sqrt(3)`, at r = 1/2 -+ sqrt(3)/6.
+/// Peak of `|a3| tf^2`: the largest acceleration of a quintic over its length and squared duration,
+/// `10 / sqrt(3)`, at r = 1/2 -+ sqrt(3)/6.
 template <Real T>
 inline const T quintic_peak_acceleration = T(5.773502691896257645L);
 
