@@ -34,8 +34,8 @@ struct JointSignature {
 
 struct ActivationSettings {
   double F = 8;              ///< variance ratio that a moved cell exceeds
-  double radius = 0.005;     ///< distance from the axis that a moved cell exceeds [m], or else `turn`
-  double turn = 0.005;       ///< gravity across the axis that a moved cell exceeds [g], or else `radius`
+  double radius = 0.005;     ///< least distance from the axis of a moved cell [m], unless `turn` shows it
+  double turn = 0.005;       ///< least gravity across the axis at a moved cell [g], unless `radius` shows it
   double still = 0.003;      ///< largest distance from home of a joint that stands still [rad]
   double gravity = 9.80665;  ///< gravity [m/s^2]
 };

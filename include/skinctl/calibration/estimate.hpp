@@ -38,7 +38,7 @@ template <class Value, int N = Eigen::Dynamic>
 struct EstimateOf {
   Value value{};
   Eigen::Matrix<double, N, N> covariance{};
-  std::vector<Unobservable> unobservable{};  ///< empty: all of it is known
+  std::vector<Unobservable> unobservable{};  ///< parts of the value that the data do not show
 
   [[nodiscard]] bool known() const noexcept { return unobservable.empty(); }
 };

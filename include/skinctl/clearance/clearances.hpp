@@ -68,7 +68,7 @@ class Clearances {
       pairs_.push_back({a.link, b.link, path(a.link) ^ path(b.link), converted(a.shape), converted(b.shape)});
     }
   }
-  /// Also with the distances from obstacles of the capsules `exposed`, by their indices in `given`. Throws
+  /// Clearances with the distances of the capsules `exposed`, indices in `given`, from obstacles, too. Throws
   /// also for more than 12 of them, for one that is not of the list, and for one that is fixed.
   SKINCTL_COLD Clearances(const M& model, const Clearance& given, const std::vector<std::size_t>& exposed)
       : Clearances(model, given) {

@@ -10,8 +10,8 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The effect of a reason on the command.
 enum class Reaction : unsigned char {
-  none,    ///< cannot occur at this interface
-  report,  ///< none: it is only reported
+  none,    ///< no reaction: the fault cannot occur at the interface
+  report,  ///< no reaction but the report
   refuse,  ///< the faulty input does not count; the cycle goes on with the last good one
   wait,    ///< plans and integrals are stopped; the laws go on
   hold,    ///< the last command is kept, or the refused motion is not begun

@@ -30,7 +30,7 @@ class SingularityDamping {
     const T r = T(1) - w_squared / (zone_ * zone_);
     return r > T(0) ? T(r * r) : T(r == r ? T(0) : r);
   }
-  /// This zone with the damping that the requested speed of the frame needs: at the singularity
+  /// A damping in the same zone, as large as the requested speed of the frame needs: at the singularity
   /// `l^2 = least^2 + x / (1 + x / most^2)`, `x = (speed / (2 fastest))^2`. No joint exceeds
   /// `fastest sqrt(1 + x / most^2)`: about `fastest` while the request is slow. From `speed = 2 most fastest`
   /// on, where l^2 is half of `most^2` more than `least^2`, it grows with the request; l stays below

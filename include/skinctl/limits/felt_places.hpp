@@ -16,10 +16,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// The kind of `FeltPlaces`, for `Cycle::without`.
 struct FeltPlacesLimit {};
 
-/// For `Cycle::with`: a limit on the speed of places on the skin, by how well they feel. A push on the middle
-/// of cell i is noticed from the force `F_s` on: by the cell, its neighbours, a wrist sensor or the motors. A
-/// body of stiffness k that the place meets at the speed v along its outward normal is pressed, until the
-/// robot has stopped, by
+/// Part for `Cycle::with`: a limit on the speed of places on the skin, by how well they feel. A push on the
+/// middle of cell i is noticed from the force `F_s` on: by the cell, its neighbours, a wrist sensor or the
+/// motors. A body of stiffness k that the place meets at the speed v along its outward normal is pressed,
+/// until the robot has stopped, by
 ///
 ///     F_s + k v T + k v^2 / (2 a),
 ///

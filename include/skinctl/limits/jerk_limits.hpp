@@ -209,8 +209,8 @@ class JerkLimits {
   JointPosition<N, T> far_;
 };
 
-/// For `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the guard's
-/// braking. Gains of a law that follows goals have to fit: `tracking_settings(robot, jerk)`.
+/// Part for `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the
+/// guard's braking. Gains of a law that follows goals have to fit: `tracking_settings(robot, jerk)`.
 template <std::size_t N, Real T = double>
 struct MaxJerk {
   using Kind = JerkLimit;

@@ -34,12 +34,12 @@ class PassivityObserver {
   static constexpr bool of_virtual_robot = true;
   struct Settings {
     T start = T(1);        ///< E_0: energy at the start [J], >= 0; 1 J brings 8 kg to 0.5 m/s
-    T max = T(5);          ///< energy beyond this is discarded [J], >= start
+    T max = T(5);          ///< largest energy in the account; more is discarded [J], >= start
     T stiffness = T(3e4);  ///< k_max: stiffest contact, the skin's cover in series [N/m], > 0
     /// Longest lever of each joint to a point that may be touched [m]; the last one applies to all further
     /// joints. Zero: impacts are not considered.
     T reach[8] = {};
-    T reserve = T(0.05);  ///< share of E_0 kept for changes of the push meanwhile, and to creep, 0 to 0.9
+    T reserve = T(0.05);  ///< share of E_0 kept for changes of pushes, and to creep, 0 to 0.9
     T newtons = T(1);     ///< newtons at the cell per newton at the law (one over the scale of w_f)
   };
   template <std::size_t N>

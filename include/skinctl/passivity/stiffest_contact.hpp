@@ -132,11 +132,11 @@ struct StiffestContact {
   }
   [[nodiscard]] double series() const noexcept { return environment<double>().series(); }
   static constexpr double usual_margin = 2;           ///< default of `margin` before a wall: 6 dB
-  static constexpr double usual_margin_of_two = 1.5;  ///< default before walls: such a grip is rare
+  static constexpr double usual_margin_of_two = 1.5;  ///< default of `margin_of_two` before walls
   static constexpr double usual_loss = 0.1;           ///< loss factor of rubber and foam, that of a cover
   static constexpr std::size_t cells_of_patch = 6;    ///< contacts looked at on each patch
   static constexpr double end_of_link = 1;            ///< distance of contacts at link's ends, over its reach
-  static constexpr double on_link = 0.3;              ///< distance of contacts between these, over its reach
+  static constexpr double on_link = 0.3;              ///< distance of contacts on a link, over its reach
   /// Every fourth pose has its joints at quarter turns, where normals meet axes.
   static constexpr int quarter_turns_every = 4;
   /// Contacts of a pose that are looked at in pairs, which bear least.

@@ -169,8 +169,8 @@ class FollowingMonitor {
   }
 
  private:
-  /// Share of the expected speed from which on a joint outside of its dead band follows: one that lags has
-  /// all of it after a while, one that is held has none, with noise.
+  /// Share of the commanded speed from which on a joint outside of its dead band counts as following: one
+  /// that lags has all of it after a while, one that is held has none but noise.
   static constexpr double follows_from = 0.25;
   /// Mean squared speed above the noise of encoders [rad^2/s^2]: 0.03 rad/s, 0.1 mrad in a cycle of 3 ms.
   static constexpr double moving = 1e-3;

@@ -119,7 +119,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
       : Base(model, those<detail::IsStiffGroup>(groups), those<detail::IsDrivenGroup>(groups), passivity,
              tool) {}
 
-  /// For a robot whose joints are one group.
+  /// A resolver of a robot whose joints are one group.
   Resolver(const M& model, const RobotConfiguration<joints, T>& configuration,
            const PassivityParts& passivity = PassivityParts(), const Tool& tool = Tool())
     requires Base::is_one_group

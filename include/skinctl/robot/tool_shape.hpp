@@ -269,7 +269,7 @@ class ToolShape {
   }
 
   Settings s_;
-  Matrix root_;       ///< S, `S S' = Lambda`
+  Matrix root_;       ///< root S of the mass, `S S' = Lambda`
   T a_ = T(0);        ///< ratio at which the joint-space inertia takes over
   T fastest_ = T(0);  ///< largest decay rate by the friction, of `Lambda^-1 D` [1/s]
 };

@@ -55,7 +55,7 @@ struct StepInput {
   Observed seen{};
   SkillReport skill{};
   bool answer = true;   ///< answer of a finished skill that decides something: yes or no
-  bool granted = true;  ///< the place of the step is free for this robot
+  bool granted = true;  ///< whether the place of the step is granted to this robot
   bool resume = false;  ///< a person has looked: begin anew with the step that follows the failure
 };
 

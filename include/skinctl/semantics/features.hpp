@@ -23,7 +23,7 @@ struct HandSample {
 struct Features {
   Nanoseconds time{};
   Nanoseconds event{};  ///< stamp of the newest change of a bit: when it happened, not when it was decided
-  bool known = false;   ///< the signals are good enough to tell; else the bits mean nothing
+  bool known = false;   ///< whether the signals suffice; if not, the bits mean nothing
   bool moving = false;
   bool in_hand = false;           ///< something is between the fingers
   bool squeezed = false;          ///< the carried object is pressed harder than it was held

@@ -44,7 +44,7 @@ class Resources {
   };
   struct Grant {
     bool granted = false;     ///< the robot holds the place that it wants, or wants none
-    bool refused = false;     ///< the request is against the order, or there is no such place
+    bool refused = false;     ///< the requested place is lower than one held, or does not exist
     bool overdue = false;     ///< the robot holds a place for too long
     std::uint32_t holds = 0;  ///< bit k: the robot holds place k
   };

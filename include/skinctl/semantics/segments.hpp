@@ -43,7 +43,7 @@ struct Segments {
   double grip = 0;             ///< typical force while something is in hand [N]
   double force_noise = 0;      ///< deviation of the force from sample to sample [N]
   double stands = 0;           ///< largest speed about a change of contact, median of all [m/s]
-  double moves_on = 0;         ///< a hand faster than this moves [m/s]
+  double moves_on = 0;         ///< speed above which a hand moves [m/s]
 };
 
 namespace detail {

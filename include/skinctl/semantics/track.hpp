@@ -18,14 +18,14 @@ struct ClassDetection {
 template <Real T = double>
 struct Track {
   Xyz<T> p{T(0), T(0), T(0)};        ///< place in the world [m]
-  Xyz<T> touched{T(0), T(0), T(0)};  ///< value of `p` when the newest take here failed [m]
+  Xyz<T> touched{T(0), T(0), T(0)};  ///< value of `p` when a take at this track failed last [m]
   T sigma = T(0);                    ///< standard deviation of `p` along each axis [m]
   T sight = T(0);                    ///< log odds that the thing is there, by pictures
-  T touch = T(0);                    ///< change of these log odds by failed takes, <= 0
+  T touch = T(0);                    ///< change of the log odds by failed takes, <= 0
   Nanoseconds seen{};                ///< time of the newest picture that showed the thing
   ObjectClass kind = 0;              ///< class by majority; 0: the place in the memory is free
-  std::uint8_t votes = 0;            ///< pictures of this class less pictures of others
-  std::uint8_t fails = 0;            ///< number of takes that failed here
+  std::uint8_t votes = 0;            ///< pictures that showed class `kind`, less those that showed others
+  std::uint8_t fails = 0;            ///< number of takes that failed at this track
   bool real = false;                 ///< a failed take touched or moved the thing: it is no ghost
 };
 

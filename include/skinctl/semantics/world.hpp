@@ -22,7 +22,7 @@ using ObjectPose = Transform<W, ObjectFrame>;
 /// The class of an object: a number that the application gives to "orange", "knife", "box".
 using ObjectClass = std::uint8_t;
 
-/// No object.
+/// The number of an object that means: no object.
 inline constexpr std::uint8_t no_object = 255;
 
 /// An object was seen: a pose, the deviation of its position, and the instant at which the picture was taken

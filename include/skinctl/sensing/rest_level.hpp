@@ -24,11 +24,11 @@ struct RestSettings {
   Nanoseconds fast_within = 600ms;  ///< longest rise to half of the threshold that speaks for a touch
   Nanoseconds release = 5s;         ///< time constant of the rest level of a frozen cell that drifts
   Nanoseconds weigh = 2s;           ///< time constant of the evidence
-  Nanoseconds ramp = 6ms;           ///< longest duration of a change of reading before its sample
-  Nanoseconds longest = 1s;         ///< longest gap between two readings; a longer one counts as this
+  Nanoseconds ramp = 6ms;           ///< longest time before a sample in which its change of reading happened
+  Nanoseconds longest = 1s;         ///< longest time between two readings; longer ones count as it
 };
 
-/// Levels of one cell, in steps of its sensor.
+/// Distances from the rest level of a cell that count as drift and as touch, in steps of its sensor.
 struct RestLevels {
   float freeze = 1;  ///< kappa: largest distance from the rest level that is drift [steps]
   float touch = 80;  ///< distance from the rest level from which on it is a touch [steps]

@@ -27,7 +27,7 @@ struct CellNet {
 struct CellMessage {
   enum class Kind : std::uint8_t {
     explore,  ///< invites to the tree of `epoch`: a = hops of the receiver, forget = it drops its id
-    echo,     ///< from the sender down: a = cells, b = of these without an id, neighbours[0] = highest id
+    echo,     ///< of the sender's subtree: a = cells, b = cells without an id, neighbours[0] = highest id
     changed,  ///< the network is no longer that of `epoch`
     assign,   ///< a = label of the receiver, b = first id that it may give
     name,     ///< of the sender: a = id, b = its port on this link

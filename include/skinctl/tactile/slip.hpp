@@ -55,7 +55,7 @@ class Slip {
     T from = T(0), pressed = T(0), before = T(0);       ///< shear [N], normal force [N] and mu before a slip
     T slide = T(0);                                     ///< shear at `pressed` while it slid [N]
     T since = T(1e9);                                   ///< time since the last drop [s]
-    bool touches = false, slipped = false;  ///< slipped: the friction of this contact has been told
+    bool touches = false, slipped = false;              ///< a contact is there; its friction was found
   };
   /// Slip of a contact; without one zeros and a margin of 1.
   struct Result {

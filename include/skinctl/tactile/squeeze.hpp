@@ -26,7 +26,7 @@ class Squeeze {
   };
   /// Sums over the points of the present squeeze. Trivially copyable; `Memory{}` has seen none.
   struct Memory {
-    T count = T(0), force = T(0), closing = T(0);  ///< number, and means [N], [m]
+    T count = T(0), force = T(0), closing = T(0);  ///< number of points; means of force [N], closing [m]
     T square = T(0), product = T(0);               ///< sums of deviations: force^2, force times closing
     T low = T(0), high = T(0);                     ///< least and largest force [N]
   };

@@ -134,7 +134,7 @@ class FrictionLearning
   [[nodiscard]] static T square(const T& x) noexcept { return x * x; }
 
   Settings settings_;
-  T release_, stop_, stick_;  ///< rates at a release, its bound, and at sticking [1/s^2]
+  T release_, stop_, stick_;  ///< rates at a release, at its bound, and while sticking [1/s^2]
   T slip_;                    ///< `2 / e_0` [1/rad]
   T dead_;                    ///< speed of the dead zone, `K_c e_0` [rad/s]
 };

@@ -59,7 +59,7 @@ struct JointControlSettings {
   TimeBase<T> base{};   ///< shape of the time base
   T settle = T(0.5);    ///< duration of the change from the gain's peak to K_c, in multiples of tb
   Nanoseconds bumpless_transfer =
-      100ms;  ///< bumpless transfer: the reference reaches its new course this long after a reset
+      100ms;  ///< duration of the bumpless transfer after a reset, until the reference is on its new course
   Nanoseconds target_age =
       100ms;  ///< time after its last sample for which a moving target is extrapolated, before it slows down
   T max_acceleration = T(4);  ///< largest acceleration of any joint after a reactive target [rad/s^2]
