@@ -23,7 +23,7 @@ SKINCTL_BEGIN_NAMESPACE
 struct JointSignature {
   bool measured = false;  ///< the joint moved alone for 1 s or more, and the cell reported
   double F = 0;           ///< explained variance per unexplained one; about 1 for a cell that does not move
-  double radius = 0;      ///< |n x r| [m]
+  double radius = 0;      ///< distance of the cell from the axis, |n x r| [m]
   double turn = 0;        ///< part of gravity across the axis, which turns in the cell: |e_perp| [g]
   double certainty = 0;   ///< certainty of the axis: signal over noise
   bool moves = false;     ///< the joint moves the cell

@@ -23,7 +23,7 @@ struct Estimate {
 struct Unobservable {
   std::string name;  ///< name in the words of the domain: "height of the base"
   double deviation = std::numeric_limits<double>::infinity();  ///< predicted, in `unit`; infinite: not shown
-  std::string unit{};                                          ///< "m", "rad"
+  std::string unit{};                                          ///< unit of `deviation`: "m", "rad"
   std::string remedy{};  ///< remedy in words: "tilt the base"; empty: none that the method knows
 
   friend bool operator==(const Unobservable&, const Unobservable&) = default;

@@ -89,7 +89,7 @@ class CostOnly {
 
 /// A covariance of what the data show, and the directions that they do not.
 struct Observability {
-  Eigen::MatrixXd covariance;  ///< 0 along the unseen directions
+  Eigen::MatrixXd covariance;  ///< covariance of the unknowns; 0 along the unseen directions
   Eigen::MatrixXd unseen;      ///< unit columns, of unknowns in units of their scale; the least known first
   /// Standard deviation along each column of `unseen`, in units of the scale; infinite: not observed at all.
   Eigen::VectorXd deviation;

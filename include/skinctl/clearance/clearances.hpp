@@ -35,8 +35,8 @@ struct ClearanceAround {
   Clearance own;  ///< capsules of links and of fixed objects, and their pairs
   std::vector<std::size_t>
       exposed;  ///< the capsules of `own`, by their indices, that obstacles must not meet
-  /// Time from a command until the robot is where it says, and from a change of the world until the input has
-  /// it.
+  /// Two delays together: from a command until the robot is where it says, and from a change of the world
+  /// until the input has it.
   Nanoseconds late = 20ms;
   Nanoseconds max_age = 100ms;  ///< largest age of the input's obstacles at the end of the cycle
 };

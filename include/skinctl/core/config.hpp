@@ -59,8 +59,8 @@
 #define SKINCTL_ABI SKINCTL_ABI_OF(generic)
 #endif
 
-/// Clang shows -fassociative-math in no macro: the library's own sums and products keep the order in which
-/// they are written, whatever the flags.
+/// Begins and ends code whose sums and products keep the order in which they are written, whatever the
+/// flags: Clang shows -fassociative-math in no macro.
 #if defined(__clang__) && !defined(__wasm__)
 #define SKINCTL_IN_ORDER _Pragma("float_control(push)") _Pragma("clang fp reassociate(off)")
 #define SKINCTL_ANY_ORDER _Pragma("float_control(pop)")

@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Scalar T = double>
 struct ForwardDynamics {
   JointAcceleration<N, T> acceleration;  ///< acceleration of each joint [rad/s^2]
-  bool positive_definite = true;         ///< false: see `MassFactors`
+  bool positive_definite = true;         ///< whether M was positive definite; false: see `MassFactors`
 };
 
 /// A mass matrix factorised as `L' D L`, where L has the zeros of the tree: row k of L has entries only for
@@ -71,7 +71,7 @@ class MassFactors {
     return out;
   }
 
-  /// False if a joint was removed, in any lane.
+  /// Whether the mass matrix was positive definite: false if a joint was removed, in any lane.
   [[nodiscard]] SKINCTL_INLINE bool positive_definite() const noexcept { return positive_definite_; }
 
  private:

@@ -22,7 +22,7 @@ enum class Reaction : unsigned char {
 };
 inline constexpr std::size_t reaction_count = static_cast<std::size_t>(Reaction::stop) + 1;
 
-/// The end of a reaction.
+/// The condition under which a reaction ends.
 enum class WayBack : unsigned char {
   at_once,    ///< the reaction ends with the faulty cycle or sample
   by_itself,  ///< once the fault is over; the motion goes on from its present state, within its limits

@@ -46,7 +46,7 @@ class MotionLimits {
   static constexpr bool limits_torque = true;
   using Torque = JointTorque<n, T>;
 
-  /// Number of cycles in which a torque has to resist: their least leaves out blows and noise.
+  /// Number of cycles of which the least resisting torque counts: it leaves out blows and noise.
   static constexpr int cycles = 3;
   /// The torques that resisted in the last cycles. Trivially copyable.
   struct Memory {

@@ -162,7 +162,7 @@ class PassivityObserver {
  private:
   /// Share of the reserve for each impact of an arm with an empty account: 16 of them use it up.
   static constexpr double creeping = 1.0 / 16;
-  static constexpr double outward_by = 1.001;  ///< factor for rounding: what leaves a contact does leave it
+  static constexpr double outward_by = 1.001;  ///< factor on what is taken off a motion into a contact
   static constexpr int rounds = 4;  ///< rounds over all contacts: what leaves one may lead into another one
 
   template <std::size_t N, class Q>

@@ -57,7 +57,7 @@ class FollowingMonitor {
   };
 
  public:
-  /// Time constant of forgetting: some motions of an arm.
+  /// Default time constant of forgetting, in which an arm makes several motions.
   static constexpr Nanoseconds default_forgetting = 30s;
   /// Deviation of a lag that is good enough to declare it: a sub-step.
   static constexpr Nanoseconds default_certainty = 2ms;

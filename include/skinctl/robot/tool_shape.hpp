@@ -270,7 +270,7 @@ class ToolShape {
 
   Settings s_;
   Matrix root_;       ///< root S of the mass, `S S' = Lambda`
-  T a_ = T(0);        ///< ratio at which the joint-space inertia takes over
+  T a_ = T(0);        ///< mass ratio rho below which the joint-space inertia takes over
   T fastest_ = T(0);  ///< largest decay rate by the friction, of `Lambda^-1 D` [1/s]
 };
 

@@ -134,7 +134,7 @@ struct Carry {  ///< brings the object to where something is done with it
                                      .removes = fact::there,
                                      .timeout = 15s};
 };
-struct Use {  ///< moves the tool in hand as is its use
+struct Use {  ///< uses the tool in hand, by the motion of its use
   static constexpr ActivityRule rule{.name = "use",
                                      .word = Activity::use,
                                      .needs = fact::in_hand | fact::carried,

@@ -63,8 +63,8 @@ class ClockOffset {
     std::array<Point, window + 1> points{};  ///< fastest message of each second, the newest last
     std::size_t count = 0;
     std::size_t messages = 0;       ///< messages in the present second
-    std::array<Piece, 4> pieces{};  ///< the newest first
-    std::size_t pieces_count = 0;   ///< 0: no stamps yet
+    std::array<Piece, 4> pieces{};  ///< pieces of the map, the newest first
+    std::size_t pieces_count = 0;   ///< number of pieces; 0: no stamps yet
     Nanoseconds began{};            ///< beginning of the present second
     Nanoseconds first_arrived{};    ///< robot's time when the first message since the start or a leap arrived
     Nanoseconds newest{};           ///< time at which the newest message was sent

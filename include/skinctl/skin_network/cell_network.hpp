@@ -32,7 +32,7 @@ struct CellMemory {
   std::array<std::uint8_t, 2> spare{};  ///< no padding: `check_word` is over all bytes
 };
 
-/// An event at a cell.
+/// An event at a cell: a message at a port, or a port that went up or down.
 struct CellEvent {
   enum class Kind : std::uint8_t { received, port_up, port_down };
   Kind kind = Kind::received;

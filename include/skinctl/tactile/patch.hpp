@@ -36,7 +36,7 @@ using GainsOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, CellGains, Cha
 template <std::size_t Ix>
 struct PlacedCell {
   std::uint32_t id = 0;
-  Transform<Link<Ix>, Cell> X_LC;  ///< z is the outward normal
+  Transform<Link<Ix>, Cell> X_LC;  ///< pose of the cell on the link; z is the outward normal
 };
 
 namespace detail {

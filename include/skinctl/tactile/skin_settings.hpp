@@ -11,7 +11,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// Throws `ConfigurationError` unless the times of a skin go together.
+/// Throws `ConfigurationError` unless the times `s` of a skin are as `SkinSettings::check` says.
 template <class Settings>
 SKINCTL_COLD void check_times(const Settings& s) {
   require(s.fade > 0ns, "SkinSettings: fade", milliseconds(s.fade), "> 0 ms");

@@ -60,7 +60,7 @@ class Slip {
   /// Slip of a contact; without one zeros and a margin of 1.
   struct Result {
     bool slipping = false;
-    T demand = T(0);  ///< |f_t| / f_n
+    T demand = T(0);  ///< demand of friction, |f_t| / f_n
     T margin = T(1);  ///< 1 - demand / mu: 1 unloaded, 0 at what friction holds, negative beyond
     T hold = T(0);    ///< normal force that holds, with its reserve [N]
   };

@@ -19,7 +19,7 @@ template <Real T = double>
 class Squeeze {
  public:
   struct Settings {
-    T from = T(0.5), to = T(4);    ///< range of forces [N]
+    T from = T(0.5), to = T(4);    ///< range of the forces that count [N]
     T finger_stiffness = T(5000);  ///< stiffness of skin and fingers in series, > 0 [N/m]
     T swing = T(0.5);              ///< fall of the force that begins anew [N]
     T min_span = T(1.5);           ///< smallest range of forces from which a result is given [N]

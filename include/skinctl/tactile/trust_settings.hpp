@@ -32,7 +32,7 @@ struct TrustSettings {
   LifeSettings life;
   RestSettings rest;
   double spread = 0.07;     ///< share of a push on the middle of a cell that each neighbour feels
-  bool find_faults = true;  ///< false: no cell is masked
+  bool find_faults = true;  ///< whether faults are found; false: no cell is masked
   bool follow_rest = true;  ///< false: readings have no drift, their rest levels stay those of `noise`
 
   /// Throws `ConfigurationError` for a number out of its range, and for lists that do not have one entry or

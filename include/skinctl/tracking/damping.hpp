@@ -16,7 +16,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// The damping torque `K_d v`, and the diagonal of K_d.
 template <std::size_t N, Real T = double>
 struct DampingTorque {
-  JointTorque<N, T> torque;  ///< `K_d v` [N m]
+  JointTorque<N, T> torque;  ///< damping torque `K_d v` [N m]
   JointTorque<N, T> own;     ///< diagonal of K_d: damping of each joint by its own velocity [N m s/rad]
 };
 

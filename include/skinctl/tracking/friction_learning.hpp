@@ -135,7 +135,7 @@ class FrictionLearning
 
   Settings settings_;
   T release_, stop_, stick_;  ///< rates at a release, at its bound, and while sticking [1/s^2]
-  T slip_;                    ///< `2 / e_0` [1/rad]
+  T slip_;                    ///< release rate per speed, in bounds: `2 / e_0` [1/rad]
   T dead_;                    ///< speed of the dead zone, `K_c e_0` [rad/s]
 };
 

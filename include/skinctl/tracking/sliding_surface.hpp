@@ -95,7 +95,7 @@ struct SurfaceGains {
 template <std::size_t N, Scalar T = double>
 struct SurfaceErrors {
   T e[N];      ///< error of position, eqs. (13), (20)
-  T de[N];     ///< error of velocity, as S reads it, eqs. (12), (21)
+  T de[N];     ///< error of velocity, as the sliding surface reads it, eqs. (12), (21)
   T slope[N];  ///< the true derivative of `e`: `de` in joint space
   T v_d[N];    ///< velocity of the target
   T a_d[N];    ///< acceleration of the target

@@ -19,8 +19,8 @@ template <Real T = double>
 struct Quintic {
   T a1;    ///< `10 r^3 - 15 r^4 + 6 r^5`, the part of the path covered, 0 to 1
   T rest;  ///< `1 - a1`, the part that remains, without cancellation
-  T a2;    ///< `da1/dt` [1/s]
-  T a3;    ///< `da2/dt` [1/s^2]
+  T a2;    ///< rate of the covered part, `da1/dt` [1/s]
+  T a3;    ///< second derivative of the covered part, `da2/dt` [1/s^2]
 
   friend SKINCTL_INLINE constexpr Quintic operator+(const Quintic& a, const Quintic& b) noexcept {
     return {a.a1 + b.a1, a.rest + b.rest, a.a2 + b.a2, a.a3 + b.a3};
