@@ -16,7 +16,8 @@ namespace detail {
 inline constexpr int settled_delays = 5;
 /// Gain of a loop times its delay, where nothing else is asked for: without overshoot up to 1/e, 0.37.
 inline constexpr double gain_times_delay = 0.3;
-/// Largest motion of a joint that counts as at rest, over its dead band: five times the noise or more.
+/// Largest motion of a joint that counts as at rest, over its dead band, which is five times the noise or
+/// more.
 inline constexpr double resting_share = 0.2;
 }  // namespace detail
 

@@ -110,7 +110,7 @@ template <Frame W = World>
 struct Deeds {
   std::vector<Episode<W>> episodes;
   Refusal why = Refusal::none;
-  Nanoseconds at{};  ///< time in the demonstration at which the refused deed is
+  Nanoseconds at{};  ///< time in the demonstration that the refusal is about
 };
 
 namespace detail {
@@ -137,7 +137,7 @@ class DeedReader {
  private:
   static constexpr std::size_t looks = 30;  ///< number of newest detections whose middle is a thing's place
   static constexpr Nanoseconds longest_stand = 500ms;  ///< longest stand that counts, to each side of a deed
-  static constexpr Nanoseconds let_go = 100ms;         ///< time after which a thing lies where it was put
+  static constexpr Nanoseconds let_go_time = 100ms;    ///< time after which a thing lies where it was put
 
   struct Known {
     ObjectPose<W> X_WO{};
@@ -233,7 +233,7 @@ class DeedReader {
     std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
     const Span end = stand(c.span.end - 1);
     out.push_back(deed(Verb::release, thing, time(c.span.end), poses(end)));
-    known_[thing] = {middle(poses(end)) * X_OH.inverse(), time(c.span.end) + let_go, true};
+    known_[thing] = {middle(poses(end)) * X_OH.inverse(), time(c.span.end) + let_go_time, true};
     return out;
   }
   /// Adds the use of a tool: its path in some ball is longer than that of one that passes through.

@@ -23,7 +23,7 @@ class Unrest {
   static constexpr std::size_t sensors = static_cast<std::size_t>(std::popcount(Table::pressed_readings));
 
  public:
-  static constexpr std::uint16_t most = 65534;  ///< largest value of both numbers; above it stands `unsaid`
+  static constexpr std::uint16_t most = 65534;  ///< largest value of `measured` and `unrest`, below `unsaid`
   /// The memory of one cell; `Memory{}` has measured nothing.
   struct Memory {
     std::array<float, sensors> last{};  ///< raw readings [steps]

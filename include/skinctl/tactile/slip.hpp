@@ -50,7 +50,7 @@ class Slip {
     Xyz<T> force = {T(0), T(0), T(0)};                  ///< low-passed force [N]
     T normal = T(0), shear = T(0);                      ///< normal and tangential part of `force` [N]
     T unrest = T(0);                                    ///< u^2, mean square of `peak` less `shear` [N^2]
-    T peak = T(0), peak_demand = T(0), highest = T(0);  ///< peaks of shear [N] and demand; its highest
+    T peak = T(0), peak_demand = T(0), highest = T(0);  ///< peaks of shear [N], demand; highest demand
     T friction = T(0);                                  ///< learnt mu; 0: that of the settings
     T from = T(0), pressed = T(0), before = T(0);       ///< shear [N], normal force [N] and mu before a slip
     T slide = T(0);                                     ///< shear at `pressed` while it slid [N]

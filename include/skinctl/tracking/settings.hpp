@@ -89,8 +89,8 @@ struct JointControlSettings {
 /// largest gain. Alone, `lambda D` is stable to 1.0: a gain margin of 2. A virtual robot is stable to 2.
 template <Real T>
 inline const T largest_gain_product = T(0.5);
-/// The largest product of `largest_gain_product` times the mass ratio that is accepted: up to it the lightest
-/// robot is stable.
+/// The largest gain product, as of `largest_gain_product`, times the mass ratio that is accepted: up to it
+/// the lightest robot is stable.
 template <Real T>
 inline const T largest_product_when_light = T(1);
 /// The largest mass ratio that is accepted. Beyond it no gains are stable for the light robot and hold the

@@ -55,7 +55,7 @@ template <Real T>
 /// `p = r - 6 r^3 + 8 r^4 - 3 r^5` and `b = r^2 (1 - r)^3 / 2`, and its derivatives. It is zero at the end.
 template <Real T = double>
 struct MovingStart {
-  T rate = T(0);  ///< da1/dt at the start [1/s]
+  T rate = T(0);  ///< initial rate of the covered part, da1/dt [1/s]
   T bend = T(0);  ///< derivative of `rate` [1/s^2]
 
   /// The start of a motion over the distance `d` with the velocity `v` and the acceleration `a`: as much of
