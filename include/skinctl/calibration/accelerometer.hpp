@@ -13,9 +13,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// with `R` the axes of the cell and `f` the specific force at its origin, both in one frame; `o` multiplies
 /// element by element.
 struct AccelerometerErrors {
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();   ///< b [g]
-  Eigen::Vector3d scale = Eigen::Vector3d::Zero();  ///< s [1]
-  /// m, turn of the soldered sensor in its cell [rad].
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();   ///< bias b of the reading [g]
+  Eigen::Vector3d scale = Eigen::Vector3d::Zero();  ///< relative error s of the scale [1]
+  /// Rotation vector m of the soldered sensor in its cell [rad].
   Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();
 };
 
@@ -30,10 +30,10 @@ struct AccelerometerPrior {
 /// The reading of an accelerometer, and its derivatives. A turn of the cell is `R turn(d)`.
 struct AccelerometerReading {
   Eigen::Vector3d y;                ///< reading [g]
-  Eigen::Matrix3d by_turn;          ///< derivative by a turn of the cell in its axes [g/rad]
-  Eigen::Matrix3d by_force;         ///< derivative by the specific force in the outer frame [g/g]
-  Eigen::Matrix3d by_misalignment;  ///< derivative by the misalignment [g/rad]
-  Eigen::Vector3d by_scale;  ///< diagonal of the derivative by the scale [g]; the derivative by the bias is 1
+  Eigen::Matrix3d by_turn;          ///< derivative of `y` by a turn of the cell in its axes [g/rad]
+  Eigen::Matrix3d by_force;         ///< derivative of `y` by the specific force in the outer frame [g/g]
+  Eigen::Matrix3d by_misalignment;  ///< derivative of `y` by the sensor's misalignment [g/rad]
+  Eigen::Vector3d by_scale;  ///< diagonal of the derivative of `y` by the scale [g]; that by the bias is 1
 };
 
 /// The reading [g] of a cell with the axes `R` where the specific force is `f` [g]: without noise.

@@ -23,19 +23,19 @@ SKINCTL_BEGIN_NAMESPACE
 struct JointSignature {
   bool measured = false;  ///< the joint moved alone for 1 s or more, and the cell reported
   double F = 0;           ///< explained variance per unexplained one; about 1 for a cell that does not move
-  double radius = 0;      ///< |n x r| [m]
+  double radius = 0;      ///< distance of the cell from the axis, |n x r| [m]
   double turn = 0;        ///< part of gravity across the axis, which turns in the cell: |e_perp| [g]
   double certainty = 0;   ///< certainty of the axis: signal over noise
   bool moves = false;     ///< the joint moves the cell
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();    ///< n, unit vector of the axis, along the cell's axes
   Eigen::Vector3d to_axis = Eigen::Vector3d::Zero();  ///< way from the cell to the axis' nearest point [m]
-  Eigen::Vector3d up = Eigen::Vector3d::Zero();       ///< e + b at home, along the cell's axes [g]
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();       ///< reading at rest at home: upwards, plus bias [g]
 };
 
 struct ActivationSettings {
   double F = 8;              ///< variance ratio that a moved cell exceeds
-  double radius = 0.005;     ///< distance from the axis that a moved cell exceeds [m], or else `turn`
-  double turn = 0.005;       ///< gravity across the axis that a moved cell exceeds [g], or else `radius`
+  double radius = 0.005;     ///< least distance from the axis of a moved cell [m], unless `turn` shows it
+  double turn = 0.005;       ///< least gravity across the axis at a moved cell [g], unless `radius` shows it
   double still = 0.003;      ///< largest distance from home of a joint that stands still [rad]
   double gravity = 9.80665;  ///< gravity [m/s^2]
 };

@@ -23,7 +23,7 @@ struct Estimate {
 struct Unobservable {
   std::string name;  ///< name in the words of the domain: "height of the base"
   double deviation = std::numeric_limits<double>::infinity();  ///< predicted, in `unit`; infinite: not shown
-  std::string unit{};                                          ///< "m", "rad"
+  std::string unit{};                                          ///< unit of `deviation`: "m", "rad"
   std::string remedy{};  ///< remedy in words: "tilt the base"; empty: none that the method knows
 
   friend bool operator==(const Unobservable&, const Unobservable&) = default;
@@ -38,7 +38,7 @@ template <class Value, int N = Eigen::Dynamic>
 struct EstimateOf {
   Value value{};
   Eigen::Matrix<double, N, N> covariance{};
-  std::vector<Unobservable> unobservable{};  ///< empty: all of it is known
+  std::vector<Unobservable> unobservable{};  ///< parts of the value that the data do not show
 
   [[nodiscard]] bool known() const noexcept { return unobservable.empty(); }
 };

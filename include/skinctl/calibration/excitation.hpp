@@ -157,7 +157,7 @@ class Excitation {
 class SkinExcitation : public Excitation {
  public:
   struct Settings {
-    double duration = 60;  ///< duration [s], 20 to 3600; two fifths of it for single joints
+    double duration = 60;  ///< duration of the motion [s], 20 to 3600; two fifths for single joints
     double sweep = 1;      ///< amplitude of the slow sweep [rad]
     double wiggle = 1;     ///< amplitude of the wiggle's speed [rad/s]
     double share = 0.9;    ///< share of each limit that may be used, 0.1 to 1

@@ -24,7 +24,7 @@ struct CellInPatch {
 struct MotionRecording {
   JointRecording joints;
   std::vector<CellReadings> cells;
-  std::vector<CellInPatch> places{};  ///< one per cell, or none: cells are then on their own
+  std::vector<CellInPatch> places{};  ///< poses in patches, one per cell; empty: cells are on their own
   /// Torques at the joints' outputs, a row per stamp of `joints`, or none [N m]: a robot's own prediction
   /// (`target_moment`) will do. With them the joints' compliance is fitted; a joint that gives way by 5e-5
   /// rad/(N m) costs 6 mm otherwise.

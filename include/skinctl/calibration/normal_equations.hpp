@@ -25,7 +25,7 @@ struct Loss {
   Kind kind = Kind::square;
   double width = 1;  ///< |r| from which a residual counts less than by its square
 
-  /// rho and its derivative by |r|^2, the weight.
+  /// The loss rho of a squared residual |r|^2, and its derivative by that, the weight.
   struct Value {
     double rho, weight;
   };
@@ -55,7 +55,7 @@ struct Columns {
     static_assert(!M::IsRowMajor || M::IsVectorAtCompileTime);
   }
   [[nodiscard]] const double* column(int j) const noexcept { return data + std::ptrdiff_t(j) * rows; }
-  /// Product of a column with one of as many rows.
+  /// Dot product of column `j` with `other`, which has as many rows.
   [[nodiscard]] double dot(int j, const double* other) const noexcept {
     double sum = 0;
     for (int i = 0; i < rows; ++i) sum += column(j)[i] * other[i];
@@ -72,8 +72,8 @@ struct Partial {
 /// The derivatives of one term by all unknowns on which it depends.
 using Partials = std::initializer_list<Partial>;
 
-/// The sum of the cost alone. Like the two below: `start`, then `add` for each term, of residuals in units of
-/// their standard deviation.
+/// Sums the cost alone, without derivatives. Used as `DenseNormal` and `SparseNormal`: `start`, then `add`
+/// for each term, of residuals in units of their standard deviation.
 class CostOnly {
  public:
   static constexpr bool derivatives = false;
@@ -89,7 +89,7 @@ class CostOnly {
 
 /// A covariance of what the data show, and the directions that they do not.
 struct Observability {
-  Eigen::MatrixXd covariance;  ///< 0 along the unseen directions
+  Eigen::MatrixXd covariance;  ///< covariance of the unknowns; 0 along the unseen directions
   Eigen::MatrixXd unseen;      ///< unit columns, of unknowns in units of their scale; the least known first
   /// Standard deviation along each column of `unseen`, in units of the scale; infinite: not observed at all.
   Eigen::VectorXd deviation;

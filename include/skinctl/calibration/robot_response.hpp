@@ -267,10 +267,10 @@ class ResponseFit {
 
   const M& model_;
   const ResponseLog<N>& log_;
-  std::vector<std::array<double, N>> gravity_, side_;  ///< at each measurement
+  std::vector<std::array<double, N>> gravity_, side_;  ///< gravity torques, signs of motion
   std::array<bool, N> bends_{}, plays_{};              ///< whether compliance and hysteresis show
   std::array<double, N> weight_, variance_{}, correlation_{};
-  std::size_t settled_ = 0;  ///< the first measurement that counts
+  std::size_t settled_ = 0;  ///< index of the first measurement that counts
   double delay_ = 0, lag_ = 0;
   Matrix normal_ = Matrix::Zero(unknown, unknown);
   Vector right_ = Vector::Zero(unknown), solution_ = Vector::Zero(unknown);

@@ -35,8 +35,8 @@ struct ClearanceAround {
   Clearance own;  ///< capsules of links and of fixed objects, and their pairs
   std::vector<std::size_t>
       exposed;  ///< the capsules of `own`, by their indices, that obstacles must not meet
-  /// Time from a command until the robot is where it says, and from a change of the world until the input has
-  /// it.
+  /// Two delays together: from a command until the robot is where it says, and from a change of the world
+  /// until the input has it.
   Nanoseconds late = 20ms;
   Nanoseconds max_age = 100ms;  ///< largest age of the input's obstacles at the end of the cycle
 };
@@ -68,7 +68,7 @@ class Clearances {
       pairs_.push_back({a.link, b.link, path(a.link) ^ path(b.link), converted(a.shape), converted(b.shape)});
     }
   }
-  /// Also with the distances from obstacles of the capsules `exposed`, by their indices in `given`. Throws
+  /// Clearances with the distances of the capsules `exposed`, indices in `given`, from obstacles, too. Throws
   /// also for more than 12 of them, for one that is not of the list, and for one that is fixed.
   SKINCTL_COLD Clearances(const M& model, const Clearance& given, const std::vector<std::size_t>& exposed)
       : Clearances(model, given) {

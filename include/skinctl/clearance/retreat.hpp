@@ -8,12 +8,12 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Speeds and distances of a retreat.
 struct RetreatSettings {
-  double speed = 0.45;  ///< speed away from an obstacle within `near` [m/s]; above the obstacle's speed
-  double near = 0.1;    ///< distance of the surfaces at which the full `speed` is asked for [m]
-  double far = 0.2;     ///< distance at which a retreat begins [m], > near; in between, speeds are linear
-  double rate = 4;      ///< rate at which all other pairs may close: `rate (distance - margin)` at most [1/s]
-  double max_speed = 1.5;    ///< largest speed of a joint [rad/s]
-  double softness = 0.1;     ///< lever arm of the joints at which half of a speed is reached [m]
+  double speed = 0.45;     ///< speed away from an obstacle within `near` [m/s]; above the obstacle's speed
+  double near = 0.1;       ///< distance of the surfaces at which the full `speed` is asked for [m]
+  double far = 0.2;        ///< distance at which a retreat begins [m], > near; in between, speeds are linear
+  double rate = 4;         ///< largest closing speed of other pairs over `distance - margin` [1/s]
+  double max_speed = 1.5;  ///< largest speed of a joint [rad/s]
+  double softness = 0.1;   ///< lever arm of the joints at which half of a speed is reached [m]
   double return_rate = 0.3;  ///< largest speed of a joint towards the posture [rad/s]
 };
 

@@ -59,7 +59,7 @@ struct Surroundings {
   }
 };
 
-/// In place of `Surroundings` for a robot that does not look at them.
+/// Stand-in for `Surroundings`, for a robot without limits that read them.
 struct NoSurroundings {
   static constexpr std::size_t capacity = 0;
 };

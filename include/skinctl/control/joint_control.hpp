@@ -7,8 +7,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Tracks a target from outside by eqs. (8)-(14). A goal is a `JointReference`: `receive` starts the time
-/// base for it, `follow` takes the next sample of a moving target. `JointControl(arm)` for a described robot.
+/// Law whose joint torques track a target that the application sends, eqs. (8)-(14). A goal is a
+/// `JointReference`: `receive` starts the time base for it, `follow` takes the next sample of a moving
+/// target. `JointControl(arm)` for a described robot.
 template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
 class JointControl : public Tracking<JointSpace<N, T>, TargetPlan<JointSpace<N, T>>, Damping> {
  public:

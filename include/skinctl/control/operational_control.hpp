@@ -8,9 +8,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Tracks a target from outside with a tool `P` on link `Ix` of a robot with `N` joints, by eqs. (8),
-/// (15)-(21). A goal is a `PoseReference`: `receive` starts the time base for it, `follow` takes the next
-/// sample of a moving target.
+/// Law whose joint torques make a tool `P` on link `Ix` of a robot with `N` joints track a target that the
+/// application sends, eqs. (8), (15)-(21). A goal is a `PoseReference`: `receive` starts the time base for
+/// it, `follow` takes the next sample of a moving target.
 template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>>

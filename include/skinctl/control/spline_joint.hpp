@@ -7,8 +7,8 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Tracks the spline (22) to a static goal by eqs. (8)-(14). A goal is a `JointGoal`: a position, with or
-/// without a duration. `SplineJoint(arm)` for a described robot.
+/// Law whose joint torques track the spline of eq. (22) to a static goal, eqs. (8)-(14). A goal is a
+/// `JointGoal`: a position, with or without a duration. `SplineJoint(arm)` for a described robot.
 template <std::size_t N, Real T = double, class Damping = InertialDamping<T>>
 class SplineJoint : public Tracking<JointSpace<N, T>, SplinePlan<JointSpace<N, T>>, Damping> {
  public:

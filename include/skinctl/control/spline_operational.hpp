@@ -8,8 +8,9 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Tracks the spline (22) to a static goal by eqs. (8), (15)-(21), in a straight line and by the shortest
-/// turn. A goal is a `PoseGoal`: a pose of the tool `P` on link `Ix`, with or without a duration.
+/// Law whose joint torques move a tool along the spline of eq. (22) to a static goal, eqs. (8), (15)-(21), in
+/// a straight line and by the shortest turn. A goal is a `PoseGoal`: a pose of the tool `P` on link `Ix`,
+/// with or without a duration.
 template <std::size_t N, std::size_t Ix, Frame P = Tool, Real T = double, TaskSpace What = TaskSpace::pose,
           class Orientation = RotationVectorError, class Null = DampedNullSpace,
           class Damping = InertialDamping<T>>

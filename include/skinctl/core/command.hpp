@@ -121,7 +121,8 @@ struct RobotCommand : detail::IfTaken<(takes_position(Ix) || ...), detail::Comma
         time(planned.time),
         valid(planned.valid) {}
 
-  /// Calls `f(command.position...)` of some commands, and the same of all other numbers that this one holds.
+  /// Calls `f(command.position...)` with the positions of some commands of this type, then with their
+  /// velocities and torques, as far as the type has them.
   template <class F, class... Commands>
   static SKINCTL_INLINE void each(F&& f, Commands&... command) noexcept {
     if constexpr (holds_position) f(command.position...);

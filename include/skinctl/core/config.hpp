@@ -59,8 +59,8 @@
 #define SKINCTL_ABI SKINCTL_ABI_OF(generic)
 #endif
 
-/// Clang shows -fassociative-math in no macro: the library's own sums and products keep the order in which
-/// they are written, whatever the flags.
+/// Begins and ends code whose sums and products keep the order in which they are written, whatever the
+/// flags: Clang shows -fassociative-math in no macro.
 #if defined(__clang__) && !defined(__wasm__)
 #define SKINCTL_IN_ORDER _Pragma("float_control(push)") _Pragma("clang fp reassociate(off)")
 #define SKINCTL_ANY_ORDER _Pragma("float_control(pop)")
@@ -81,10 +81,11 @@
   }                           \
   SKINCTL_ANY_ORDER
 
-/// For operators, lambdas and recursion in the loop. With SKINCTL_NO_FORCED_INLINE the compiler chooses: a
-/// scene takes two thirds to nine tenths of the time to compile and gives readable stack traces, and a whole
-/// cycle takes 1.04 to 1.15 times as long at -O3, 1.8 to 2.2 times at -O1. The CMake target `skinctl::quick`
-/// defines it. Without optimisation nothing is forced: it would take three times as long to compile.
+/// Forces inlining of operators, lambdas and recursion in the loop. With SKINCTL_NO_FORCED_INLINE the
+/// compiler chooses: a scene takes two thirds to nine tenths of the time to compile and gives readable stack
+/// traces, and a whole cycle takes 1.04 to 1.15 times as long at -O3, 1.8 to 2.2 times at -O1. The CMake
+/// target `skinctl::quick` defines it. Without optimisation nothing is forced: compiling would take three
+/// times as long.
 #if defined(SKINCTL_NO_FORCED_INLINE) || !defined(__OPTIMIZE__)
 #define SKINCTL_INLINE inline
 #define SKINCTL_INLINE_LAMBDA

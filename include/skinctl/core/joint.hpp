@@ -16,12 +16,12 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace kind {
-struct Position {};      ///< [rad] revolute, [m] prismatic
-struct Velocity {};      ///< [rad/s], [m/s]
-struct Acceleration {};  ///< [rad/s^2], [m/s^2]
-struct Torque {};        ///< generalised force [N m], [N]
-struct Jerk {};          ///< [rad/s^3], [m/s^3]
-struct Power {};         ///< [W]
+struct Position {};      ///< kind of joint positions: [rad] revolute, [m] prismatic
+struct Velocity {};      ///< kind of joint velocities [rad/s], [m/s]
+struct Acceleration {};  ///< kind of joint accelerations [rad/s^2], [m/s^2]
+struct Torque {};        ///< kind of generalised forces at joints [N m], [N]
+struct Jerk {};          ///< kind of joint jerks [rad/s^3], [m/s^3]
+struct Power {};         ///< kind of powers at joints [W]
 }  // namespace kind
 
 /// `N` numbers of one kind, in the order of the model's joints. Zero by default, trivially copyable, as cheap
@@ -38,17 +38,17 @@ struct JointVector {
   JointVector(const JointVector&) = default;
   JointVector& operator=(const JointVector&) = default;
 
-  /// From a bare array, in the order of the joints.
+  /// A joint vector from a bare array, in the order of the joints.
   SKINCTL_INLINE constexpr explicit JointVector(const std::array<T, N>& values) noexcept : data{} {
     for (std::size_t i = 0; i < N; ++i) data[i] = values[i];
   }
-  /// From exactly `N` numbers: `JointPosition<2>{0.1, 0.2}`.
+  /// A joint vector from exactly `N` numbers: `JointPosition<2>{0.1, 0.2}`.
   template <class... U>
     requires(sizeof...(U) == N && N > 1 && (std::is_convertible_v<U, T> && ...))
   SKINCTL_INLINE constexpr explicit(false) JointVector(const U&... values) noexcept : data{T(values)...} {}
 
-  /// From an Eigen vector of `N` elements of scalar `T`: `JointPosition<6>(v)`. A dynamic one of another size
-  /// gives NaN. Assignment to an existing joint vector: `as_eigen(q) = v`.
+  /// A joint vector from an Eigen vector of `N` elements of scalar `T`: `JointPosition<6>(v)`. A dynamic one
+  /// of another size gives NaN. Assignment to an existing joint vector: `as_eigen(q) = v`.
   template <VectorExpression V>
   SKINCTL_INLINE explicit JointVector(const V& values) noexcept : data{} {
     static_assert(std::is_same_v<typename V::Scalar, T>, "other scalar: v.cast<T>()");

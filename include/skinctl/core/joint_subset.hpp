@@ -32,11 +32,11 @@ struct JointSubset {
     return out;
   }();
   using Others = JointSubset<N, joints_between(0, N) & ~Set>;
-  /// Whether it holds every joint of the robot.
+  /// Whether the subset holds every joint of the robot.
   static constexpr bool is_all = count == N;
   static constexpr LinkMask set = Set;
-  /// The index of joint `i` in the subset; of a joint that it does not hold, the number of its joints before
-  /// `i`.
+  /// The index of joint `i` in the subset; of a joint that is not in it, the number of its joints
+  /// before `i`.
   [[nodiscard]] static constexpr std::size_t place(std::size_t i) noexcept {
     return static_cast<std::size_t>(std::popcount(Set & joints_between(0, i)));
   }

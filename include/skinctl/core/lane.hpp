@@ -139,11 +139,11 @@ class Lane {
   [[nodiscard]] SKINCTL_INLINE friend Lane select(Mask mask, Lane a, Lane b) noexcept {
     return of(mask.bits() ? a.v_ : b.v_);
   }
-  /// As `std::min`: `b < a ? b : a`, so `a` if either is NaN.
+  /// The smaller number of each lane, as `std::min`: `b < a ? b : a`, so `a` if either is NaN.
   [[nodiscard]] SKINCTL_INLINE friend Lane min(Lane a, Lane b) noexcept {
     return of(b.v_ < a.v_ ? b.v_ : a.v_);
   }
-  /// As `std::max`: `a < b ? b : a`, so `a` if either is NaN.
+  /// The larger number of each lane, as `std::max`: `a < b ? b : a`, so `a` if either is NaN.
   [[nodiscard]] SKINCTL_INLINE friend Lane max(Lane a, Lane b) noexcept {
     return of(a.v_ < b.v_ ? b.v_ : a.v_);
   }

@@ -5,7 +5,7 @@
 
 #include "skinctl/core/config.hpp"
 
-/// Not in the inline namespace of the instruction set: files compiled for different sets share one mark.
+/// Marks of real-time code. Outside of the inline namespace: all instruction sets share one mark.
 namespace skinctl::real_time {
 
 #if defined(__unix__) || defined(__APPLE__) || defined(_WIN32)

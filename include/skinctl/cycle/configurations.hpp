@@ -34,7 +34,7 @@ struct CarryingScene<Cycle<R, L, S, Parts>> {
 /// A change from the configuration `before`.
 template <class Scene, class LawMemory>
 struct ChangeFrom {
-  const Scene* before;  ///< null: no change
+  const Scene* before;  ///< scene before the change; null: no change
   const LawMemory& memory;
 
   template <class Loop, class Memory, class Receive>
@@ -231,7 +231,7 @@ class Configurations {
   std::array<Scene, Count> scenes_;
 };
 
-/// In place of configurations of different types, which are refused.
+/// Stand-in for configurations of different types, which are refused.
 template <class... C, std::size_t Count>
 class Configurations<detail::OtherTypes<C...>, Count> {
   static_assert(

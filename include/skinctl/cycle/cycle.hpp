@@ -170,7 +170,7 @@ class Cycle : public detail::CycleLoop<Resolver, GivenLaw, GivenSkin, Parts> {
   }
 };
 
-/// In place of a scene whose skin was given behind the law: the error names its place.
+/// Stand-in for a scene whose skin was given behind the law: the error names its place.
 template <class L, class Skin, class Parts>
 class Cycle<detail::SkinBehindLaw, L, Skin, Parts> {
   static_assert(!std::is_same_v<L, L>, "order: robot, skin, law; the skin stands before the law");
@@ -178,7 +178,7 @@ class Cycle<detail::SkinBehindLaw, L, Skin, Parts> {
  public:
   constexpr Cycle(const auto&...) noexcept {}
 };
-/// In place of a scene without skin whose law is one of the skin: it would never yield.
+/// Stand-in for a scene without skin whose law answers the skin; it is refused, as it would never yield.
 template <class L, class Skin, class Parts>
 class Cycle<detail::SkinForgotten, L, Skin, Parts> {
  public:
@@ -186,7 +186,7 @@ class Cycle<detail::SkinForgotten, L, Skin, Parts> {
   constexpr Cycle(const auto&...) = delete;  // the law answers touch, and the scene has no skin: Cycle(robot, skin, law)
   // clang-format on
 };
-/// In place of a scene with a model for its robot: the only constructor is deleted.
+/// Stand-in for a scene with a model in place of a robot: the only constructor is deleted.
 template <class L, class Skin, class Parts>
 class Cycle<detail::ModelAsRobot, L, Skin, Parts> {
  public:

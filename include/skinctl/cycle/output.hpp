@@ -19,8 +19,7 @@ struct CycleOutput {
   std::array<JointTorque<N, T>, Terms> shares;  ///< torque of each law in the last sub-step [N m]
 
   CycleOutput() = default;
-  /// Each member once: GCC would zero all of them before they are written, by an instruction that starts
-  /// slowly.
+  /// Writes each member once: GCC would zero all of them before, by an instruction that starts slowly.
   SKINCTL_INLINE CycleOutput(const JointCommand<N, T>& given, Status found,
                              const std::array<JointTorque<N, T>, Terms>& parts) noexcept
       : command(given), planned(given.copy()), status(found), shares(parts) {}

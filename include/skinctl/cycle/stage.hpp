@@ -10,8 +10,8 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The stages of one cycle, in their order.
 enum class CycleStage : unsigned char {
-  sense,    ///< samples to mean wrenches on the links
-  resolve,  ///< laws, dynamics and the virtual robot
+  sense,    ///< computation of mean wrenches on the links from samples
+  resolve,  ///< evaluation of laws, dynamics and the virtual robot
   guard,    ///< the last check of the command
   count
 };

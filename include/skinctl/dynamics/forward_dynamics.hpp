@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Scalar T = double>
 struct ForwardDynamics {
   JointAcceleration<N, T> acceleration;  ///< acceleration of each joint [rad/s^2]
-  bool positive_definite = true;         ///< false: see `MassFactors`
+  bool positive_definite = true;         ///< whether M was positive definite; false: see `MassFactors`
 };
 
 /// A mass matrix factorised as `L' D L`, where L has the zeros of the tree: row k of L has entries only for
@@ -71,7 +71,7 @@ class MassFactors {
     return out;
   }
 
-  /// False if a joint was removed, in any lane.
+  /// Whether the mass matrix was positive definite: false if a joint was removed, in any lane.
   [[nodiscard]] SKINCTL_INLINE bool positive_definite() const noexcept { return positive_definite_; }
 
  private:
@@ -137,7 +137,7 @@ class MassFactors {
   }
   struct WithCare {};
   explicit MassFactors(const MassMatrix<joints, T>& mass, WithCare) noexcept { factorise<true>(mass); }
-  /// By value, so that the matrix of the usual case may stay in registers.
+  /// The factors without bad pivots; `mass` by value, so that in the usual case it may stay in registers.
   [[gnu::cold, gnu::noinline]] static MassFactors without_bad_pivots(MassMatrix<joints, T> mass) noexcept {
     return MassFactors(mass, WithCare{});
   }

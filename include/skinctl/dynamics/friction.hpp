@@ -25,7 +25,7 @@ class JointFriction {
   struct Settings {
     JointTorque<N, T> viscous;                  ///< coefficient b of viscous friction [N m s/rad], >= 0
     JointTorque<N, T> coulomb;                  ///< Coulomb friction tau_c [N m], >= 0
-    JointTorque<N, T> stiction;                 ///< tau_s, breakaway torque minus tau_c [N m], >= 0
+    JointTorque<N, T> stiction;                 ///< stiction tau_s: breakaway torque minus tau_c [N m], >= 0
     T stribeck_velocity = static_cast<T>(0.1);  ///< speed v_s at which tau_s is halved [rad/s], > 0
     T sign_velocity = static_cast<T>(0.01);     ///< speed v_0 that smooths the sign [rad/s], > 0
   };

@@ -44,7 +44,7 @@ struct Computed<false, V> {
   template <class F>
   SKINCTL_INLINE explicit Computed(F&&) noexcept {}
 };
-/// Adds nothing to the model of the robot.
+/// Stand-in for additions to the model of a robot: there are none.
 struct NothingAdded {
   using Limits = void;
   static constexpr bool is_virtual = false;

@@ -39,8 +39,8 @@ constexpr std::size_t blocks_before(std::size_t link) noexcept {
   return n;
 }
 
-/// Writes the torques of a link's unit parameters about a joint that carries the link into `powers`: the dot
-/// products of the joint's unit twist (v, w) with the ten wrenches.
+/// Writes to `powers` the torques about a joint that carries a link, one for each of the link's ten inertial
+/// parameters at 1: the dot products of the joint's unit twist (v, w) with the wrenches of the parameters.
 template <Scalar T>
 SKINCTL_INLINE void parameter_powers(const LinkMotion<T>& m, const Xyz<T>& v, const Xyz<T>& w,
                                      T* powers) noexcept {

@@ -134,7 +134,7 @@ class Transform {
     return trusted({c * R_.x + s * R_.y, c * R_.y - s * R_.x, R_.z}, p_);
   }
 
-  /// Axes of B in A, unit vectors.
+  /// The x axis of B in A, a unit vector; below, the y and the z axis.
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& axis_x() const noexcept { return R_.x; }
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& axis_y() const noexcept { return R_.y; }
   [[nodiscard]] SKINCTL_INLINE constexpr const Xyz<T>& axis_z() const noexcept { return R_.z; }

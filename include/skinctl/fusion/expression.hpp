@@ -74,7 +74,7 @@ constexpr bool holds_twice() noexcept {
     return false;
   }
 }
-/// In place of a result, after the error about it: the one of both that is a law.
+/// Stand-in for a sum that has been refused with an error: the one of both that is a law.
 template <class A, class B>
 auto either_law(const A& a, const B& b) {
   if constexpr (MeantAsLaw<A>) {

@@ -14,8 +14,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// The effect of the weights of tracking laws. In every case gravity enters once with weight 1, and a
 /// reactive law with its own weight.
 enum class Sum : unsigned char {
-  normalised,  ///< divided by their sum, for feedback and feed-forward alike
-  weighted,    ///< feedback as given, feed-forward normalised: no part of `Y_r Theta` is a disturbance
+  normalised,  ///< weights divided by their sum, for feedback and feed-forward alike
+  weighted,    ///< weights as given for feedback, divided by their sum for feed-forward
   plain        ///< the paper's sum: everything but gravity with the weights as given
 };
 
@@ -34,7 +34,7 @@ class Fused : public Composable,
  public:
   using Laws = std::tuple<L...>;
   static constexpr std::size_t terms = sizeof...(L);
-  static constexpr std::size_t joints = detail::joints_of_laws<L...>();  ///< number of joints; 0: any
+  static constexpr std::size_t joints = detail::joints_of_laws<L...>();  ///< number of joints; 0: any robot
   static constexpr Sum policy = Policy;
   static constexpr std::array<LawRole, terms> roles = {L::role...};
   static constexpr std::size_t gravity_laws = detail::count_role<L...>(LawRole::gravity);

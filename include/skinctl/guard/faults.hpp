@@ -10,8 +10,8 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// The effect of a reason on the command.
 enum class Reaction : unsigned char {
-  none,    ///< cannot occur at this interface
-  report,  ///< none: it is only reported
+  none,    ///< no reaction: the fault cannot occur at the interface
+  report,  ///< no reaction but the report
   refuse,  ///< the faulty input does not count; the cycle goes on with the last good one
   wait,    ///< plans and integrals are stopped; the laws go on
   hold,    ///< the last command is kept, or the refused motion is not begun
@@ -22,7 +22,7 @@ enum class Reaction : unsigned char {
 };
 inline constexpr std::size_t reaction_count = static_cast<std::size_t>(Reaction::stop) + 1;
 
-/// The end of a reaction.
+/// The condition under which a reaction ends.
 enum class WayBack : unsigned char {
   at_once,    ///< the reaction ends with the faulty cycle or sample
   by_itself,  ///< once the fault is over; the motion goes on from its present state, within its limits

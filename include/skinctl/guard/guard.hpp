@@ -47,7 +47,7 @@ class Guard {
   };
   using All = Each<std::make_index_sequence<Robot::stiff_groups>>;
   struct Nothing {};
-  /// Whether one guard is that of the whole robot.
+  /// Whether the robot is one group of joints, whose guard is the whole guard.
   static constexpr bool is_one = Robot::is_one_group;
 
  public:

@@ -48,7 +48,7 @@ class JointGuard : public detail::GuardReach<Ix, N, T> {
   using scalar = T;
   using Settings = GuardSettings<N, T>;
   using Memory = GuardMemory<N, T>;
-  /// Whether a torque leaves beside the motion.
+  /// Whether commands hold a torque beside positions, as by impedance.
   static constexpr bool beside_motion = takes_position(Ix) && takes_torque(Ix);
 
   /// Throws `ConfigurationError` for a number out of its range.

@@ -12,7 +12,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// The memory of a packet watch. Trivially copyable.
 struct PacketMemory {
   bool started = false;
-  std::uint32_t last = 0;     ///< the newest number
+  std::uint32_t last = 0;     ///< number of the newest packet
   std::uint64_t missing = 0;  ///< a bit for each of the last 64 packets; 1: it did not arrive
   std::uint64_t lost = 0;     ///< number of all lost packets
 };

@@ -62,7 +62,7 @@ struct LoopReport {
 
 /// Options of a loop.
 struct LoopOptions {
-  std::uint64_t cycles = 0;        ///< 0: until it is stopped
+  std::uint64_t cycles = 0;        ///< number of cycles to run; 0: until it is stopped
   Nanoseconds period = 8ms;        ///< planned period; a state later than 1.5 periods is a miss
   std::size_t max_samples = 8192;  ///< samples of a cycle that the copy of the worst cycle keeps, at most
   std::optional<TimeBudget> budget = {};  ///< budget of the load; see `TimeBudget` for the reactions

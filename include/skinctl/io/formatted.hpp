@@ -92,7 +92,7 @@ struct Conversion {
   }
 };
 
-/// As `formatted`, for a list of arguments.
+/// The text of `formatted`, for a list of arguments.
 [[nodiscard]] SKINCTL_COLD inline std::string formatted_list(const char* format, FormatArguments& x) {
   std::string out;
   while (*format != '\0') {

@@ -23,7 +23,7 @@ struct SkinPoint {
     masked = 2  ///< the readings do not count
   };
   std::array<float, 3> position{};  ///< position in the base [m]
-  float force = 0;         ///< sum of the readings, times the scale [N]; without a scale the readings
+  float force = 0;         ///< sum of the force readings, times the scale [N]; without a scale their sum
   float proximity = 0;     ///< proximity reading, in [0, 1]
   float temperature = 0;   ///< temperature [C]
   std::uint32_t cell = 0;  ///< id of the cell

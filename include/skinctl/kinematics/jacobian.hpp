@@ -74,7 +74,7 @@ class Jacobian {
   operator E() const = delete;  // to Eigen: as_eigen(J)
   // clang-format on
 
-  /// From an Eigen matrix, 6 x N, linear rows first; the columns that are zero by topology are not read.
+  /// A Jacobian from an Eigen matrix, 6 x N, linear rows first; columns zero by topology are not read.
   template <VectorExpression E>
   [[nodiscard]] static Jacobian from_eigen(const E& values) noexcept {
     static_assert(std::is_same_v<typename E::Scalar, T>, "other scalar: J.cast<T>()");

@@ -60,7 +60,7 @@ struct JointAngles {
   T sin[storage];
   T cos[storage];
   T shift[detail::any_of_kind<M, links>(JointKind::prismatic) ? storage
-                                                              : 1];  ///< displacements of prismatic joints
+                                                              : 1];  ///< displacements of sliding joints [m]
 
   /// Sines and cosines of joint positions that are in registers.
   template <Real U>

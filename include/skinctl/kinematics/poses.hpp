@@ -21,7 +21,8 @@ Place(X, Y, Z, P) -> Place<X, Y, Z, P>;
 
 using BasePlace = Place<Triple<TypedConstant<1>, TypedConstant<0>, TypedConstant<0>>,
                         Triple<TypedConstant<0>, TypedConstant<1>, TypedConstant<0>>, UnitZ, ZeroTriple>;
-/// A constant, because Clang 16 crashes where it initialises an aggregate none of whose members has a byte.
+/// The place of the base: a constant, because Clang 16 crashes where it initialises an aggregate none of
+/// whose members has a byte.
 inline constexpr BasePlace base_place{};
 
 /// The pose of a link from that of its parent.

@@ -16,8 +16,8 @@ class SingularityDamping {
  public:
   /// @param zone  manipulability below which damping sets in, > 0. In units of `manipulability()`; a UR5
   ///              reaches 0.11, and 0.004 is some 5 degrees from a wrist singularity at half of its reach.
-  /// @param most  l at the singularity, > 0, in units of the singular values of J: no joint speed exceeds
-  ///              `1 / (2 most)` times the requested speed of the frame. Throws `ConfigurationError`.
+  /// @param most  damping l at the singularity, > 0, in units of the singular values of J: no joint speed
+  ///              exceeds `1 / (2 most)` times the requested speed of the frame. Throws `ConfigurationError`.
   explicit SingularityDamping(const T& zone = static_cast<T>(0.004), const T& most = static_cast<T>(0.08))
       : zone_(zone), max_(most), max_squared_(most * most) {
     const auto allowed = [](const T& x) { return x > T(0) && x <= (std::numeric_limits<T>::max)(); };
@@ -30,7 +30,7 @@ class SingularityDamping {
     const T r = T(1) - w_squared / (zone_ * zone_);
     return r > T(0) ? T(r * r) : T(r == r ? T(0) : r);
   }
-  /// This zone with the damping that the requested speed of the frame needs: at the singularity
+  /// A damping in the same zone, as large as the requested speed of the frame needs: at the singularity
   /// `l^2 = least^2 + x / (1 + x / most^2)`, `x = (speed / (2 fastest))^2`. No joint exceeds
   /// `fastest sqrt(1 + x / most^2)`: about `fastest` while the request is slow. From `speed = 2 most fastest`
   /// on, where l^2 is half of `most^2` more than `least^2`, it grows with the request; l stays below

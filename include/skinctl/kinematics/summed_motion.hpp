@@ -36,7 +36,8 @@ class SummedMotion {
     if constexpr (any_slides) return reach * turned_ + slid_;
     return reach * turned_;
   }
-  /// Upper bound of the change of `J x` over the motion `over`: `sum |x_i| |y_j| max |dJ_i/dq_j|` [m], [m/s].
+  /// Upper bound of the change of `J x`, x the summed motion, while the joints move by y, the motion `over`:
+  /// `sum |x_i| |y_j| max |dJ_i/dq_j|` [m], [m/s].
   [[nodiscard]] SKINCTL_INLINE T bend(const T& reach, const SummedMotion& over) const noexcept {
     if constexpr (any_slides)
       return reach * turned_ * over.turned_ + turned_ * over.slid_ + slid_ * over.turned_;

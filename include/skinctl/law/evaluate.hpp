@@ -47,7 +47,7 @@ template <GravityTerm G, class L, class K>
   }
 }
 
-/// In place of the terms that torque and next memory share, of a law that has no `now`.
+/// Stand-in for the terms that torque and next memory share, for a law that has no `now`.
 struct Nothing {};
 template <class L, class K>
 SKINCTL_INLINE auto now_of(const L& law, const typename L::Memory& memory, const K& known) noexcept {

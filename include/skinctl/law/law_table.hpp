@@ -73,7 +73,7 @@ struct LawTable {
     if constexpr (detail::HasGravityLaws<L>) return std::size_t(L::gravity_laws);
     return std::size_t(role == LawRole::gravity ? 1 : 0);
   }();
-  /// Whether it compensates gravity: by a gravity law, or within `Y_r Theta`.
+  /// Whether the law compensates gravity: by a gravity law, or within `Y_r Theta`.
   static constexpr bool holds_gravity = gravity_laws > 0 || role == LawRole::tracking;
   static constexpr bool is_complete_sum = [] {
     if constexpr (detail::HasCompleteSum<L>) return bool(L::complete_sum);
@@ -88,13 +88,13 @@ struct LawTable {
     return false;
   }();
   static constexpr bool is_gated = detail::HasGate<L>;
-  /// Whether it is the skin's response: others may oppose it, and it opens gates. A reactive law that does
-  /// not read touch (a joint limit, a posture) opposes nothing.
+  /// Whether the law is a response to the skin: others may oppose it, and it opens gates. A reactive law that
+  /// does not read touch (a joint limit, a posture) opposes nothing.
   static constexpr bool answers_touch = [] {
     if constexpr (detail::HasNeeds<L>) return role == LawRole::reactive && Needs(L::needs).touch;
     return false;
   }();
-  /// Whether a sum adds G(q) to the parts of its torque, where no gravity law is loaded.
+  /// Whether a sum adds G(q) to the parts of the law's torque, where no gravity law is loaded.
   static constexpr bool lacks_gravity = role == LawRole::tracking && detail::MayHaveParts<L>;
   static constexpr bool starts_blank = [] {
     if constexpr (detail::HasStartsBlank<L>) return bool(L::starts_blank);

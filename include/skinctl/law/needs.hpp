@@ -14,10 +14,10 @@ struct Needs {
   LinkMask poses = 0;         ///< links whose pose `X_BaseLink` a law reads
   LinkMask jacobians = 0;     ///< links whose Jacobian, or that of a frame fixed to them, a law reads
   bool angles = false;        ///< sines and cosines of the joint angles
-  bool gravity = false;       ///< G(q)
-  bool mass = false;          ///< M(q)
-  bool mass_factors = false;  ///< M(q) factorised: accelerations of torques
-  bool coriolis = false;      ///< C(q, dq) dq
+  bool gravity = false;       ///< gravity torques G(q)
+  bool mass = false;          ///< mass matrix M(q)
+  bool mass_factors = false;  ///< mass matrix M(q), factorised: accelerations of torques
+  bool coriolis = false;      ///< Coriolis and centrifugal torques C(q, dq) dq
   bool touch = false;         ///< wrenches of the skin on the links
   bool middle = false;        ///< sines and cosines half an interval ahead, at `q + dq dt/2`
 

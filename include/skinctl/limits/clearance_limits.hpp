@@ -71,7 +71,7 @@ class ClearanceLimits {
         limits_(limits),
         margin_(T(given.margin + spare)),
         reach_(T(given.reach)) {}
-  /// Also keeps clear of obstacles from the input. Throws also for a `late` or `max_age` out of its range.
+  /// Limits with obstacles from the input, too. Throws also for a `late` or `max_age` out of its range.
   SKINCTL_COLD ClearanceLimits(const M& model, const JointLimits<joints, T>& limits,
                                const ClearanceAround<Around>& given)
     requires(Around > 0)

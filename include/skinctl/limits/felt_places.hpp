@@ -16,10 +16,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// The kind of `FeltPlaces`, for `Cycle::without`.
 struct FeltPlacesLimit {};
 
-/// For `Cycle::with`: a limit on the speed of places on the skin, by how well they feel. A push on the middle
-/// of cell i is noticed from the force `F_s` on: by the cell, its neighbours, a wrist sensor or the motors. A
-/// body of stiffness k that the place meets at the speed v along its outward normal is pressed, until the
-/// robot has stopped, by
+/// Part for `Cycle::with`: a limit on the speed of places on the skin, by how well they feel. A push on the
+/// middle of cell i is noticed from the force `F_s` on: by the cell, its neighbours, a wrist sensor or the
+/// motors. A body of stiffness k that the place meets at the speed v along its outward normal is pressed,
+/// until the robot has stopped, by
 ///
 ///     F_s + k v T + k v^2 / (2 a),
 ///
@@ -145,8 +145,8 @@ class PlaceSpeed {
     }
     return {scale, scale < T(1) ? Status(reason) : Status()};
   }
-  /// Whether a smooth motion may end at `v`: no place that kept its speed is carried beyond it. One that was
-  /// too fast when its cell died is slowed smoothly.
+  /// Whether a smooth motion may end at `v`: no place that kept its largest speed is carried beyond that. One
+  /// that was too fast when its cell died is slowed smoothly.
   template <class Going>
   [[nodiscard]] SKINCTL_NOINLINE bool keeps(const Memory& m, const Going& going,
                                             const JointVelocity<joints, T>& v,

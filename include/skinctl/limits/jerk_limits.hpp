@@ -154,7 +154,7 @@ class JerkLimits {
  private:
   /// Longest time to the largest acceleration [s]: a jerk that needs longer is in another unit.
   static constexpr double slowest_rise = 1000;
-  static constexpr double rounding_of_ways = 0.01;  ///< share of the longest way to rest, for its rounding
+  static constexpr double rounding_of_ways = 0.01;  ///< margin for rounding: share of the longest way to rest
 
   using Joint = detail::JerkJoint<T>;
 
@@ -209,8 +209,8 @@ class JerkLimits {
   JointPosition<N, T> far_;
 };
 
-/// For `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the guard's
-/// braking. Gains of a law that follows goals have to fit: `tracking_settings(robot, jerk)`.
+/// Part for `Cycle::with`: the largest jerk of each joint [rad/s^3]. It limits the joints' motion and the
+/// guard's braking. Gains of a law that follows goals have to fit: `tracking_settings(robot, jerk)`.
 template <std::size_t N, Real T = double>
 struct MaxJerk {
   using Kind = JerkLimit;

@@ -29,7 +29,7 @@ struct Going {
   T dt;                         ///< duration of the command [s], > 0
   T passed;                     ///< time since the last cycle [s], > 0
   T ahead;                      ///< time of prediction, in which joints by torque brake [s]
-  bool slides;                  ///< whether a motion may turn aside where it would end: no stop was requested
+  bool slides;                  ///< true: motion may slide along a limit; false: a stop was requested
 
   /// The displacement while the velocity changes steadily from `from` to `to` in `dt` seconds [rad].
   [[nodiscard]] SKINCTL_INLINE JointPosition<N, T> half_way(const JointVelocity<N, T>& to) const noexcept {
@@ -55,8 +55,8 @@ struct KeptVelocity {
 enum class Precedence : unsigned char {
   moves,       ///< motion of the joints within limits of jerk: it gives way to all others
   contact,     ///< force and power of contacts
-  coverage,    ///< cells of the skin that report
-  places,      ///< speed of places on the skin, by the force from which on they notice a push
+  coverage,    ///< reaction to cells of the skin that do not report
+  places,      ///< speed of places on the skin: lower where only a larger force is felt
   free,        ///< limits of the user's own
   tool_speed,  ///< speed of a point of the robot
   clearance,   ///< distance from bodies

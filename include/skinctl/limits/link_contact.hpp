@@ -23,7 +23,7 @@ struct LinkContact {
   /// Time from a change of force until the robot's speed changes.
   Nanoseconds reaction = BodyRegion::unset_time;
   double newton = 1;  ///< calibration: newtons of the contact per newton of the skin's wrench
-  /// While the skin detects nobody, this rule may allow the link more speed than the transient force limit. A
+  /// Speed and separation: while the skin detects nobody, it may allow more speed than the force limit. A
   /// limit of speed: it holds whatever an energy tank holds, where the torque of proximity readings ends.
   std::optional<Separation> separation = {};
   /// Distance at which a cell begins to detect [m]; the measured distance is `range (1 - proximity)`. Choose

@@ -46,12 +46,12 @@ class MotionLimits {
   static constexpr bool limits_torque = true;
   using Torque = JointTorque<n, T>;
 
-  /// Number of cycles in which a torque has to resist: their least leaves out blows and noise.
+  /// Number of cycles of which the least resisting torque counts: it leaves out blows and noise.
   static constexpr int cycles = 3;
   /// The torques that resisted in the last cycles. Trivially copyable.
   struct Memory {
     JointVelocity<n, T> dq;  ///< joint velocity in the last cycle [rad/s]
-    Torque resists[cycles];  ///< r of the last cycles, newest first
+    Torque resists[cycles];  ///< torques that resisted in the last cycles, newest first
     bool known = false;      ///< whether `dq` is the velocity in the last cycle
     detail::ActedTorque<n, T> sent;
   };
@@ -85,8 +85,8 @@ class MotionLimits {
   }
   /// Forgets the torques that resisted: a state was missing.
   static SKINCTL_INLINE void forget(Memory& m) noexcept { m.known = false; }
-  /// r of each joint [N m]: the smallest in magnitude of the last three cycles, 0 where its sign changed. Its
-  /// sign is that of the motors' torque which it resists.
+  /// Torque that resists the motor of each joint [N m]: the smallest in magnitude of the last three cycles, 0
+  /// where its sign changed. Its sign is that of the motors' torque which it resists.
   [[nodiscard]] SKINCTL_INLINE Torque resistance(const Memory& m) const noexcept {
     Torque r;
     for (std::size_t i = 0; i < n; ++i) {
@@ -197,11 +197,12 @@ class MotionLimits {
   /// Reaction time of a joint before its end, in times of prediction: the velocity follows with a lag of one,
   /// and comes to rest without overshoot from four on, the critical damping.
   static constexpr int reaction_leads = 4;
-  /// Passes over joints whose torque cannot change fast enough; one beyond them brakes as it can.
+  /// Number of passes over the joints whose torque cannot change fast enough; one that is left brakes as it
+  /// can.
   static constexpr int passes = 3;
-  /// Share of the velocity limit over which resistance sets in: a step would let the torque chatter.
+  /// Share of the velocity limit over which the resisting torque sets in: a step would let it chatter.
   static constexpr double slowest = 1.0 / 128;
-  /// Distance beyond an end up to which resistance counts, over the velocity limit [s]: a cycle's way.
+  /// Distance beyond a position limit up to which the resisting torque counts, over the velocity limit [s].
   static constexpr double past_end = 1e-3;
 
   [[nodiscard]] static SKINCTL_INLINE JointVelocity<joints, T> whole(
@@ -213,8 +214,8 @@ class MotionLimits {
   struct Spread {
     T least, most;
   };
-  /// The smallest and largest `to` r of joint `i` in the last cycles; > 0 resists motion to the side `to`,
-  /// 1 or -1.
+  /// The smallest and largest torque that resisted joint `i` in the last cycles, times the side `to`, 1 or -1
+  /// [N m]; > 0 resists motion to that side.
   [[nodiscard]] static SKINCTL_INLINE Spread spread(const Memory& m, std::size_t i, const T& to) noexcept {
     Spread out{T(to * m.resists[0][i]), T(to * m.resists[0][i])};
     for (int k = 1; k < cycles; ++k) {

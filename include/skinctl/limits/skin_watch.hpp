@@ -20,8 +20,8 @@ enum class SkinReaction : unsigned char {
   stop     ///< brakes and holds; goes on after `CycleRequest::resume`
 };
 
-/// For `Cycle::with`: the reactions of a scene to cells that do not report, in three states of the skin; a
-/// blind skin is no untouched one. With the defaults the robot does not move before its skin is heard, and
+/// Part for `Cycle::with`: the reactions of a scene to cells that do not report, in three states of the skin;
+/// a blind skin is no untouched one. With the defaults the robot does not move before its skin is heard, and
 /// stops when a patch falls silent. `FeltPlaces` limits the speed of places that feel badly.
 ///
 /// A cell counts while its newest sample is younger than `SkinSettings::max_age` and nothing masks it. The

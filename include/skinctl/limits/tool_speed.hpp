@@ -237,7 +237,7 @@ class ToolSpeed {
   Values values_;
 };
 
-/// For `Cycle::with`: the largest speed of a point of link `Ix`.
+/// Part for `Cycle::with`: the largest speed of a point of link `Ix`.
 template <std::size_t Ix, Real T = double>
 struct MaxToolSpeed {
   using Kind = ToolSpeedLimit;

@@ -45,7 +45,7 @@ class Ldlt {
     });
   }
 
-  /// False if an unknown was removed, in any lane.
+  /// Whether the matrix was positive definite: false if an unknown was removed, in any lane.
   [[nodiscard]] SKINCTL_INLINE constexpr bool positive_definite() const noexcept {
     return positive_definite_;
   }

@@ -50,7 +50,7 @@ class Lu {
     }
   }
 
-  /// False if an unknown was removed.
+  /// Whether the matrix was regular: false if an unknown was removed.
   [[nodiscard]] constexpr bool regular() const noexcept { return regular_; }
 
   /// Solves `a x = b`; `x` may be `b`.

@@ -42,7 +42,7 @@ enum class LinkParameter : std::size_t {
   count
 };
 
-/// All numbers of one link. See `LinkParameter`.
+/// The parameters of one link, indexed by `LinkParameter`.
 template <Scalar T = double>
 struct LinkParameters {
   std::array<T, std::size_t(LinkParameter::count)> numbers{};
@@ -50,7 +50,7 @@ struct LinkParameters {
   constexpr T& operator[](LinkParameter p) noexcept { return numbers[std::size_t(p)]; }
   constexpr const T& operator[](LinkParameter p) const noexcept { return numbers[std::size_t(p)]; }
 
-  /// These parameters in another scalar.
+  /// The same parameters in another scalar.
   template <Scalar U>
   constexpr LinkParameters<U> cast() const {
     LinkParameters<U> out;

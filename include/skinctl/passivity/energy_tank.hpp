@@ -42,7 +42,7 @@ class EnergyTank {
     T start = T(1);      ///< initial energy [J], >= 0; 1 J brings 8 kg to 0.5 m/s
     T max = T(5);        ///< capacity [J], >= start
     T port_gain = T(1);  ///< weight of the contacts' torque in the law; what differs from it is active
-    /// Damping of a robot by torque, in proportion to its mass, times the share that the tank lacks [1/s].
+    /// Damping of a robot by torque, in units of M [1/s], times the share of the active torque not paid for.
     T damping = T(2);
   };
   /// The predicted motion of the joints, and the error of the prediction.
@@ -57,9 +57,9 @@ class EnergyTank {
     T energy = T(0);           ///< energy in the tank [J]
     T kinetic = T(0);          ///< kinetic energy at the last sub-step [J]
     T explained = T(0);        ///< part of the change of kinetic energy that is work or friction [J]
-    JointTorque<N, T> port;    ///< torque of the port in the last sub-step [N m]
+    JointTorque<N, T> port;    ///< torque of the contacts in the last sub-step [N m]
     JointTorque<N, T> active;  ///< part of the active torque that was paid for [N m]
-    MassMatrix<N, T> mass;     ///< mass matrix of the last sub-step
+    MassMatrix<N, T> mass;     ///< mass matrix of the last sub-step [kg m^2]
     bool counts = false;       ///< whether kinetic energy, torques and mass are valid
     bool paid = false;         ///< a sub-step is to be charged
     Foresight<N> foresight;
@@ -187,11 +187,11 @@ class EnergyTank {
     if (memory.energy > s_.max) memory.energy = s_.max;
   }
 
-  /// Cuts the active torque to what may be held for `h` seconds from the velocity `v` on, and returns the
-  /// share that is left of what drives; `move(torque)` gives the velocity to which a torque leads in
-  /// `h + delay`.
+  /// Cuts `active` to the torque that the tank can pay for while it is held for `h` seconds from the velocity
+  /// `v` on, and returns the share in [0, 1] that is left of its elements that drive joints; those that brake
+  /// stay. `move(torque)` gives the velocity to which a torque leads in `h + delay` seconds.
   ///
-  /// @param passive  `port_gain port + gravity` less friction.
+  /// @param passive  torque without cost [N m]: `port_gain` times the contacts', plus gravity, less friction.
   template <std::size_t N, class Move>
   [[nodiscard]] SKINCTL_INLINE T pay(Held<N>& memory, const JointTorque<N, T>& passive,
                                      JointTorque<N, T>& active, const JointVelocity<N, T>& v, const T& h,

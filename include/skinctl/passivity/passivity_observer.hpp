@@ -34,12 +34,12 @@ class PassivityObserver {
   static constexpr bool of_virtual_robot = true;
   struct Settings {
     T start = T(1);        ///< E_0: energy at the start [J], >= 0; 1 J brings 8 kg to 0.5 m/s
-    T max = T(5);          ///< energy beyond this is discarded [J], >= start
+    T max = T(5);          ///< largest energy in the account; more is discarded [J], >= start
     T stiffness = T(3e4);  ///< k_max: stiffest contact, the skin's cover in series [N/m], > 0
     /// Longest lever of each joint to a point that may be touched [m]; the last one applies to all further
     /// joints. Zero: impacts are not considered.
     T reach[8] = {};
-    T reserve = T(0.05);  ///< share of E_0 kept for changes of the push meanwhile, and to creep, 0 to 0.9
+    T reserve = T(0.05);  ///< share of E_0 kept for changes of pushes, and to creep, 0 to 0.9
     T newtons = T(1);     ///< newtons at the cell per newton at the law (one over the scale of w_f)
   };
   template <std::size_t N>
@@ -50,13 +50,13 @@ class PassivityObserver {
       Xyz<T> place = {T(0), T(0), T(0)}, normal = {T(0), T(0), T(0)};
       T force = T(0);     ///< push of the contact [N]
       T expected = T(0);  ///< push predicted for the time at which a present command is carried out [N]
-      T ahead = T(0);     ///< furthest command under way [m]
+      T ahead = T(0);     ///< distance of the furthest command under way into the contact [m]
       T row[N] = {};
     };
     T energy = T(0);
     std::size_t count = 0;
     Felt felt[max_contacts<N>];
-    T under_way = T(0);     ///< furthest command under way for a contact not felt yet [m]
+    T under_way = T(0);     ///< largest distance of a command under way, at the longest levers [m]
     JointPosition<N, T> q;  ///< measured position at the last cycle [rad]
     bool started = false;
   };
@@ -162,7 +162,7 @@ class PassivityObserver {
  private:
   /// Share of the reserve for each impact of an arm with an empty account: 16 of them use it up.
   static constexpr double creeping = 1.0 / 16;
-  static constexpr double outward_by = 1.001;  ///< factor for rounding: what leaves a contact does leave it
+  static constexpr double outward_by = 1.001;  ///< factor on what is taken off a motion into a contact
   static constexpr int rounds = 4;  ///< rounds over all contacts: what leaves one may lead into another one
 
   template <std::size_t N, class Q>

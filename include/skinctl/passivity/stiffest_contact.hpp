@@ -132,12 +132,13 @@ struct StiffestContact {
   }
   [[nodiscard]] double series() const noexcept { return environment<double>().series(); }
   static constexpr double usual_margin = 2;           ///< default of `margin` before a wall: 6 dB
-  static constexpr double usual_margin_of_two = 1.5;  ///< default before walls: such a grip is rare
+  static constexpr double usual_margin_of_two = 1.5;  ///< default of `margin_of_two` before walls
   static constexpr double usual_loss = 0.1;           ///< loss factor of rubber and foam, that of a cover
   static constexpr std::size_t cells_of_patch = 6;    ///< contacts looked at on each patch
-  static constexpr double end_of_link = 1;            ///< contacts at the ends of a link, over its reach
-  static constexpr double on_link = 0.3;              ///< contacts on it, where they bear more
-  static constexpr int even_poses = 4;  ///< of so many poses one is at quarter turns, where normals meet axes
+  static constexpr double end_of_link = 1;            ///< distance of contacts at link's ends, over its reach
+  static constexpr double on_link = 0.3;              ///< distance of contacts on a link, over its reach
+  /// Every fourth pose has its joints at quarter turns, where normals meet axes.
+  static constexpr int quarter_turns_every = 4;
   /// Contacts of a pose that are looked at in pairs, which bear least.
   static constexpr std::size_t pairs = 8;
 
@@ -176,7 +177,7 @@ struct StiffestContact {
         // The poses that are not at quarter turns are spread evenly over the range.
         const double even = lower + (upper - lower) * halton(unsigned(k) + 1, i);
         constexpr double quarter = 0.5 * std::numbers::pi;
-        q[i] = T(k % even_poses == 0 ? quarter * std::round(even / quarter) : even);
+        q[i] = T(k % quarter_turns_every == 0 ? quarter * std::round(even / quarter) : even);
       }
       const auto felt = stability.felt(q);
       MassMatrix<N, double> inertia, friction;

@@ -41,18 +41,18 @@ class CycleThread {
   CycleThread(const CycleThread&) = delete;
   CycleThread& operator=(const CycleThread&) = delete;
 
-  /// For the loop: hands over the start of the scene at `measured`, perhaps told to be elsewhere.
+  /// Hands over, from the loop, the start of the scene at `measured`, perhaps told to be elsewhere.
   template <class... Told>
   void start(const typename Format::State& measured, const Told&... told) noexcept {
     hand_over_.start(measured, told...);
   }
-  /// For the loop: hands over a cycle.
+  /// Hands over a cycle, from the loop.
   template <class Watch>
   void operator()(const typename C::Input& input, const typename C::Output& out,
                   const Watch& watch) noexcept {
     hand_over_(input, out, watch);
   }
-  /// For a simulation that runs faster than its time, never for a robot: waits until there is room.
+  /// Waits until the ring has room: for a simulation that runs faster than its time, never for a robot.
   void wait() const {
     while (hand_over_.used() > 0.5) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

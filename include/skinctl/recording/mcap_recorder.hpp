@@ -31,7 +31,7 @@ class McapRecorder : public CycleConsumer<C> {
     file_.start(begin.measured.time, bytes);
   }
   void cycle(const CycleRecord<C>& r) override { file_.cycle(numbers_(r)); }
-  /// Closes the chunk of a loop that stands, too.
+  /// Called while no cycle comes: closes the chunk after a second, also where the loop stands.
   void pause(std::uint64_t dropped) override { file_.pause(dropped); }
   /// Writes the summary, after the thread's end. False if a message or a cycle was lost on the way; see
   /// `lost`.

@@ -17,7 +17,7 @@ class NumbersOf {
   static constexpr std::size_t joints = C::joints;
   static constexpr std::size_t laws = std::tuple_size_v<decltype(C::Output::shares)>;
 
-  /// Views into this object and into the record.
+  /// The numbers of the cycle `r`: views into this object and into `r`.
   [[nodiscard]] CycleNumbers operator()(const CycleRecord<C>& r) {
     for (std::size_t i = 0; i < joints; ++i) {
       q_[i] = static_cast<double>(r.input.measured.q[i]);

@@ -17,7 +17,7 @@ struct Following {
   T lag_deviation = T(0);             ///< standard deviation of `lag` [s]; infinite without motion
   JointPosition<N, T> gap;            ///< measured minus commanded position of a robot at rest [rad]
   JointPosition<N, T> gap_deviation;  ///< standard deviation of `gap` [rad]
-  T observed = T(0);                  ///< time that counts [s]
+  T observed = T(0);                  ///< total time of the cycles that count [s]
 };
 
 /// Estimates lag and gap of a robot by position or velocity while it works: the line `r = gap - lag u`
@@ -57,7 +57,7 @@ class FollowingMonitor {
   };
 
  public:
-  /// Time constant of forgetting: some motions of an arm.
+  /// Default time constant of forgetting, in which an arm makes several motions.
   static constexpr Nanoseconds default_forgetting = 30s;
   /// Deviation of a lag that is good enough to declare it: a sub-step.
   static constexpr Nanoseconds default_certainty = 2ms;
@@ -169,8 +169,8 @@ class FollowingMonitor {
   }
 
  private:
-  /// Share of the expected speed from which on a joint outside of its dead band follows: one that lags has
-  /// all of it after a while, one that is held has none, with noise.
+  /// Share of the commanded speed from which on a joint outside of its dead band counts as following: one
+  /// that lags has all of it after a while, one that is held has none but noise.
   static constexpr double follows_from = 0.25;
   /// Mean squared speed above the noise of encoders [rad^2/s^2]: 0.03 rad/s, 0.1 mrad in a cycle of 3 ms.
   static constexpr double moving = 1e-3;

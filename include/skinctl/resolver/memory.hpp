@@ -25,14 +25,14 @@ struct VirtualJointsMemory {
   bool displaced = false;     ///< a gap beyond the largest one, which waits for consent
   bool brakes = false;        ///< the robot brakes: a stop, no measurement of the real robot, or displaced
   bool seen = false;          ///< the robot has been measured since the first command
-  bool gap_told = false;      ///< whether g began as the gap to the position that the robot was told last
+  bool gap_told = false;      ///< whether `gap` began as that to the position told to the robot last
   std::uint64_t returns = 0;  ///< bit i: the leash pulls joint i back
   std::uint64_t cut = 0;      ///< bit i: the leash held joint i back since the last measurement
   Nanoseconds time{};         ///< time of the virtual state
-  detail::RunningPosition<N, T> q;  ///< q^, by position the last command [rad]
-  JointVelocity<N, T> rate;         ///< dq^/dt, which is sent [rad/s]
-  JointVelocity<N, T> v;            ///< dq^/dt for laws, without the speed of a return [rad/s]
-  JointAcceleration<N, T> last;     ///< dv/dt of the last sub-step; with limits of jerk at its end [rad/s^2]
+  detail::RunningPosition<N, T> q;  ///< virtual position q^, by position the last command [rad]
+  JointVelocity<N, T> rate;         ///< velocity of q^, which is sent [rad/s]
+  JointVelocity<N, T> v;            ///< velocity that laws read: without the speed of a return [rad/s]
+  JointAcceleration<N, T> last;     ///< acceleration, last sub-step; under jerk limits at its end [rad/s^2]
   State<N, T> measured;             ///< the last good measurement, less the gap and what contacts deflect
   JointPosition<N, T> residual;  ///< r: measured position less the position that the commands brought [rad]
   JointPosition<N, T> gap;       ///< g: distance that the robot moved away from its commands, by itself [rad]

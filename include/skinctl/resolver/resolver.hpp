@@ -9,7 +9,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// In place of a governor's movers: the joints of all groups move within their own limits alone.
+/// Stand-in for a governor's movers where there is none: joints move within their own limits alone.
 struct AllAbrupt {
   static constexpr bool smooth = false;
   template <std::size_t>
@@ -28,7 +28,7 @@ struct Resolved {
   std::array<JointTorque<N, T>, Terms> shares;
   JointTorque<N, T> hold, fallback;
 
-  /// Member by member: GCC would first zero an aggregate of this size, by an instruction that starts slowly.
+  /// Writes each member once: GCC would first zero the aggregate, by an instruction that starts slowly.
   SKINCTL_INLINE Resolved(const JointCommand<N, T>& given, Status found,
                           const std::array<JointTorque<N, T>, Terms>& parts) noexcept
       : command(given.copy()), status(found), shares(parts) {}
@@ -119,7 +119,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
       : Base(model, those<detail::IsStiffGroup>(groups), those<detail::IsDrivenGroup>(groups), passivity,
              tool) {}
 
-  /// For a robot whose joints are one group.
+  /// A resolver of a robot whose joints are one group.
   Resolver(const M& model, const RobotConfiguration<joints, T>& configuration,
            const PassivityParts& passivity = PassivityParts(), const Tool& tool = Tool())
     requires Base::is_one_group

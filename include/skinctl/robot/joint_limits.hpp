@@ -189,7 +189,7 @@ class JointLimits {
                                                         const T& h) const noexcept {
     return move_inlined(room, u0, target, h);
   }
-  /// `move`, where the next state waits for it: through a call its numbers go by memory, twice.
+  /// `move`, inlined, for callers whose next state waits for it: a call passes its numbers by memory, twice.
   [[nodiscard]] SKINCTL_INLINE JointMotion<N, T> move_inlined(const JointRoom<N, T>& room,
                                                               const JointVelocity<N, T>& u0,
                                                               const JointVelocity<N, T>& target,
@@ -255,7 +255,7 @@ class JointLimits {
   const void* robot_ = nullptr;
 };
 
-/// In place of limits of jerk: nothing decides how joints move and brake but their own limits.
+/// Stand-in for jerk limits where there are none: joints move and brake by their own limits alone.
 struct Abrupt {
   template <class Set>
   [[nodiscard]] Abrupt set() const noexcept {

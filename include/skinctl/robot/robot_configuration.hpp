@@ -16,7 +16,8 @@ namespace detail {
 inline constexpr int settled_delays = 5;
 /// Gain of a loop times its delay, where nothing else is asked for: without overshoot up to 1/e, 0.37.
 inline constexpr double gain_times_delay = 0.3;
-/// Motion of a joint at rest over the dead band, which is chosen at five times the noise or more.
+/// Largest motion of a joint that counts as at rest, over its dead band, which is five times the noise or
+/// more.
 inline constexpr double resting_share = 0.2;
 }  // namespace detail
 
@@ -107,8 +108,8 @@ struct RobotConfiguration {
   }
   /// Time by which a robot may be behind its commands: `total_delay()` and the undeclared lag that is borne.
   [[nodiscard]] constexpr Nanoseconds latest() const noexcept { return total_delay() + undeclared_lag; }
-  /// A d (tau + d/2) [rad] with d = delay + period and the lag tau: by what a command that starts or stops at
-  /// its acceleration limit is ahead of a robot that its speed does not show yet.
+  /// Distance [rad] by which a command that starts or stops at its acceleration limit A is ahead of a robot
+  /// whose speed does not show it yet: `A d (tau + d/2)` with d = delay + period and the lag tau.
   [[nodiscard]] JointPosition<N, T> owed_by_acceleration() const noexcept {
     const T d = seconds<T>(delay + period);
     return T(d * (seconds<T>(lag) + T(0.5) * d)) *

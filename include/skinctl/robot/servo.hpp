@@ -24,7 +24,7 @@ struct CommandsUnderWay {
   Nanoseconds now{};            ///< time for which `reached` has been computed
   Nanoseconds span{};           ///< last step of `reached`, for which `decay` is known: most are alike
   T lag = T(0);                 ///< lag for which `decay` is known [s]
-  T decay = T(1);               ///< `exp(-span / lag)`
+  T decay = T(1);               ///< factor `exp(-span / lag)` of a first-order lag
   JointPosition<N, T> reached;  ///< position of the declared robot at `now` [rad], [m]
 };
 
@@ -141,7 +141,7 @@ class DelayLag {
   T lag_;
 };
 
-/// In place of a servo, for joints that take torques: nothing says where they should be.
+/// Stand-in for a servo, for joints that take torques, which have no commanded position.
 struct NoServo {};
 
 namespace detail {

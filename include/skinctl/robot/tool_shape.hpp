@@ -24,7 +24,7 @@ struct ToolTerms {
   T J[Rows][N];                               ///< Jacobian of the tool, base axes
   Matrix mass{typename Matrix::Unset{}};      ///< M_v, the mass matrix of the virtual robot
   Matrix rest{typename Matrix::Unset{}};      ///< M_rest, the part of M_v without effect on the tool
-  Matrix friction{typename Matrix::Unset{}};  ///< J' D J + rest_decay M_rest
+  Matrix friction{typename Matrix::Unset{}};  ///< friction matrix, `J' D J + rest_decay M_rest`
   Matrix implicit{
       typename Matrix::Unset{}};  ///< h times the share of `friction` that acts on the new velocity
   JointTorque<N, T> coriolis;     ///< C_v v, the Coriolis torque of the virtual robot [N m]
@@ -269,8 +269,8 @@ class ToolShape {
   }
 
   Settings s_;
-  Matrix root_;       ///< S, `S S' = Lambda`
-  T a_ = T(0);        ///< ratio at which the joint-space inertia takes over
+  Matrix root_;       ///< root S of the mass, `S S' = Lambda`
+  T a_ = T(0);        ///< mass ratio rho below which the joint-space inertia takes over
   T fastest_ = T(0);  ///< largest decay rate by the friction, of `Lambda^-1 D` [1/s]
 };
 

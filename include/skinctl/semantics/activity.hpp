@@ -80,7 +80,7 @@ concept PlannedActivity = requires {
 
 /// The activities of the library; section 6 of the paper.
 namespace activity {
-struct Look {  ///< looks for an object of this role; answer no: there is none
+struct Look {  ///< looks for an object of the step's role; answer no: there is none
   static constexpr ActivityRule rule{.name = "look", .adds = fact::seen, .timeout = 2s, .retries = 2};
 };
 struct ReachAbove {
@@ -123,7 +123,7 @@ struct Put {  ///< carries the object to a place
   static constexpr ActivityRule rule{
       .name = "put", .word = Activity::put, .needs = fact::in_hand, .adds = fact::there, .timeout = 15s};
 };
-struct Find {  ///< looks for the landmark of this place
+struct Find {  ///< looks for the landmark of the step's place
   static constexpr ActivityRule rule{.name = "find", .adds = fact::marked, .timeout = 2s, .retries = 2};
 };
 struct Carry {  ///< brings the object to where something is done with it
@@ -134,7 +134,7 @@ struct Carry {  ///< brings the object to where something is done with it
                                      .removes = fact::there,
                                      .timeout = 15s};
 };
-struct Use {  ///< moves the tool in hand as is its use
+struct Use {  ///< uses the tool in hand, by the motion of its use
   static constexpr ActivityRule rule{.name = "use",
                                      .word = Activity::use,
                                      .needs = fact::in_hand | fact::carried,

@@ -27,8 +27,8 @@ class Bit {
   /// Trivially copyable; `Memory{}` is down and has seen no sample.
   struct Memory {
     Nanoseconds time{};     ///< time of the newest sample
-    Nanoseconds since{};    ///< time at which the signal crossed the threshold of the present value
-    Nanoseconds crossed{};  ///< while `pending`: time at which the signal crossed the other threshold
+    Nanoseconds since{};    ///< time at which the signal crossed the threshold to the value `on` has
+    Nanoseconds crossed{};  ///< time at which the signal crossed the threshold of a flip that is `pending`
     T value{};              ///< value of the newest sample
     bool on = false;
     bool pending = false;

@@ -21,10 +21,10 @@ struct Example {
   std::uint8_t label = 0;
 };
 
-/// Numbers of the learning.
+/// Settings of the learning of a tree.
 struct TreeSettings {
   double confidence = 0.25;  ///< confidence of the pessimistic pruning; smaller: prunes more
-  std::size_t min_leaf = 0;  ///< examples on each side of a split; 0: max(5, n / 400)
+  std::size_t min_leaf = 0;  ///< fewest examples on a side of a split; 0: max(5, all / 400)
   std::size_t deepest = 24;  ///< largest number of levels; `classify` visits no more nodes
 };
 

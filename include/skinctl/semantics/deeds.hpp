@@ -83,7 +83,7 @@ enum class Refusal : std::uint8_t {
   return i < std::size(texts) ? texts[i] : "";
 }
 
-/// Numbers of the deeds.
+/// Settings of `deeds_of`.
 struct DeedSettings {
   std::uint64_t containers = ~std::uint64_t(0);  ///< bit k: class k < 64 is a landmark of releases
   double reach = 0.15;           ///< greatest distance from the hand of a thing that is taken [m]
@@ -110,7 +110,7 @@ template <Frame W = World>
 struct Deeds {
   std::vector<Episode<W>> episodes;
   Refusal why = Refusal::none;
-  Nanoseconds at{};  ///< instant of what is refused
+  Nanoseconds at{};  ///< time in the demonstration that the refusal is about
 };
 
 namespace detail {
@@ -135,9 +135,9 @@ class DeedReader {
   }
 
  private:
-  static constexpr std::size_t looks = 30;  ///< newest detections of a thing, of which the middle counts
+  static constexpr std::size_t looks = 30;  ///< number of newest detections whose middle is a thing's place
   static constexpr Nanoseconds longest_stand = 500ms;  ///< longest stand that counts, to each side of a deed
-  static constexpr Nanoseconds let_go = 100ms;         ///< time after which a thing lies where it was put
+  static constexpr Nanoseconds let_go_time = 100ms;    ///< time after which a thing lies where it was put
 
   struct Known {
     ObjectPose<W> X_WO{};
@@ -233,7 +233,7 @@ class DeedReader {
     std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
     const Span end = stand(c.span.end - 1);
     out.push_back(deed(Verb::release, thing, time(c.span.end), poses(end)));
-    known_[thing] = {middle(poses(end)) * X_OH.inverse(), time(c.span.end) + let_go, true};
+    known_[thing] = {middle(poses(end)) * X_OH.inverse(), time(c.span.end) + let_go_time, true};
     return out;
   }
   /// Adds the use of a tool: its path in some ball is longer than that of one that passes through.

@@ -55,11 +55,11 @@ struct StepInput {
   Observed seen{};
   SkillReport skill{};
   bool answer = true;   ///< answer of a finished skill that decides something: yes or no
-  bool granted = true;  ///< the place of the step is free for this robot
+  bool granted = true;  ///< whether the place of the step is granted to this robot
   bool resume = false;  ///< a person has looked: begin anew with the step that follows the failure
 };
 
-/// Numbers of an executor.
+/// Settings of an executor.
 struct ExecutorSettings {
   Nanoseconds lost = 50ms;  ///< time without being seen to hold after which a needed fact is lost
   Nanoseconds confirm =
@@ -83,7 +83,7 @@ class Executor {
  public:
   enum class Phase : std::uint8_t { begin, run, confirm, begin_reverse, reverse, ask, finished };
   struct Memory {
-    Nanoseconds since{};       ///< start of the phase
+    Nanoseconds since{};       ///< time at which the present phase began
     Facts facts{};             ///< facts that hold by what has been done
     std::uint32_t unseen = 0;  ///< time at which the needed facts were seen last, from `since` on [us]
     std::uint16_t ticket = 0;  ///< number of the last request

@@ -23,7 +23,7 @@ struct HandSample {
 struct Features {
   Nanoseconds time{};
   Nanoseconds event{};  ///< stamp of the newest change of a bit: when it happened, not when it was decided
-  bool known = false;   ///< the signals are good enough to tell; else the bits mean nothing
+  bool known = false;   ///< whether the signals suffice; if not, the bits mean nothing
   bool moving = false;
   bool in_hand = false;           ///< something is between the fingers
   bool squeezed = false;          ///< the carried object is pressed harder than it was held
@@ -43,7 +43,7 @@ struct Features {
   double elapsed = 0;        ///< time since contact began, or ended [s]; at most 10
 };
 
-/// Numbers of the features.
+/// Settings of a feature extractor.
 struct FeatureSettings {
   SpeedEstimate<>::Settings speed{};
   Bit<>::Settings moving{0.035, 0.025, 10ms, 20ms};  ///< thresholds of the hand's speed [m/s]

@@ -8,13 +8,13 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Numbers of learning.
+/// Settings of `learn`.
 struct LearnSettings {
   DeedSettings deeds{};
   double min_gap = 1.25;     ///< smallest ratio of the stiffnesses that were felt on both sides of a border
   double same_place = 0.15;  ///< distance below which two places in the world are one [m]
-  double closer = 3;         ///< factor by which places lie closer in another frame that is taken
-  double unclear = 1.5;      ///< smaller factor from which on the person is asked for the frame
+  double closer = 3;         ///< least factor by which places spread less in a frame that is preferred
+  double unclear = 1.5;      ///< smallest `closer` at which the person is asked for the frame
   double exact = 0.005;      ///< spread of places below which frames do not differ [m]
 };
 
@@ -34,7 +34,7 @@ template <std::size_t C>
 struct Learnt {
   TaughtTask<C> task{};
   Refusal why = Refusal::none;
-  Nanoseconds at{};               ///< instant of what is refused, in its demonstration
+  Nanoseconds at{};               ///< time in the demonstration that the refusal is about
   std::size_t demonstration = 0;  ///< number of the demonstration that is refused
 };
 

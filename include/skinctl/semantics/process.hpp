@@ -7,7 +7,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// Is no constant expression: the compiler stops, and prints the line with the error.
+/// A function whose call is no constant expression: the compiler stops there, and prints the line.
 inline void wrong(TaskError) noexcept {}
 
 template <std::size_t C>

@@ -40,7 +40,7 @@ class Recogniser {
   struct Memory {
     Recognised said{};
     Nanoseconds decided{};  ///< time at which the word was first said
-    Nanoseconds event{};    ///< newest change of a bit
+    Nanoseconds event{};    ///< stamp of the newest change of a feature's bit
     bool started = false;
   };
 

@@ -16,7 +16,7 @@ SKINCTL_BEGIN_NAMESPACE
 struct PlaceRequest {
   std::uint8_t wants = 255;  ///< place that the robot needs next; 255: none
   std::uint32_t leaves = 0;  ///< bit k: the robot does not need place k any more; it leaves once it is away
-  bool failed = false;  ///< the step failed, or asks: the robot leaves all that it is away from, see `away`
+  bool failed = false;  ///< the step failed or asks a person: places that the robot is away from become free
   std::uint32_t away = ~std::uint32_t(0);  ///< bit k: the robot is away from place k
 };
 
@@ -44,7 +44,7 @@ class Resources {
   };
   struct Grant {
     bool granted = false;     ///< the robot holds the place that it wants, or wants none
-    bool refused = false;     ///< the request is against the order, or there is no such place
+    bool refused = false;     ///< the requested place is lower than one held, or does not exist
     bool overdue = false;     ///< the robot holds a place for too long
     std::uint32_t holds = 0;  ///< bit k: the robot holds place k
   };

@@ -43,7 +43,7 @@ struct Segments {
   double grip = 0;             ///< typical force while something is in hand [N]
   double force_noise = 0;      ///< deviation of the force from sample to sample [N]
   double stands = 0;           ///< largest speed about a change of contact, median of all [m/s]
-  double moves_on = 0;         ///< a hand faster than this moves [m/s]
+  double moves_on = 0;         ///< speed above which a hand moves [m/s]
 };
 
 namespace detail {
@@ -178,8 +178,8 @@ class Cutter {
                                       0.063, 0.1,   0.16,  0.25};  ///< deviations of the Gaussians [s]
   static constexpr double clean = 0.02;  ///< noise, as a share of `fast`, that needs no longer Gaussian
   static constexpr double worth = 0.6;   ///< share of the noise below which a longer Gaussian must bring it
-  static constexpr double surely = 5;    ///< deviations that noise does not reach
-  static constexpr double likely = 3;    ///< deviations that noise reaches once in hundreds of samples
+  static constexpr double surely = 5;    ///< standard deviations that noise does not reach
+  static constexpr double likely = 3;    ///< deviations of noise in one of hundreds of samples
   static constexpr double pressed_from =
       0.3;                                  ///< share of the force's 95 % quantile that tells a thing in hand
   static constexpr double held_from = 0.2;  ///< share of the typical grip at which a contact begins
@@ -187,8 +187,8 @@ class Cutter {
   static constexpr double shortest = 0.06;  ///< shortest contact, squeeze or gap; shorter ones bounce [s]
   static constexpr double about = 0.05;     ///< time about a change of contact in which the hand stands [s]
   static constexpr double moves_from = 0.06;   ///< share of the speed `fast` above which a hand moves
-  static constexpr double moves_to = 0.67;     ///< share of that speed at which it has come to rest
-  static constexpr double beyond = 1.3;        ///< margin over what was seen where nothing was meant
+  static constexpr double moves_to = 0.67;     ///< share of the moving hand's speed bound at which it rests
+  static constexpr double beyond = 1.3;        ///< factor on values seen where no motion or squeeze was meant
   static constexpr double just_beyond = 1.1;   ///< margin over the speed `stands`, to come to rest
   static constexpr double on_way = 0.25;       ///< share of the speed `fast` above which nobody squeezes
   static constexpr double level_sigma = 0.03;  ///< deviation of the Gaussian over a grip [s]

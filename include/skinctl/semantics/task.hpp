@@ -10,14 +10,14 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Targets of a step besides another step.
+/// Values of `Step::done`, `failed` and `no` that name no step.
 inline constexpr std::uint8_t finish = 254;      ///< the task is done
 inline constexpr std::uint8_t ask_person = 253;  ///< a person is asked to look
-inline constexpr std::uint8_t nowhere = 252;     ///< an answer no of this step is a failure
+inline constexpr std::uint8_t nowhere = 252;     ///< the answer no of the step is a failure
 
-/// No place: the step acts where the hand or the object is.
+/// Value of `Step::place` without a place: the step acts where the hand or the object is.
 inline constexpr std::uint8_t no_place = 255;
-/// No border: the answer of the step is its skill's own.
+/// Value of `Step::border` without a border: the step's answer is that of its skill.
 inline constexpr std::uint8_t no_border = 255;
 
 /// One step of a task: an activity with an object's role and a place, and the steps that follow.
@@ -25,8 +25,8 @@ struct Step {
   const ActivityRule* does = nullptr;
   std::uint8_t role = 0;            ///< class of the object that the step is about
   std::uint8_t place = no_place;    ///< number of a `TaughtPlace`, or what the application calls "box", "bin"
-  std::uint8_t done = finish;       ///< next step
-  std::uint8_t failed = 0;          ///< step after a failure and going back: one that needs nothing
+  std::uint8_t done = finish;       ///< next step after success, and where the answer is yes
+  std::uint8_t failed = 0;          ///< step after a failure, once the robot has gone back; it needs no fact
   std::uint8_t no = nowhere;        ///< next step when the answer is no
   std::uint8_t border = no_border;  ///< index of a border; answer yes: the felt stiffness is not below it
   Facts needs{};                    ///< facts that the step needs besides those of the activity
@@ -95,7 +95,7 @@ struct TaskFault {
   [[nodiscard]] constexpr bool any() const noexcept { return error != TaskError::none; }
 };
 
-/// For each of C steps: the facts that are proved to hold when it begins, and those that may hold.
+/// The facts that are proved to hold when each of C steps begins, and those that may hold then.
 template <std::size_t C>
 struct StepFacts {
   std::array<Facts, C> holds{}, may_hold{};

@@ -47,8 +47,8 @@ class Tracks {
   static constexpr std::uint8_t no_trial = 0, trials = 5;
   struct Memory {
     std::array<Track<T>, Capacity> tracks{};
-    Xyz<T> bias{T(0), T(0), T(0)};    ///< offset from where things are seen to where hands find them [m]
-    Xyz<T> failed{T(0), T(0), T(0)};  ///< place at which a take missed a real thing last [m]
+    Xyz<T> bias{T(0), T(0), T(0)};    ///< offset from the places seen to those where hands find things [m]
+    Xyz<T> failed{T(0), T(0), T(0)};  ///< place in the world at which a hand last missed a real thing [m]
     T successes = T(0);               ///< number of takes that succeeded
     T failures = T(0);                ///< number of takes that failed, weighted by the belief that was left
     Nanoseconds time{};               ///< time of the newest picture

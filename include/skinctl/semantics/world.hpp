@@ -22,7 +22,7 @@ using ObjectPose = Transform<W, ObjectFrame>;
 /// The class of an object: a number that the application gives to "orange", "knife", "box".
 using ObjectClass = std::uint8_t;
 
-/// No object.
+/// The number of an object that means: no object.
 inline constexpr std::uint8_t no_object = 255;
 
 /// An object was seen: a pose, the deviation of its position, and the instant at which the picture was taken
@@ -46,7 +46,7 @@ struct Object {
   bool known = false;       ///< the object has a place
 };
 
-/// Numbers of a world of objects.
+/// Settings of a world of objects.
 struct ObjectWorldSettings {
   double wander = 0.002;      ///< random walk of objects that nobody holds [m/sqrt(s)]
   double max_deviations = 4;  ///< number of deviations, along any axis, beyond which a detection is a miss

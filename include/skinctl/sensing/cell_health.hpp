@@ -68,7 +68,7 @@ class CellHealth {
     std::array<std::uint16_t, rows> suspect{};  ///< cells whose messages repeat
     std::array<std::uint16_t, rows> fresh{};    ///< cells with a sample since the last frame
     std::array<std::uint16_t, rows> at_top{};   ///< cells with a force sensor at its top
-    std::array<std::uint16_t, rows> jumped{};   ///< cells whose force has jumped since this was cleared
+    std::array<std::uint16_t, rows> jumped{};   ///< cells whose force has jumped since life was looked for
     Nanoseconds time = Nanoseconds::min();      ///< end of the last frame
     friend bool operator==(const Memory& a, const Memory& b) noexcept {
       return a.time == b.time && a.record == b.record && a.suspect == b.suspect && a.fresh == b.fresh &&

@@ -36,7 +36,7 @@ class ClockOffset {
     Nanoseconds min_delay =
         0ns;  ///< the time that the fastest message takes; what is not declared stays in the stamps
     Nanoseconds gather = 100ms;  ///< time by either clock for which messages are heard before the first stamp
-    Nanoseconds ahead = 1ms, overtaken = 20ms, late = 5ms;  ///< see the class
+    Nanoseconds ahead = 1ms, overtaken = 20ms, late = 5ms;  ///< times by which leaps are told, see the class
   };
   static constexpr std::size_t window = 30;  ///< number of seconds of the window
   static constexpr double max_rate = 200e-6, slew = 500e-6;
@@ -50,7 +50,7 @@ class ClockOffset {
   };
 
   struct Point {
-    Nanoseconds sent{}, difference{};  ///< `arrived - sent`
+    Nanoseconds sent{}, difference{};  ///< sender's time of a message, and `arrived - sent`
   };
   /// A piece of the map from the sender's time to the robot's, from the sender's time `at` on: to add are
   /// `offset + rate t + error`, t since `at`, with an error that goes to 0 at `slew`.
@@ -63,8 +63,8 @@ class ClockOffset {
     std::array<Point, window + 1> points{};  ///< fastest message of each second, the newest last
     std::size_t count = 0;
     std::size_t messages = 0;       ///< messages in the present second
-    std::array<Piece, 4> pieces{};  ///< the newest first
-    std::size_t pieces_count = 0;   ///< 0: no stamps yet
+    std::array<Piece, 4> pieces{};  ///< pieces of the map, the newest first
+    std::size_t pieces_count = 0;   ///< number of pieces; 0: no stamps yet
     Nanoseconds began{};            ///< beginning of the present second
     Nanoseconds first_arrived{};    ///< robot's time when the first message since the start or a leap arrived
     Nanoseconds newest{};           ///< time at which the newest message was sent

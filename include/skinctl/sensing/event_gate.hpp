@@ -52,7 +52,7 @@ class EventGate {
   [[nodiscard]] constexpr T closes_below() const noexcept { return closes_below_; }
   [[nodiscard]] constexpr T subtract() const noexcept { return subtract_; }
 
-  /// This gate for integer readings in steps of `unit`; thresholds are rounded to the nearest step.
+  /// The same gate for integer readings in steps of `unit`; thresholds are rounded to the nearest step.
   [[nodiscard]] EventGate<std::int32_t> counted(double unit) const {
     require(unit > 0, "EventGate: unit", unit, "> 0");
     const auto steps = [unit](T x) {

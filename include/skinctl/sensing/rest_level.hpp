@@ -13,22 +13,22 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Times of a rest level; r and kappa: see `RestLevel`. The defaults are for capacitive skins at room
-/// temperature.
+/// Times of a rest level: see `RestLevel`, whose kappa says what is near. The defaults are for capacitive
+/// skins at room temperature.
 struct RestSettings {
   Nanoseconds smooth = 100ms;       ///< time constant of the smoothed reading
-  Nanoseconds follow = 20s;         ///< time constant of the rest level where |r| <= kappa
-  Nanoseconds fall = 500ms;         ///< time constant of the rest level after r < -kappa for `low_for`
-  Nanoseconds low_for = 500ms;      ///< time below -kappa that says: a wrong rest level, as nothing pulls
-  Nanoseconds quiet_for = 1s;       ///< time of r below kappa/2 until a cell is frozen no more
-  Nanoseconds fast_within = 600ms;  ///< time from freezing to half the threshold that says: rather a touch
+  Nanoseconds follow = 20s;         ///< time constant of the rest level while the reading is near it
+  Nanoseconds fall = 500ms;         ///< time constant of a rest level that was too high for `low_for`
+  Nanoseconds low_for = 500ms;      ///< time of readings below the rest level that shows it to be wrong
+  Nanoseconds quiet_for = 1s;       ///< time of readings near the rest level until a cell is frozen no more
+  Nanoseconds fast_within = 600ms;  ///< longest rise to half of the threshold that speaks for a touch
   Nanoseconds release = 5s;         ///< time constant of the rest level of a frozen cell that drifts
   Nanoseconds weigh = 2s;           ///< time constant of the evidence
-  Nanoseconds ramp = 6ms;           ///< longest duration of a change of reading before its sample
-  Nanoseconds longest = 1s;         ///< longest gap between two readings; a longer one counts as this
+  Nanoseconds ramp = 6ms;           ///< longest time before a sample in which its change of reading happened
+  Nanoseconds longest = 1s;         ///< longest time between two readings; longer ones count as it
 };
 
-/// Levels of one cell, in steps of its sensor.
+/// Distances from the rest level of a cell that count as drift and as touch, in steps of its sensor.
 struct RestLevels {
   float freeze = 1;  ///< kappa: largest distance from the rest level that is drift [steps]
   float touch = 80;  ///< distance from the rest level from which on it is a touch [steps]

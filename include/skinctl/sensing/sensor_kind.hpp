@@ -144,7 +144,7 @@ struct KindTable {
   static constexpr bool is_pressure(std::size_t c) {
     return Kind::channels[c].use == ChannelUse::contact && !has_cone(c);
   }
-  /// Number of the first `of` channels of which `is` holds.
+  /// Number of channels among the first `of` for which `is` is true.
   static constexpr std::size_t count(bool (*is)(std::size_t), std::size_t of) {
     std::size_t n = 0;
     for (std::size_t c = 0; c < of; ++c) n += is(c) ? 1u : 0u;
@@ -168,7 +168,7 @@ struct KindTable {
         most = Kind::readings[r].max;
     return most;
   }
-  /// Number of each channel's unit wrench, in the order of first use: channels that act along one line share
+  /// Index of each channel's unit wrench, in the order of first use: channels that act along one line share
   /// one.
   static constexpr std::array<std::size_t, pushing> line = [] {
     std::array<std::size_t, pushing> out{};

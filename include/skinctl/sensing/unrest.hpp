@@ -23,7 +23,7 @@ class Unrest {
   static constexpr std::size_t sensors = static_cast<std::size_t>(std::popcount(Table::pressed_readings));
 
  public:
-  static constexpr std::uint16_t most = 65534;  ///< largest value of both numbers; above it stands `unsaid`
+  static constexpr std::uint16_t most = 65534;  ///< largest value of `measured` and `unrest`, below `unsaid`
   /// The memory of one cell; `Memory{}` has measured nothing.
   struct Memory {
     std::array<float, sensors> last{};  ///< raw readings [steps]
@@ -52,7 +52,7 @@ class Unrest {
     }
     m.differences += m.any ? 1u : 0u, ++m.measured, m.any = true;
   }
-  /// Writes both numbers into a sample that is sent, and begins anew.
+  /// Writes `measured` and `unrest` into a sample that is sent, and begins anew.
   void tell(Memory& m, SampleOf<Kind>& s) const noexcept {
     s.measured = static_cast<std::uint16_t>(std::min<std::uint32_t>(m.measured, most));
     const float mean = 256 * m.sum / static_cast<float>(sensors * std::max(m.differences, 1u));
@@ -71,7 +71,7 @@ struct Stillness {
   static constexpr double min_sigma = double(0.3f);  ///< largest noise of sensors that may stand [steps]
   std::uint16_t measurements = 0;
 
-  /// Whether a sample says both numbers.
+  /// Whether a sample says its `measured` and `unrest`.
   template <class Sample>
   [[nodiscard]] static constexpr bool said(const Sample& s) noexcept {
     return s.measured != unsaid && s.unrest != unsaid;

@@ -27,7 +27,7 @@ class OneGripper {
   struct Memory {
     GripperCommand command{};
     GripperState state{};
-    Nanoseconds goal_time{};  ///< time at which the newest goal was first there
+    Nanoseconds goal_time{};  ///< time of the first cycle with the newest goal
     bool answered = false;    ///< the state is newer than the goal
     bool dated = false;       ///< `goal_time` is known
   };
@@ -61,7 +61,7 @@ class OneGripper {
   [[nodiscard]] static const GripperCommand& command(const Memory& m) noexcept { return m.command; }
   /// Whether something is between the fingers.
   [[nodiscard]] static bool holds(const Memory& m) noexcept { return m.answered && m.state.holding; }
-  /// Whether the fingers have stopped, for this goal.
+  /// Whether the fingers have stopped at the newest goal, or at an object on the way to it.
   [[nodiscard]] static bool stands(const Memory& m) noexcept {
     return m.answered && !m.state.moving && m.state.error == GripperError::none;
   }

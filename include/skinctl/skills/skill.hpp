@@ -16,7 +16,7 @@ struct SkillSwitches {
   std::uint32_t which = 0;
   std::uint32_t on = 0;
 
-  /// These switches, overwritten by `next` in the bits that it selects.
+  /// A copy of these switches in which the bits that `next` selects have its values.
   [[nodiscard]] constexpr SkillSwitches then(const SkillSwitches& next) const noexcept {
     return {which | next.which, (on & ~next.which) | (next.on & next.which)};
   }
@@ -44,7 +44,7 @@ enum class SkillFinish : unsigned char {
   opened,    ///< the gripper has stopped at its goal, or at an object
   switched,  ///< the switches are reported in their new positions; without reports after `hold`
   touched,   ///< a contact that meets `touch` presses
-  released,  ///< such a contact has pressed since the skill began to run, and none does any more
+  released,  ///< a contact that meets `touch` has pressed while the skill ran, and none does now
   elapsed    ///< `hold` has passed
 };
 
@@ -55,7 +55,7 @@ struct TouchCondition {
   double force = 0;     ///< smallest push of the contact [N]
   Nanoseconds lasts{};  ///< shortest time that one contact is felt
 
-  /// Whether one of `contacts` is such a contact at `now`.
+  /// Whether one of `contacts` meets this condition at `now`.
   template <class Contacts>
   [[nodiscard]] constexpr bool holds(const Contacts& contacts, Nanoseconds now) const noexcept {
     for (const auto& c : contacts)
@@ -82,15 +82,15 @@ struct GoalTolerance {
 
 /// Conditions under which a skill may start, is finished, or has failed.
 struct SkillConditions {
-  bool untouched = false;  ///< starts only while nothing touches the robot
-  SkillSwitches needs{};   ///< starts only with these values, as reported or else as last commanded
+  bool untouched = false;  ///< whether the skill starts only while nothing touches the robot
+  SkillSwitches needs{};   ///< switch values required to start, as reported or else as last commanded
   SkillFinish finish = SkillFinish::never;
   Nanoseconds hold = 100ms;   ///< time for which the finish condition must hold
   TouchCondition touch{};     ///< contact that `touched` and `released` wait for
   double still = 0.01;        ///< settled: largest speed of any joint and of its reference [rad/s]
-  Nanoseconds timeout{};      ///< fails if it is not finished after this; 0: never
+  Nanoseconds timeout{};      ///< time after which a skill that is not finished fails; 0: never
   GoalTolerance tolerance{};  ///< tolerance of `settled`, unless a request has its own
-  double max_touch = 0;       ///< fails if the skin's joint torque exceeds this norm [N m]; 0: never
+  double max_touch = 0;       ///< norm of the skin's joint torque above which the skill fails [N m]; 0: never
 };
 
 /// A skill as the loop reads it, for a sum of `Terms` controllers.
@@ -100,11 +100,11 @@ struct Skill {
   std::array<double, Terms> weights{};      ///< weights in the sum; 0: not loaded
   std::array<std::uint8_t, Terms> order{};  ///< indices of its controllers, in the order in which they load
   std::uint8_t controllers = 0;             ///< number of controllers
-  std::uint8_t next = 0;     ///< index of the next skill when this one is finished; its own: none
+  std::uint8_t next = 0;     ///< index of the skill that follows when it is finished; its own index: none
   SkillSwitches switches{};  ///< switches that are set when the skill starts
   SkillConditions conditions{};
-  bool grips = false;  ///< the gripper gets a goal when the skill starts
-  GripperGoal grip{};  ///< this goal of the gripper, unless a request has its own
+  bool grips = false;  ///< whether the gripper gets a goal when the skill starts
+  GripperGoal grip{};  ///< goal of the gripper if `grips`, unless a request has its own
 };
 
 /// The effect of a change of skill on the controllers, in this order: new ones load as the new recipe lists

@@ -36,7 +36,7 @@ class LinkEnd {
  public:
   enum class Port : std::uint8_t { same, went_up, went_down, restarted };
   struct Result {
-    Port port = Port::same;  ///< `restarted`: down and up again
+    Port port = Port::same;  ///< change of the link; `restarted`: down and up again
     std::optional<LinkFrame> send{};
     std::optional<CellMessage> received{};
     bool free = false;  ///< whether a further message may be sent

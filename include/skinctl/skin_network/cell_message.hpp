@@ -17,9 +17,9 @@ SKINCTL_BEGIN_NAMESPACE
 struct CellNet {
   static constexpr int ports = 4;
   static constexpr std::uint16_t highest_id = 16382;
-  /// Epochs of healthy cells stay below: at one each 5 ms for 124 days.
+  /// Bound of the epochs of healthy cells, which at one each 5 ms reach it after 124 days.
   static constexpr std::uint32_t last_epoch = 0x7fffffff;
-  /// A neighbour that is further ahead than this is broken: a day of epochs without pause.
+  /// Largest lead of a neighbour's epoch, a day of epochs without pause; one further ahead is broken.
   static constexpr std::uint32_t leap = 1u << 24;
 };
 
@@ -27,7 +27,7 @@ struct CellNet {
 struct CellMessage {
   enum class Kind : std::uint8_t {
     explore,  ///< invites to the tree of `epoch`: a = hops of the receiver, forget = it drops its id
-    echo,     ///< from the sender down: a = cells, b = of these without an id, neighbours[0] = highest id
+    echo,     ///< of the sender's subtree: a = cells, b = cells without an id, neighbours[0] = highest id
     changed,  ///< the network is no longer that of `epoch`
     assign,   ///< a = label of the receiver, b = first id that it may give
     name,     ///< of the sender: a = id, b = its port on this link

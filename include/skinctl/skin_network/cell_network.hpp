@@ -19,20 +19,20 @@ struct CellMemory {
   std::uint32_t epoch = 0;  ///< epoch of the tree that the cell belongs to; 0: none since it was switched on
   std::uint32_t changed = 0;  ///< one more than the last epoch whose end the cell passed on
   std::uint16_t hops = 0;
-  std::uint16_t count = 0;  ///< cells from here down; 0: not all have answered yet
-  std::uint16_t fresh = 0;  ///< cells from here down without an id
+  std::uint16_t count = 0;  ///< cells of its subtree, itself included; 0: not all have answered
+  std::uint16_t fresh = 0;  ///< cells of its subtree without an id
   std::uint16_t id = 0;     ///< id of the cell, kept over epochs
   std::uint16_t label = 0;
   std::array<Span, CellNet::ports> spans{};                ///< counts and labels of the children, by port
   std::array<std::uint16_t, CellNet::ports> neighbours{};  ///< neighbour at each port: id << 2 | its port
-  std::uint16_t highest = 0;                               ///< largest id from here down
+  std::uint16_t highest = 0;                               ///< largest id in its subtree
   std::uint8_t parent = nobody;
   std::uint8_t live = 0, waiting = 0, children = 0, named = 0;  ///< sets of ports, bit p: port p
   std::uint8_t reported = 0;
   std::array<std::uint8_t, 2> spare{};  ///< no padding: `check_word` is over all bytes
 };
 
-/// An event at a cell.
+/// An event at a cell: a message at a port, or a port that went up or down.
 struct CellEvent {
   enum class Kind : std::uint8_t { received, port_up, port_down };
   Kind kind = Kind::received;

@@ -34,7 +34,7 @@ class NetworkRoot {
   };
   enum class State {
     no_port,    ///< no port is up
-    exploring,  ///< the echoes are not all there
+    exploring,  ///< echoes of some ports have not arrived yet
     reporting,  ///< ids are given, reports come in
     organised,  ///< every cell has reported
     too_many,   ///< more cells than ids: a cell lies, or the skin needs several PCs

@@ -14,17 +14,17 @@ SKINCTL_BEGIN_NAMESPACE
 /// Cells in one piece, and the connectors between them.
 struct PatchGraph {
   struct Joint {
-    std::size_t a = 0, b = 0;             ///< indices in `ids`
-    std::uint8_t port_a = 0, port_b = 0;  ///< 0 to 3
+    std::size_t a = 0, b = 0;             ///< joined cells, as indices in `ids`
+    std::uint8_t port_a = 0, port_b = 0;  ///< ports of both cells, 0 to 3
     friend bool operator==(const Joint&, const Joint&) = default;
   };
-  std::vector<std::uint16_t> ids;  ///< the root cell first, then by their distance from it
+  std::vector<std::uint16_t> ids;  ///< ids of the cells: the root first, then by distance from it
   std::vector<Joint>
-      joints;  ///< each once; the first `ids.size() - 1` reach all cells from the root, in the order of `ids`
+      joints;  ///< connectors, each once; the first `ids.size() - 1` reach all cells from the root, by `ids`
 };
 
 struct SkinGraph {
-  std::vector<PatchGraph> patches;      ///< the largest first
+  std::vector<PatchGraph> patches;      ///< patches of the skin, the largest first
   std::vector<std::string> complaints;  ///< contradictions in the reports, and their consequences
 };
 

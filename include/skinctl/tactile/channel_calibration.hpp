@@ -17,8 +17,8 @@ SKINCTL_BEGIN_NAMESPACE
 template <SensorKind Kind>
 struct ChannelCalibration {
   static constexpr std::size_t rows = KindTable<Kind>::pushing, columns = KindTable<Kind>::readings;
-  std::array<std::array<float, columns>, rows> A{};  ///< unit of the channel per unit of the reading
-  std::array<float, rows> b{};                       ///< unit of the channel
+  std::array<std::array<float, columns>, rows> A{};  ///< factors, channel's unit per reading's
+  std::array<float, rows> b{};                       ///< offset of each channel's amount, in its unit
 
   /// The calibration that gives the sums of readings that the kind states.
   [[nodiscard]] static constexpr ChannelCalibration identity() noexcept {

@@ -30,7 +30,7 @@ class FillIn {
   static constexpr double unit = 1.0 / (1 << 24);
   static constexpr std::size_t max_around = 24;  ///< maximum number of cells around one: the nearest
 
-  /// No cell is filled in.
+  /// A filling-in of no cell, for skins without masks.
   FillIn() = default;
   /// A cell is filled in with the mean of its neighbours.
   SKINCTL_COLD explicit FillIn(const CellGraph& graph) : graph_(graph) {

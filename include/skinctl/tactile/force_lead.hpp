@@ -11,7 +11,7 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// `touch + factor change`, for two touches of one type.
+/// The touch `touch + factor * change`, number by number, of two touches of one type.
 template <Topology M, LinkMask Skinned, Scalar T>
 [[nodiscard]] SKINCTL_INLINE constexpr LinkWrenches<M, Skinned, T> led_by(
     const LinkWrenches<M, Skinned, T>& touch, const T& factor,

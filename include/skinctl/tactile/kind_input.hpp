@@ -17,7 +17,7 @@ SKINCTL_BEGIN_NAMESPACE
 /// The samples of a cell are in the order of their stamps.
 template <SensorKind Kind>
 struct KindInput {
-  SampleSpan<SensorSample<Kind>> taxels;  ///< arrived since the last cycle
+  SampleSpan<SensorSample<Kind>> taxels;  ///< samples that arrived since the last cycle
 };
 template <SensorKind Kind>
 [[nodiscard]] auto& taxels_of(KindInput<Kind>& sensed) noexcept {
@@ -38,12 +38,12 @@ struct TaxelStore<KindInput<Kind>> {
   static constexpr std::uint32_t fingerprint = KindTable<Kind>::fingerprint();
   std::vector<SensorSample<Kind>> kept;
 
-  /// Calls `f(samples, kept)` for each kind.
+  /// Calls `f(samples, kept)` for each kind: its samples in the input, and the vector that stores them.
   template <class F>
   void each(KindInput<Kind>& sensed, F&& f) {
     f(sensed.taxels, kept);
   }
-  /// Calls `f(samples)` for each kind.
+  /// Calls `f(samples)` for each kind, with its samples in the input.
   template <class F>
   static void look(const KindInput<Kind>& sensed, F&& f) noexcept {
     f(sensed.taxels);

@@ -53,7 +53,7 @@ class MomentumObserver {
     bool started = false;
     Nanoseconds stamp{};                ///< stamp of the last sample
     JointMomentum<joints, T> momentum;  ///< generalised momentum at `stamp`
-    JointTorque<joints, T> drive;       ///< b at `stamp` [N m], without the motors' torque where it is a mean
+    JointTorque<joints, T> drive;       ///< torque b at `stamp` [N m], less the motors' where it is a mean
     JointTorque<joints, T> residual;    ///< r, the residual [N m]
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };

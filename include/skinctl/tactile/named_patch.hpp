@@ -14,7 +14,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <FrameName Name>
 struct NamedCell {
   std::uint32_t id = 0;
-  Transform<NamedFrame<Name>, Cell> X_NC;  ///< z is the outward normal
+  Transform<NamedFrame<Name>, Cell> X_NC;  ///< pose of the cell in the named link; z is the outward normal
 };
 
 namespace detail {

@@ -15,8 +15,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// Gains of the readings, eq. (5). The force on a cell is `-(force * (f1 + f2 + f3) + proximity * p) z`:
 /// along the inward normal for all readings, because both gains are positive or 0.
 struct CellGains {
-  double force = 10;     ///< w_f [N] per unit of the sum of the three force readings
-  double proximity = 0;  ///< w_p [N] per unit of proximity
+  double force = 10;     ///< gain w_f [N] per unit of the sum of the three force readings
+  double proximity = 0;  ///< gain w_p [N] per unit of the proximity reading
 };
 
 /// Gains of the channels of a kind of sensor, in its order [N per unit of the channel's amount].
@@ -36,7 +36,7 @@ using GainsOf = std::conditional_t<std::is_same_v<Kind, Hexagon>, CellGains, Cha
 template <std::size_t Ix>
 struct PlacedCell {
   std::uint32_t id = 0;
-  Transform<Link<Ix>, Cell> X_LC;  ///< z is the outward normal
+  Transform<Link<Ix>, Cell> X_LC;  ///< pose of the cell on the link; z is the outward normal
 };
 
 namespace detail {

@@ -47,7 +47,7 @@ class PushWatch {
     std::array<std::array<double, Sizes>, span + 1> past{};  ///< the last means of 80 ms
     std::uint32_t slot = 0;                                  ///< index of the newest mean in `past`
     std::uint32_t pushing = 0;                               ///< number of 80 ms means since the push began
-    std::uint16_t pressed = 0;                               ///< bit k: size k pushes
+    std::uint16_t pressed = 0;                               ///< bit k: the gate of size k is open
     bool alive = false, quiet = false;
     std::uint32_t tares = 0;  ///< number of quiet pushes that became the reading of rest
     double way = 0;           ///< distance by which the arm has given way to the push without life [m]
@@ -149,7 +149,7 @@ class PushWatch {
  private:
   static constexpr double still = 0.5;      ///< time at rest before a tare [s]
   static constexpr double resting = 0.005;  ///< speed of a joint below which it rests [rad/s]
-  static constexpr double longest = 1;      ///< pause of states beyond which a way says nothing [s]
+  static constexpr double longest = 1;      ///< longest time between states over which motion is counted [s]
   static constexpr double slow_down = 10;   ///< times that the slow windows are longer than the fast ones
   static constexpr Nanoseconds slow_period = 79ms;  ///< 80 ms, less than the stamps of a cycle may jitter
   static constexpr double found = 0.9;              ///< share of `way` from which on a push is quiet

@@ -20,7 +20,7 @@ struct SkinContact : PressedArea<T> {
   std::uint32_t id = 0;       ///< identity of the contact while it lasts, from 1, unique in the skin
   std::size_t cells = 0;      ///< number of cells
   std::size_t strongest = 0;  ///< index of the cell with the largest push
-  RegionMask regions = 0;     ///< regions with a cell in this contact
+  RegionMask regions = 0;     ///< regions with a cell in the contact
   T peak = T(0);              ///< push on the strongest cell [N]
   T area = T(0);              ///< surface of the pressed cells [m^2]
   /// Outward unit vector along the link's axes: against the force; of the strongest cell if grasped around.

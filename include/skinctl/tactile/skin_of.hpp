@@ -17,7 +17,7 @@ using SomeLink = detail::AnyLink;
 template <SensorKind Kind = Hexagon>
 struct ChannelCell {
   std::uint32_t id = 0;
-  Transform<SomeLink, Cell> X_LC;        ///< z is the outward normal
+  Transform<SomeLink, Cell> X_LC;        ///< pose of the cell on its link; z is the outward normal
   std::optional<GainsOf<Kind>> gains{};  ///< gains of the cell; none: those of its patch
   /// Gate of each channel that pushes, in its order: of a hexagon the sum of its forces, and its proximity.
   /// None: the gate of the skin's settings.

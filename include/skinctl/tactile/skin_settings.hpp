@@ -11,7 +11,7 @@
 SKINCTL_BEGIN_NAMESPACE
 
 namespace detail {
-/// Throws `ConfigurationError` unless the times of a skin go together.
+/// Throws `ConfigurationError` unless the times `s` of a skin are as `SkinSettings::check` says.
 template <class Settings>
 SKINCTL_COLD void check_times(const Settings& s) {
   require(s.fade > 0ns, "SkinSettings: fade", milliseconds(s.fade), "> 0 ms");
@@ -29,9 +29,9 @@ struct SkinSettings {
   EventGate<> proximity = EventGate<>::dead_band(0.05);  ///< gate of the proximity reading
   Nanoseconds max_age = 250ms;  ///< age of the last sample from which a cell does not push
   Nanoseconds fade = 50ms;      ///< last part of `max_age`, in which the force goes linearly to 0
-  Nanoseconds ramp = 6ms;       ///< longest duration of a change of reading before its sample
-  Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
-  Nanoseconds max_ahead = 2ms;  ///< time after the interval up to which a stamp counts as its end
+  Nanoseconds ramp = 6ms;       ///< longest time before a sample in which its change of reading happened
+  Nanoseconds catch_up = 20ms;  ///< time before an interval up to which missing impulse is made up
+  Nanoseconds max_ahead = 2ms;  ///< largest time by which a stamp may be later than the interval
 
   /// Throws `ConfigurationError` unless `fade` and `ramp` > 0, `max_age >= fade`, and the others >= 0.
   void check() const { detail::check_times(*this); }

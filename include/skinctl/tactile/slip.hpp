@@ -49,18 +49,18 @@ class Slip {
   struct Memory {
     Xyz<T> force = {T(0), T(0), T(0)};                  ///< low-passed force [N]
     T normal = T(0), shear = T(0);                      ///< normal and tangential part of `force` [N]
-    T unrest = T(0);                                    ///< u^2 [N^2]
-    T peak = T(0), peak_demand = T(0), highest = T(0);  ///< P [N], D, H
+    T unrest = T(0);                                    ///< u^2, mean square of `peak` less `shear` [N^2]
+    T peak = T(0), peak_demand = T(0), highest = T(0);  ///< peaks of shear [N], demand; highest demand
     T friction = T(0);                                  ///< learnt mu; 0: that of the settings
-    T from = T(0), pressed = T(0), before = T(0);       ///< shear, normal force, friction before the slip
+    T from = T(0), pressed = T(0), before = T(0);       ///< shear [N], normal force [N] and mu before a slip
     T slide = T(0);                                     ///< shear at `pressed` while it slid [N]
     T since = T(1e9);                                   ///< time since the last drop [s]
-    bool touches = false, slipped = false;  ///< slipped: the friction of this contact has been told
+    bool touches = false, slipped = false;              ///< a contact is there; its friction was found
   };
   /// Slip of a contact; without one zeros and a margin of 1.
   struct Result {
     bool slipping = false;
-    T demand = T(0);  ///< |f_t| / f_n
+    T demand = T(0);  ///< demand of friction, |f_t| / f_n
     T margin = T(1);  ///< 1 - demand / mu: 1 unloaded, 0 at what friction holds, negative beyond
     T hold = T(0);    ///< normal force that holds, with its reserve [N]
   };

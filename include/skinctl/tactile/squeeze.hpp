@@ -19,14 +19,14 @@ template <Real T = double>
 class Squeeze {
  public:
   struct Settings {
-    T from = T(0.5), to = T(4);    ///< range of forces [N]
+    T from = T(0.5), to = T(4);    ///< range of the forces that count [N]
     T finger_stiffness = T(5000);  ///< stiffness of skin and fingers in series, > 0 [N/m]
     T swing = T(0.5);              ///< fall of the force that begins anew [N]
     T min_span = T(1.5);           ///< smallest range of forces from which a result is given [N]
   };
   /// Sums over the points of the present squeeze. Trivially copyable; `Memory{}` has seen none.
   struct Memory {
-    T count = T(0), force = T(0), closing = T(0);  ///< number, and means [N], [m]
+    T count = T(0), force = T(0), closing = T(0);  ///< number of points; means of force [N], closing [m]
     T square = T(0), product = T(0);               ///< sums of deviations: force^2, force times closing
     T low = T(0), high = T(0);                     ///< least and largest force [N]
   };

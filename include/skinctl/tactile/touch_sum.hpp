@@ -157,7 +157,7 @@ class TouchSources : public detail::ApartOfSum<A, B>,
     First::follow_robot(a_, memory.first, model, state);
     Second::follow_robot(b_, memory.second, model, state);
   }
-  /// For `receive`: samples of cells go to the sources that have cells; one that neither knows is reported.
+  /// Takes the input: samples of cells go to sources that have cells; one that neither knows is reported.
   template <class Given, class Means>
   Status take(Memory& memory, const Given& in, Means* means) const noexcept {
     SKINCTL_EXPECTS(in.parts <= max_parts, "at most 16 parts of an interval");

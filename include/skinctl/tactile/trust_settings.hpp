@@ -26,13 +26,13 @@ struct TrustSettings {
   Nanoseconds seen_for = 25ms;   ///< time of a proximity above 0.1, without a jump, that makes a witness
   double answer = 0.1;           ///< share of a cell's force that a neighbour has to feel to be its witness
   double other_proximity = 0.3;  ///< proximity of a neighbour from which on it is a witness
-  double explained = 0.05;       ///< largest share of a cell that cross-talk leaves unexplained
-  double explained_far = 0.25;   ///< `explained` of a cell whose own proximity is below 0.05
+  double explained = 0.05;       ///< largest share of a cell's changes that its cross-talk leaves unexplained
+  double explained_far = 0.25;   ///< value of `explained` for a cell whose own proximity is below 0.05
   CellHealthSettings health;
   LifeSettings life;
   RestSettings rest;
   double spread = 0.07;     ///< share of a push on the middle of a cell that each neighbour feels
-  bool find_faults = true;  ///< false: no cell is masked
+  bool find_faults = true;  ///< whether faults are found; false: no cell is masked
   bool follow_rest = true;  ///< false: readings have no drift, their rest levels stay those of `noise`
 
   /// Throws `ConfigurationError` for a number out of its range, and for lists that do not have one entry or

@@ -62,7 +62,7 @@ class WeightedSkin : public WrappedTouch<WeightedSkin<S>, S, WeightInput<S::Wren
       : Base(skin), rate_(1 / seconds<double>(ramp)) {
     require(ramp >= 1ms && ramp <= 100s, "WeightedSkin: ramp", milliseconds(ramp), "1 to 1e5 ms");
   }
-  /// The index of link `i` among the weights.
+  /// The index of link `i` in `PatchWeights::force` and `proximity`.
   [[nodiscard]] static constexpr std::size_t slot(std::size_t i) noexcept { return Wrenches::slot(i); }
 
   /// See `S::receive`. In each part of the interval a weight has the value of the part's middle.

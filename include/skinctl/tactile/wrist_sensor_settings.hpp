@@ -34,9 +34,9 @@ struct WristSensorSettings {
   LifeSettings life = {};       ///< pushes without life; its `mass`: that of the arm as felt at the tool
   Nanoseconds max_age = 50ms;   ///< age of the last sample from which the sensor does not push
   Nanoseconds fade = 25ms;      ///< last part of `max_age`, in which the wrench goes linearly to 0
-  Nanoseconds ramp = 20ms;      ///< longest duration of a change before its sample
-  Nanoseconds catch_up = 20ms;  ///< missing impulse before an interval is added up to this time back
-  Nanoseconds max_ahead = 2ms;  ///< time after the interval up to which a stamp counts as its end
+  Nanoseconds ramp = 20ms;      ///< longest time before a sample in which its change happened
+  Nanoseconds catch_up = 20ms;  ///< time before an interval up to which missing impulse is made up
+  Nanoseconds max_ahead = 2ms;  ///< largest time by which a stamp may be later than the interval
 };
 
 SKINCTL_END_NAMESPACE

@@ -15,7 +15,7 @@ class NoisyCell {
   struct Settings {
     double rest = 0.012, sigma = 0.001;  ///< mean and standard deviation of the reading
     double step = 1.0 / 1024;            ///< step to which the reading is rounded
-    double tail = 0, tail_sigma = 3;     ///< share of samples that have so many times sigma
+    double tail = 0, tail_sigma = 3;     ///< share of samples with a larger noise, and its sigma over `sigma`
     double drift = 0;                    ///< drift of the reading [1/s]
   };
   NoisyCell(const Settings& settings, std::uint64_t seed) : s_(settings), random_(seeded(seed)) {}

@@ -16,7 +16,7 @@ namespace skinctl::testing {
 /// The true parameters of a robot by joint impedance.
 template <std::size_t N>
 struct ImpedanceTruth {
-  JointTorque<N> stiffness;    ///< k of each joint [N m/rad]
+  JointTorque<N> stiffness;    ///< stiffness k of the spring at each joint [N m/rad]
   double damping_ratio = 0.7;  ///< damping ratio of the springs with the links' inertia at the start
   JointTorque<N> rotors = {};  ///< inertia of the motors behind their gears [kg m^2]
   double delay = 0;            ///< time from sending a command until the robot takes it [s]

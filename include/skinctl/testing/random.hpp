@@ -33,7 +33,7 @@ class Seeded {
   double operator()() { return static_cast<double>(bits_()) / 2147483648.0 - 1.0; }
   /// A random number between `low` and `high`.
   double between(double low, double high) { return low + 0.5 * (1 + (*this)()) * (high - low); }
-  /// A joint vector with random elements up to `size`.
+  /// A joint vector with random elements between -`size` and `size`.
   template <class V>
   V vector(double size) {
     V v;

@@ -17,7 +17,7 @@ namespace skinctl::testing {
 /// B. Armstrong, F. Altpeter, IEEE TAC 47(5), 2002.
 struct Bristle {
   double mu = 0.5;           ///< friction at rest
-  double share = 0.8;        ///< mu_k / mu
+  double share = 0.8;        ///< ratio of sliding to static friction, mu_k / mu
   double v_s = 0.005;        ///< Stribeck's speed [m/s]
   double k = 1000;           ///< stiffness of the fingertip's skin [1/m]
   double c = 5;              ///< damping of the fingertip's skin [s/m]

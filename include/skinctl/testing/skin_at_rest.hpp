@@ -130,7 +130,7 @@ struct SimulatedAccelerometer {
 
 /// The errors of a reconstruction once it is aligned as a whole, over the cells that it says it knows.
 struct ShapeError {
-  double place = 0, turn = 0;  ///< rms errors [m], [rad]
+  double place = 0, turn = 0;  ///< rms errors of place [m] and turn [rad]
   double worst_place = 0, worst_turn = 0;
   double nees = 0;  ///< mean of the cells' normalised squared errors, over 6
   std::size_t known = 0;

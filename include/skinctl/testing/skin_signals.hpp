@@ -48,7 +48,7 @@ struct SkinTouch {
 };
 
 struct SkinSignalSettings {
-  Nanoseconds period = 4ms;          ///< period of each cell; each has a phase of its own
+  Nanoseconds period = 4ms;          ///< period of the samples of a cell; cells differ in phase
   double step = 1.0 / 1024;          ///< step of the readings (LSB)
   double noise = 0.7;                ///< standard deviation of each force sensor and of the proximity [steps]
   double rest = 0.02;                ///< rest level of a force sensor, 0 to 1

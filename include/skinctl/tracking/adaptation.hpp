@@ -11,8 +11,8 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Real T = double>
 struct AdaptationSettings {
   /// Rate of the learning [1/(N m rad)]: `Gamma = gamma bound^2`, parameter by parameter, so that all of them
-  /// learn alike. At each moment `gamma sum (Y bound)^2 dt < lambda` must hold; a UR5 meets it by far at the
-  /// default.
+  /// learn alike. `gamma sum (Y bound)^2 dt < lambda` must hold, with the regressor Y, the interval and the
+  /// decay rate of the law; a UR5 meets it by far at the default.
   T gamma = T(2);
   InertialParameters<N, T> bound;  ///< largest deviation of the parameters from the model: see `deviations`
 };

@@ -16,22 +16,22 @@ SKINCTL_BEGIN_NAMESPACE
 /// The damping torque `K_d v`, and the diagonal of K_d.
 template <std::size_t N, Real T = double>
 struct DampingTorque {
-  JointTorque<N, T> torque;  ///< `K_d v` [N m]
+  JointTorque<N, T> torque;  ///< damping torque `K_d v` [N m]
   JointTorque<N, T> own;     ///< diagonal of K_d: damping of each joint by its own velocity [N m s/rad]
 };
 
-/// `K_d = lambda M(q)`: S_q of every joint, eq. (9), decays at the same rate lambda [1/s],
-/// `dV = -2 lambda V`, and the torque of eq. (8) is one recursion.
+/// `K_d = lambda M(q)`: `S_q = dq - dq_r` of every joint, eq. (9), decays at the same rate lambda [1/s], the
+/// Lyapunov function as `dV = -2 lambda V`, and the torque of eq. (8) is one recursion.
 template <Real T = double>
 class InertialDamping {
  public:
   static constexpr Needs needs = {};
-  /// @param lambda  decay of S_q [1/s]; checked with the other gains.
+  /// @param lambda  decay rate of `S_q = dq - dq_r` [1/s]; checked with the other gains.
   explicit InertialDamping(const T& lambda) noexcept : lambda_(lambda) {}
 
-  /// The fastest decay of S_q [1/s].
+  /// The largest decay rate of `S_q = dq - dq_r` [1/s].
   [[nodiscard]] const T& fastest() const noexcept { return lambda_; }
-  /// The slowest decay of S_q [1/s].
+  /// The smallest decay rate of `S_q = dq - dq_r` [1/s].
   [[nodiscard]] const T& slowest() const noexcept { return lambda_; }
 
   /// The acceleration `M^-1 K_d S_q` [rad/s^2], which goes into the recursion.
@@ -99,9 +99,9 @@ class ConstantDamping {
     });
   }
 
-  /// The fastest decay of S_q [1/s], over 256 poses.
+  /// The largest decay rate of `S_q = dq - dq_r` [1/s] over 256 poses.
   [[nodiscard]] const T& fastest() const noexcept { return fastest_; }
-  /// The slowest decay of S_q [1/s], over 256 poses.
+  /// The smallest decay rate of `S_q = dq - dq_r` [1/s] over 256 poses.
   [[nodiscard]] const T& slowest() const noexcept { return slowest_; }
 
   /// The damping torque `K_d S_q` [N m].

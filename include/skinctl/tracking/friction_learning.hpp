@@ -26,7 +26,7 @@ namespace detail {
 template <std::size_t N, Real T>
 struct LearntFriction {
   JointTorque<N, T> friction;  ///< learnt torque f [N m]
-  JointVelocity<N, T> smooth;  ///< S_q, smoothed [rad/s]
+  JointVelocity<N, T> smooth;  ///< smoothed `S_q = dq - dq_r` [rad/s]
 };
 }  // namespace detail
 
@@ -126,16 +126,16 @@ class FrictionLearning
   /// Share of a speed: what a step may stop, and below what a joint sticks; squared: the share of the bound
   /// by which a torque that friction takes may grow in a step. A quarter leaves a margin of four.
   static constexpr double step_share = 0.25;
-  /// Root of the least rate of a release, over lambda: faster than it drove.
+  /// Square root of the smallest rate of a release, over lambda: the learnt torque falls faster than it grew.
   static constexpr double release_over_lambda = 2;
-  /// Dead zones from which on a joint sticks: not at the edge of one.
+  /// Smallest |S_q| of a joint that counts as sticking, in dead zones: not at the edge of one.
   static constexpr double stick_from = 1.5;
 
   [[nodiscard]] static T square(const T& x) noexcept { return x * x; }
 
   Settings settings_;
-  T release_, stop_, stick_;  ///< rates at a release, its bound, and at sticking [1/s^2]
-  T slip_;                    ///< `2 / e_0` [1/rad]
+  T release_, stop_, stick_;  ///< rates at a release, at its bound, and while sticking [1/s^2]
+  T slip_;                    ///< release rate per speed, in bounds: `2 / e_0` [1/rad]
   T dead_;                    ///< speed of the dead zone, `K_c e_0` [rad/s]
 };
 

@@ -68,7 +68,7 @@ class JointSpace {
   using Spline = JointSpline<N, T>;
   using Row = detail::Row<N, T>;
   struct Memory {};
-  struct Placement {};  ///< joints have none
+  struct Placement {};  ///< pose of a frame in its link: of joints, none
   struct Site {
     const JointPosition<N, T>& q;
     const JointVelocity<N, T>& dq;

@@ -52,10 +52,10 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     bool slowed = false;            ///< slowed next to a singularity, or at the largest speed of a joint
   };
   struct Surface {
-    JointVelocity<coordinates, T> S_delta;  ///< difference to the surface, eq. (19)
+    JointVelocity<coordinates, T> S_delta;  ///< difference to the sliding surface, eq. (19) [m/s], [rad/s]
     JointVelocity<coordinates, T> dI1, dI2;
-    JointVelocity<coordinates, T> dx_r;       ///< reference velocity of the coordinates, eq. (18)
-    JointAcceleration<coordinates, T> ddx_r;  ///< derivative of dx_r
+    JointVelocity<coordinates, T> dx_r;       ///< reference velocity of the tool, eq. (18) [m/s], [rad/s]
+    JointAcceleration<coordinates, T> ddx_r;  ///< time derivative of dx_r
     JointVelocity<N, T> dq_r;                 ///< reference velocity of the joints, eq. (15) [rad/s]
     JointAcceleration<N, T> ddq_r;
     JointVelocity<N, T> S_q;

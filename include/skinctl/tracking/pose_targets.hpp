@@ -29,7 +29,7 @@ struct OperationalSettings {
   /// Zone in which the inverse Jacobian is damped, and the largest damping; the joints' speed determines how
   /// much of it is used.
   SingularityDamping<T> singularities = SingularityDamping<T>(T(0.01), T(0.08));
-  T min_damping = T(0.02);  ///< damping l at a singularity for a reference nearly at rest
+  T min_damping = T(0.02);  ///< damping of the inverse at a singularity for a reference nearly at rest
   /// Next to a singularity a goal that stands still counts as reached within these, and nothing moves.
   T reached_position = T(2e-4);     ///< tolerance of the position [m]
   T reached_orientation = T(1e-3);  ///< tolerance of the orientation [rad]
@@ -60,7 +60,7 @@ template <class Robot, class... Lighter>
 }
 
 namespace detail {
-/// Largest `rotation_error` of a goal's axes: those of a pose that a person or a file gives with three digits.
+/// Largest `rotation_error` of a goal's axes that is accepted: a person or a file gives three digits.
 inline constexpr double worst_goal_axes = 2e-3;
 }  // namespace detail
 

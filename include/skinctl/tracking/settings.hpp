@@ -42,10 +42,10 @@ template <std::size_t N, Real T = double>
 struct JointControlSettings {
   Nanoseconds dt = 2ms;      ///< longest interval between two evaluations
   Nanoseconds loop_delay{};  ///< mean time from a state until the torque that answers it acts; dt if less
-  /// `K_d = lambda M(q)` [1/s]; 20-40 at 125 Hz, 50-150 at 500 Hz. Half of `largest_gain_product`: the other
-  /// half is for the gains inside.
+  /// Decay rate of `S_q = dq - dq_r` [1/s], by `K_d = lambda M(q)`; 20-40 at 125 Hz, 50-150 at 500 Hz. Half
+  /// of `largest_gain_product`: the other half is for the gains inside.
   T lambda = T(0.25) / seconds<T>(dt);
-  T kappa = T(10);  ///< decay of the bias S_d [1/s]; no slower than K_c
+  T kappa = T(10);  ///< decay rate of the surface's bias S_d [1/s]; no slower than K_c
   T K_i1 = T(1);    ///< gain of the integral of S_delta [1/s]; a tenth of K_c
   T K_i2 = T(0.1);  ///< gain of the integral of tanh(mu S_delta) [rad/s^2]; mu K_i2 = K_i1
   T mu = T(10);     ///< steepness of tanh [s/rad]: full above 0.1 rad/s
@@ -59,7 +59,7 @@ struct JointControlSettings {
   TimeBase<T> base{};   ///< shape of the time base
   T settle = T(0.5);    ///< duration of the change from the gain's peak to K_c, in multiples of tb
   Nanoseconds bumpless_transfer =
-      100ms;  ///< bumpless transfer: the reference reaches its new course this long after a reset
+      100ms;  ///< duration of the bumpless transfer after a reset, until the reference is on its new course
   Nanoseconds target_age =
       100ms;  ///< time after its last sample for which a moving target is extrapolated, before it slows down
   T max_acceleration = T(4);  ///< largest acceleration of any joint after a reactive target [rad/s^2]
@@ -73,7 +73,8 @@ struct JointControlSettings {
   /// them, so that a slow virtual robot still tracks. Coulomb friction is left to the integrals.
   VirtualDynamics<N, T> virtual_dynamics = {};
   T mass_ratio = T(1);  ///< factor by which the robot may be lighter than the law's model, see `mass_ratio`
-  /// Rate of the gravity that another payload than told leaves, see `gravity_rate` [1/s^2].
+  /// Rate at which the weight of a payload other than told drives the robot from a pose, see `gravity_rate`
+  /// [1/s^2].
   T gravity_rate = T(0);
   /// Largest speed to a goal [rad/s].
   JointVelocity<N, T> max_velocity = JointVelocity<N, T>::constant(T(1));
@@ -84,12 +85,12 @@ struct JointControlSettings {
   }
 };
 
-/// The largest `(K_p + lambda + K_i1 + mu K_i2) D` that is accepted, D the loop's delay. Alone, `lambda D` is
-/// stable to 1.0: a gain margin of 2. A virtual robot is stable to 2.
+/// The largest `(K_p + lambda + K_i1 + mu K_i2) D` that is accepted, D the loop's delay, K_p the time base's
+/// largest gain. Alone, `lambda D` is stable to 1.0: a gain margin of 2. A virtual robot is stable to 2.
 template <Real T>
 inline const T largest_gain_product = T(0.5);
-/// The largest `(K_p + lambda + K_i1 + mu K_i2) D` times the mass ratio: up to it the lightest robot is
-/// stable.
+/// The largest gain product, as of `largest_gain_product`, times the mass ratio that is accepted: up to it
+/// the lightest robot is stable.
 template <Real T>
 inline const T largest_product_when_light = T(1);
 /// The largest mass ratio that is accepted. Beyond it no gains are stable for the light robot and hold the
@@ -197,9 +198,10 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
 }
 
 namespace detail {
-/// Gains of target and integral over lambda: the loop inside of theirs is four times as fast.
+/// Gains `K_c` and `K_i1` over `lambda`: the damping, the inner loop, is four times as fast as these two.
 inline constexpr double inner_share = 0.25;
-/// lambda over K_i2 [s/rad]: with mu = 10, mu K_i2 takes an eighth of lambda from the margin.
+/// Ratio of `lambda` [1/s] to the gain `K_i2` [rad/s^2] of the second integral: with its steepness mu = 10,
+/// `mu K_i2` takes an eighth of lambda from the margin.
 inline constexpr int lambda_over_K_i2 = 80;
 
 /// Gains behind a delay D in the loop [s]: `lambda = 0.3 / D`, less than a third of what is stable (see

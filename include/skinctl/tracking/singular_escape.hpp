@@ -128,11 +128,12 @@ struct SingularEscape {
     const bool back = rest[0] * at[0].sigma * f[0] + rest[1] * at[1].sigma * f[1] < T(0);
     for (std::size_t n = 0; n < 2; ++n) c[n] = c[n] + closed[0] * ((back ? -amount : amount) * f[n] - c[n]);
   }
-  /// |q| [m/rad^2] below which a path counts as straight: a link of 1 m has 1.
+  /// Curvature |q| of the frame's path [m/rad^2] below which it counts as straight: a link of 1 m has 1.
   static constexpr double bent = 0.0002;
   /// Angle [rad]: a path on which sigma vanishes within it is closed; what dJ tells does not reach further.
   static constexpr double ahead = 0.2;
-  /// Zone over that of a second direction, which else is regular beside the first.
+  /// Width of the singular zone over that for the second smallest singular value: outside of that narrower
+  /// zone the second direction counts as regular.
   static constexpr int second_zone = 3;
 };
 

@@ -20,9 +20,9 @@ struct SingularRest {
 
   static constexpr double zone = detail::singular_zone;
   static constexpr double lag = detail::singular_lag;  ///< time constant of `r` [s]
-  /// Share of the tolerances within which a rest begins: it ends at all.
+  /// Share of the tolerances within which a rest begins; it ends beyond the whole tolerances.
   static constexpr double inner_share = 0.5;
-  /// Nearness over which the rest fades in, from the damping's edge.
+  /// Range of the nearness to a singularity over which the rest fades in, from the damping's edge.
   static constexpr double fade_nearness = 0.25;
   /// Weight below which a rest is over: a decay by itself never is.
   static constexpr double min_weight = 1e-6;

@@ -43,12 +43,12 @@ struct IntegralsUsed {
 /// coordinates: joints [rad/s], or a frame [m/s], [rad/s].
 template <std::size_t N, Scalar T = double>
 struct SlidingSurface {
-  JointVelocity<N, T> S_delta;    ///< `S - S_d`, eq. (12)
+  JointVelocity<N, T> S_delta;    ///< distance from the biased surface, `S - S_d`, eq. (12)
   JointVelocity<N, T> dI1;        ///< rate of the integral of S_delta
   JointVelocity<N, T> dI2;        ///< rate of the integral of tanh(mu S_delta)
   JointVelocity<N, T> dq_r;       ///< reference velocity, eq. (10)
   JointAcceleration<N, T> ddq_r;  ///< derivative of dq_r in time
-  JointVelocity<N, T> S_q;        ///< `dq - dq_r`, eq. (9)
+  JointVelocity<N, T> S_q;        ///< sliding variable `dq - dq_r`, eq. (9)
 };
 
 /// The inputs of the surface beside the state, all at the same instant: a bias and integrals in `N`
@@ -61,7 +61,7 @@ struct SurfaceInputs {
   JointVelocity<N, T> I1;  ///< integral of S_delta
   JointVelocity<N, T> I2;  ///< integral of tanh(mu S_delta)
   IntegralsUsed<N, T> used;
-  bool held;  ///< the integrals are stopped
+  bool held;  ///< whether the integrals are stopped
 };
 
 /// Gains of the surface, in the form in which the loop reads them.
@@ -95,7 +95,7 @@ struct SurfaceGains {
 template <std::size_t N, Scalar T = double>
 struct SurfaceErrors {
   T e[N];      ///< error of position, eqs. (13), (20)
-  T de[N];     ///< error of velocity, as S reads it, eqs. (12), (21)
+  T de[N];     ///< error of velocity, as the sliding surface reads it, eqs. (12), (21)
   T slope[N];  ///< the true derivative of `e`: `de` in joint space
   T v_d[N];    ///< velocity of the target
   T a_d[N];    ///< acceleration of the target

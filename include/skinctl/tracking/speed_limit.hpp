@@ -30,9 +30,10 @@ SKINCTL_COLD void limit_far_speed(const JointVelocity<N, T>& limit, JointVelocit
     a[i] = f * (a[i] / most) - dy / y * v[i];
   }
 }
-/// y up to which a speed is unchanged: three quarters of its limit for one joint, half for 25 at once.
+/// Sum y of eighth powers (see `limit_speed`) up to which a speed is unchanged: three quarters of its limit
+/// for one joint, half for 25 at once.
 inline constexpr double free_sum = 0.1;
-/// y beyond which terms leave the range of float.
+/// Sum y of eighth powers (see `limit_speed`) beyond which terms leave the range of float.
 inline constexpr double far_sum = 1e30;
 }  // namespace detail
 

@@ -67,7 +67,7 @@ struct BiasNow {
 template <std::size_t N, Real T = double>
 struct SurfaceBias {
   Nanoseconds elapsed = clock_end;  ///< time since the reset at t0
-  JointVelocity<N, T> decaying;     ///< first part of the bias now
+  JointVelocity<N, T> decaying;     ///< part of the bias that decays with kappa, now
   JointVelocity<N, T> dv;
   JointAcceleration<N, T> da;
   JointAcceleration<N, T> dj;  ///< change of the rate of ddq_r at the reset [rad/s^3]

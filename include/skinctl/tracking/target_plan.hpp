@@ -21,7 +21,7 @@ struct TargetPlan {
   using Where = typename Space::Where;
   static constexpr bool streams = true, reacts = false, is_movable = true;
   static constexpr const char* name = Space::name;  ///< name of the law
-  /// Longest time between samples whose way is one motion's, in intervals `dt`: a few cycles may be late.
+  /// Longest time between two samples that count as one motion, in intervals `dt`: a few cycles may be late.
   static constexpr int longest_gap = 4;
 
   Goal target;

@@ -69,7 +69,7 @@ struct PlanClock {
   }
 
  private:
-  /// Integral of a1 from 0 to `r`, any r >= 0.
+  /// Integral of the quintic a1 from 0 to `r`, any r >= 0.
   static SKINCTL_INLINE constexpr T covered(const T& r) noexcept {
     return r < T(1) ? T(r * r * r * r * (T(2.5) - r * (T(3) - r))) : T(r - T(0.5));
   }

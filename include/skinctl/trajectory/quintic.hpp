@@ -9,7 +9,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// Peak of `a2 tf`: the largest speed of a quintic over the mean speed, at r = 1/2.
 template <Real T>
 inline const T quintic_peak_speed = T(1.875);
-/// Peak of `|a3| tf^2`, `10 / sqrt(3)`, at r = 1/2 -+ sqrt(3)/6.
+/// Peak of `|a3| tf^2`: the largest acceleration of a quintic over its length and squared duration,
+/// `10 / sqrt(3)`, at r = 1/2 -+ sqrt(3)/6.
 template <Real T>
 inline const T quintic_peak_acceleration = T(5.773502691896257645L);
 
@@ -18,8 +19,8 @@ template <Real T = double>
 struct Quintic {
   T a1;    ///< `10 r^3 - 15 r^4 + 6 r^5`, the part of the path covered, 0 to 1
   T rest;  ///< `1 - a1`, the part that remains, without cancellation
-  T a2;    ///< `da1/dt` [1/s]
-  T a3;    ///< `da2/dt` [1/s^2]
+  T a2;    ///< rate of the covered part, `da1/dt` [1/s]
+  T a3;    ///< second derivative of the covered part, `da2/dt` [1/s^2]
 
   friend SKINCTL_INLINE constexpr Quintic operator+(const Quintic& a, const Quintic& b) noexcept {
     return {a.a1 + b.a1, a.rest + b.rest, a.a2 + b.a2, a.a3 + b.a3};
@@ -54,7 +55,7 @@ template <Real T>
 /// `p = r - 6 r^3 + 8 r^4 - 3 r^5` and `b = r^2 (1 - r)^3 / 2`, and its derivatives. It is zero at the end.
 template <Real T = double>
 struct MovingStart {
-  T rate = T(0);  ///< da1/dt at the start [1/s]
+  T rate = T(0);  ///< initial rate of the covered part, da1/dt [1/s]
   T bend = T(0);  ///< derivative of `rate` [1/s^2]
 
   /// The start of a motion over the distance `d` with the velocity `v` and the acceleration `a`: as much of

@@ -29,7 +29,7 @@ struct JointSpline {
   JointPosition<N, T> q_i;
   JointPosition<N, T> q_g;
   T tf = T(0);                        ///< duration [s]; if not positive, `q_d` is `q_g` from the start
-  JointVelocity<N, T> rate = {};      ///< rate of the start, see `MovingStart` [1/s]
+  JointVelocity<N, T> rate = {};      ///< initial rate of the covered part, see `MovingStart` [1/s]
   JointAcceleration<N, T> bend = {};  ///< derivative of `rate` [1/s^2]
   bool moves = false;                 ///< whether a `rate` is not zero
 
