@@ -1,6 +1,7 @@
 // One arm at work: what it knows of the world, its place in the plan, and the requests to its skills that follow.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "examples/packing_oranges/finger_room.hpp"
 #include "examples/packing_oranges/giving_way.hpp"
 #include "examples/packing_oranges/grip.hpp"
+#include "examples/packing_oranges/pressing.hpp"
 #include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
@@ -35,6 +37,8 @@ class Worker {
   Worker(std::size_t arm, const WorkSettings& settings, const skinctl::State<6>& measured);
 
   void see(const Picture& picture);
+  /// A reading of the wrist's force sensor, before a cycle, where there is one.
+  void feel(const skinctl::WrenchSample& wrist) { press_.feel(wrist); }
   /// What it says about the box, before a cycle.
   [[nodiscard]] skinctl::PlaceRequest place_request() const;
 
@@ -113,7 +117,8 @@ class Worker {
   /// Whether the step is about an orange that lies in the feed.
   [[nodiscard]] bool is_at_feed() const {
     using namespace skinctl::activity;
-    return does(Reach::rule, Take::rule) || (does(Squeeze::rule) && now_at().place == skinctl::no_place);
+    return does(Reach::rule, Take::rule) ||
+           (does(Squeeze::rule, SetDown::rule) && now_at().place == skinctl::no_place);
   }
   [[nodiscard]] bool is_near_box(const skinctl::Xyz<double>& p) const {
     const Tray& box = found_.at[0];
@@ -139,6 +144,7 @@ class Worker {
     double slowest = 0;   ///< it takes at least so long [s]
     bool judges = false;  ///< it is a squeeze
     double most = 1e9;    ///< force of a finger at which it has ended, at most [N]
+    double until = 1e9;   ///< it presses until the wrist feels so much [N]
   };
 
   [[nodiscard]] skinctl::Observed seen() const;
@@ -159,6 +165,7 @@ class Worker {
     return std::hypot(X_WH_.origin().x - p.x, X_WH_.origin().y - p.y) < 0.05;
   }
   static constexpr double stands_on = 3;  ///< force of a finger that stands on something [N]
+  static constexpr skinctl::Nanoseconds untouched = 200ms;  ///< since a push, before a press begins
   /// Whether it is on its way to a place in box or bin.
   [[nodiscard]] bool goes_to_tray() const {
     return does(skinctl::activity::Put::rule) && plan_.phase == Executor::Phase::run && mark() != 0;
@@ -210,6 +217,14 @@ class Worker {
   }
   /// As it is carried until it is squeezed.
   void hold_lightly();
+  /// The skill that does an activity with this gripper.
+  [[nodiscard]] std::uint8_t skill_of(const skinctl::ActivityRule* does) const {
+    return s_.presses ? A::binary_skills(does) : A::skills(does);
+  }
+  /// The part that presses down with a force, until so much is felt.
+  [[nodiscard]] Part press(Part part, double force, double until) const;
+  /// A press that somebody pushes tells nothing: back, just above where it stood, down until it stands, and once more.
+  void press_again();
   /// Squeezes; where it is carried on from there, what was squeezed is held as on the way.
   void add_squeeze(std::uint8_t skill);
   [[nodiscard]] skinctl::Xyz<double> at(const skinctl::Xyz<double>& p, double z) const {
@@ -255,6 +270,7 @@ class Worker {
   Executor executor_;
   Grip grip_;
   skinctl::Squeeze<> squeeze_;
+  Pressing press_;
   Objects objects_;
   skinctl::FeatureExtractor<> extractor_;
   typename Objects::Memory known_;
@@ -288,6 +304,8 @@ class Worker {
   bool asked_in_vain_ = false;
   skinctl::JointPosition<6> high_ = A::home();
   skinctl::Xyz<double> from_{0, 0, 0}, other_hand_{0, 0, 9};
+  skinctl::Xyz<double> stands_at_{0, 0, 0};  ///< place of the hand where what it holds is set down
+  skinctl::Nanoseconds pushed_last_{-1s};    ///< when somebody pushed its skin last
   skinctl::Nanoseconds seen_at_{-1s}, pressed_at_{-1s}, return_by_{}, given_way_{};
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};

@@ -90,9 +90,14 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
   }
   if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside(parts_[part_].request);
   const auto told = Set::report_of(memory_->law, ticket_);
+  const bool somebody_pushes = now_ - pushed_last_ < untouched;
+  if (somebody_pushes && parts_[part_].until < 1e9) press_again();
+  const bool pressed = asked_ && press_.force() >= parts_[part_].until;
   if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
-  if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
+  if (pressed || (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_)) {
     if (gripper_.force > parts_[part_].most) return;
+    if (!pressed && parts_[part_].until < 1e9 && !parts_[part_].judges)
+      return end(false);  // nothing is below
     if (parts_[part_].judges && !judge()) return end(false);
     if (++part_ == parts_.size()) return end(true);
     asked_ = false;

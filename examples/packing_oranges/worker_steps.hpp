@@ -14,7 +14,7 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
   parts_.clear();
   part_ = 0;
   looks_since_ = now_;
-  const std::uint8_t skill = A::skills(r.does);
+  const std::uint8_t skill = skill_of(r.does);
   const auto here = X_WH_.origin();
   constexpr double passing = 0.06;
   if (r.does == &activity::Look::rule) return;
@@ -39,6 +39,17 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
     squeezed_ = {};
     judging_ = true;
     add_squeeze(skill);
+  } else if (r.does == &SetDown::rule) {
+    stands_at_ = taken_;
+    if (r.place != no_place) {
+      const auto p = hand_at(r.place);
+      stands_at_ = at(p, taken_.z);
+      const std::uint8_t carries = skill_of(&activity::Carry::rule);
+      add(carries, at(here, s_.carry), passing);
+      add(carries, at(p, s_.carry), 0.01);
+      add(carries, at(p, taken_.z + 0.003), 0.01);
+    }
+    parts_.push_back(press({Set::start_skill(skill), false, {}}, 1.25 * s_.feels, s_.feels));
   } else if (r.does == &activity::Carry::rule) {
     R_ = turned_at(r.place);
     const auto p = hand_at(r.place);
@@ -88,15 +99,43 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
 template <class R>
 void Worker<R>::hold_lightly() {
   grip({0, s_.lightly, 0.02});
-  parts_.back().most = 1.3 * s_.lightly;
+  if (!s_.presses) parts_.back().most = 1.3 * s_.lightly;
+}
+
+template <class R>
+typename Worker<R>::Part Worker<R>::press(Part part, double force, double until) const {
+  auto& goal = part.request.goals.template of<skinctl::ForceGoal<>>();
+  goal.has = true;
+  goal.goal = {{0, 0, -1}, A::yields_to_press * force};
+  part.until = until;
+  return part;
+}
+
+template <class R>
+void Worker<R>::press_again() {
+  constexpr double clear = 0.002;  // above where it stood: fingers that were pushed may have slid on it [m]
+  squeezed_ = {};
+  asked_ = false;
+  parts_.erase(parts_.begin(),
+               std::find_if(parts_.begin(), parts_.end() - 1, [](const Part& part) { return part.judges; }));
+  if (parts_.front().judges) {
+    Part down{Set::start_skill(skill_of(&SetDown::rule)), false, {}};
+    parts_.insert(parts_.begin(), press(down, 1.25 * s_.feels, s_.feels));
+  }
+  Part back{Set::start_skill(skill_of(&skinctl::activity::Carry::rule)), true,
+            at(stands_at_, stands_at_.z + clear)};
+  back.request.tolerance = {.position = 0.001, .orientation = 0.05};
+  parts_.insert(parts_.begin(), back);
+  part_ = 0;
 }
 
 template <class R>
 void Worker<R>::add_squeeze(std::uint8_t skill) {
   parts_.push_back({Set::start_skill(skill), false, {}});
   parts_.back().judges = true;
+  if (s_.presses) parts_.back() = press(parts_.back(), s_.press, s_.judge_to);
   if (now_at().place == skinctl::no_place) return;
-  add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
+  add(skill_of(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
   grip({0, grip_.hold(), 0.02});
 }
 
@@ -172,8 +211,8 @@ bool Worker<R>::judge() {
   if (!k.known) return false;
   const std::uint8_t border = now_at().border;
   answer_ = border == skinctl::no_border || k.stiffness >= executor_.task().borders[border];
-  // Each side of an orange gives by half of the closing.
-  judged_.push_back({2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
+  // Each side of an orange gives by half of the closing of fingers; a wrist presses in one.
+  judged_.push_back({(s_.presses ? 1 / press_tells : 2) * k.stiffness, answer_, skinctl::seconds<double>(now_)});
   return true;
 }
 
