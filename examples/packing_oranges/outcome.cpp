@@ -32,8 +32,8 @@ RunSettings with_binary_grippers(RunSettings s) {
   w.presses = true;
   w.hold = w.max_hold = w.lightly = firm_force;
   w.judge_from = 0.7;
-  w.judge_to = 3.5;
-  w.judge_span = 2;
+  w.judge_to = 4;
+  w.judge_span = 1.5;
   w.plan = by_pressing(w.plan, press_border);
   if (const skinctl::TaskFault fault = check(w.plan); fault.any())
     throw std::runtime_error(

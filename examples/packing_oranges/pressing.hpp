@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "examples/packing_oranges/layout.hpp"
 #include "skinctl/sensing/cell_sample.hpp"
 #include "skinctl/sensing/wrench_sample.hpp"
 
@@ -14,26 +15,28 @@ namespace packing {
 class Pressing {
  public:
   static constexpr std::size_t before = 8;  ///< readings whose mean counts as no press
+  static constexpr skinctl::Nanoseconds fades = 120ms;
   static constexpr double felt = 1;  ///< force of a cell that is a person's, 10 deviations of its noise [N]
 
   /// A reading, before each cycle.
   void feel(const skinctl::WrenchSample& reading) { reading_ = reading; }
-  /// A cycle; `presses`: the law of force is at work.
+  /// A cycle; `presses`: a skill that presses is at work. What follows it takes over within `fades`.
   void step(bool presses) {
-    if (presses && !presses_) {
+    if (presses && !on_) {
       none_ = 0;
       for (const double f : last_) none_ += f / before;
     }
-    presses_ = presses;
+    if (presses) pressed_ = reading_.time;
+    on_ = reading_.time - pressed_ < fades;
     last_[next_] = -reading_.force[2];
     next_ = (next_ + 1) % before;
     sample_ = {reading_.time, {0, 0, -force()}, {}};
   }
   /// With which the wrist presses; 0 while it does not [N].
-  [[nodiscard]] double force() const { return presses_ ? -reading_.force[2] - none_ : 0; }
+  [[nodiscard]] double force() const { return on_ ? -reading_.force[2] - none_ : 0; }
   /// What the cycle is told: nothing unless it presses.
   [[nodiscard]] std::span<const skinctl::WrenchSample> samples() const {
-    return {&sample_, presses_ ? std::size_t(1) : std::size_t(0)};
+    return {&sample_, on_ ? std::size_t(1) : std::size_t(0)};
   }
 
   /// Whether somebody pushes the skin.
@@ -48,7 +51,8 @@ class Pressing {
   std::array<double, before> last_{};
   double none_ = 0;
   std::size_t next_ = 0;
-  bool presses_ = false;
+  skinctl::Nanoseconds pressed_{-1s};
+  bool on_ = false;
 };
 
 }  // namespace packing

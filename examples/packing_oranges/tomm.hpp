@@ -297,7 +297,8 @@ struct Arm {
         Patch<forearm, c[4]>(cells_around<forearm>({R::shapes[forearm]}, first(more), 1.2), gains), settings);
     return ArmSkin<Cells>(all, forearm_cells);
   }
-  /// Share of the wrist's force that the arm yields to while it presses.
+  /// Share of the wrist's force that the arm yields to while it presses: with all of it the virtual arm, a few kg on an
+  /// orange of 6 kN/m, swings with 1.5 N at some 35 rad/s.
   static constexpr double yields_to_press = 0.1;
   /// The skin, and the wrist's force sensor, which is read while the wrist presses.
   static auto touch() {
@@ -326,11 +327,12 @@ struct Arm {
     o.tracking.max_velocity = JointVelocity<6>::constant(2.0);
     o.max_linear_velocity = 1.0;
     o.max_angular_velocity = 3.0;
-    ForceSettings<6> force;
+    ForceSettings<6>
+        force;  // 0.0025 m/(s N) is stable up to 10 kN/m; no integrals: nothing is held with a force
     force.pose = o;
     force.K_i1 = force.K_i2 = 0;
     force.K_p = 0.0025 / yields_to_press;
-    force.max_velocity = 0.005;
+    force.max_velocity = 0.004;
     force.max_travel = 0.02;
     return Cycle(
                arm, touch(),

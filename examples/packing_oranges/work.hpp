@@ -31,11 +31,11 @@ struct WorkSettings {
   /// arm gives up, and leaves what lies there.
   int in_vain = 20;
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
-  bool presses =
-      false;  ///< the gripper is only open or closed: the wrist presses, and a squeeze is judged by its way
-  double press =
-      4.5;  ///< force of a press [N]: below the friction of both fingers, 9.6 N, and what bruises, 10 N
-  double feels = 0.8;  ///< force at which an orange that is set down is felt to stand [N]
+  /// The gripper is only open or closed: the wrist presses what it holds, and its way over the force judges.
+  bool presses = false;
+  /// Goal of the force of a press [N]; it ends at `judge_to`, and fingers slide at the friction of both, 8 N.
+  double press = 6;
+  double feels = 0.8;  ///< force from which what is set down is felt to stand [N]
   Plan plan = pack_oranges;
   skinctl::ExecutorSettings executor{.max_place_wait = 12s};
 };

@@ -115,15 +115,8 @@ class Worker {
                                                : executor_.task().places[now_at().place].mark;
   }
   /// Whether the step is about an orange that lies in the feed.
-  [[nodiscard]] bool is_at_feed() const {
-    using namespace skinctl::activity;
-    return does(Reach::rule, Take::rule) ||
-           (does(Squeeze::rule, SetDown::rule) && now_at().place == skinctl::no_place);
-  }
-  [[nodiscard]] bool is_near_box(const skinctl::Xyz<double>& p) const {
-    const Tray& box = found_.at[0];
-    return std::hypot(p.x - box.x, p.y - box.y) <= 0.3;
-  }
+  [[nodiscard]] bool is_at_feed() const;
+  [[nodiscard]] bool is_near_box(const skinctl::Xyz<double>& p) const;
   /// The number of the tray at which the step puts; what it is about is no orange.
   [[nodiscard]] std::size_t tray_number() const { return mark() == bin_class ? 1 + arm_ : 0; }
   /// Walls are where box and bins are believed to be; with others the arm's cycle is built anew.
@@ -165,6 +158,8 @@ class Worker {
     return std::hypot(X_WH_.origin().x - p.x, X_WH_.origin().y - p.y) < 0.05;
   }
   static constexpr double stands_on = 3;  ///< force of a finger that stands on something [N]
+  static constexpr double clear_of_table =
+      0.003;  ///< of what is set down: it may hang lower than it was taken [m]
   static constexpr skinctl::Nanoseconds untouched = 200ms;  ///< since a push, before a press begins
   /// Whether it is on its way to a place in box or bin.
   [[nodiscard]] bool goes_to_tray() const {
@@ -205,16 +200,12 @@ class Worker {
   /// A part's request, to the cycle.
   void ask(Part& part);
 
+  /// The part that moves the hand; adds it; and lets the last part bring this goal of the gripper.
+  [[nodiscard]] static Part move(std::uint8_t skill, const skinctl::Xyz<double>& to, double near);
   void add(std::uint8_t skill, const skinctl::Xyz<double>& to, double near) {
-    Part part{Set::start_skill(skill), true, to};
-    part.request.tolerance = {.position = near, .orientation = 0.05};
-    parts_.push_back(part);
+    parts_.push_back(move(skill, to, near));
   }
-  void grip(const skinctl::GripperGoal& goal) {
-    auto& part = parts_.back().request.goals.template of<skinctl::GripperGoal>();
-    part.has = true;
-    part.goal = goal;
-  }
+  void grip(const skinctl::GripperGoal& goal);
   /// As it is carried until it is squeezed.
   void hold_lightly();
   /// The skill that does an activity with this gripper.
@@ -248,15 +239,6 @@ class Worker {
 
   /// An orange of its own that is well seen; the one nearest to the hand.
   void look();
-  [[nodiscard]] static std::uint8_t cheapest(const auto& fits, const auto& cost) {
-    std::uint8_t best = skinctl::no_object;
-    double least = 1e9;
-    for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
-      if (!fits(k)) continue;
-      if (const double c = cost(k); c < least) best = k, least = c;
-    }
-    return best;
-  }
   /// Whether the squeeze told something.
   bool judge();
 

@@ -103,7 +103,9 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
             norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
   const skinctl::HandSample<> hand{now, X_WH_, 0.0002, gripper.force};
   features_ = extractor_.step(featured_, objects_, known_, hand);
-  press_.step(memory_->law.skill == Set::template index<behaviour::ForceCartesian>());
+  const std::uint8_t skill = memory_->law.skill;
+  press_.step(skill == Set::template index<behaviour::ForceCartesian>() ||
+              skill == Set::template index<behaviour::ClosingToPress>());
   if (Pressing::pushed(samples, 3 * newtons_per_reading)) pushed_last_ = now;
   // Without an opening: what the fingers close at their constant speed.
   if (judging_ && s_.presses)

@@ -99,6 +99,11 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
     if (!pressed && parts_[part_].until < 1e9 && !parts_[part_].judges)
       return end(false);  // nothing is below
     if (parts_[part_].judges && !judge()) return end(false);
+    if (pressed && parts_[part_].judges) {
+      Part less = press({Set::start_skill(skill_of(&SetDown::rule)), false, {}}, s_.feels, 0);
+      less.request.kind = static_cast<unsigned char>(Goal::Kind::goal);
+      ask(less);
+    }
     if (++part_ == parts_.size()) return end(true);
     asked_ = false;
   }

@@ -6,6 +6,33 @@
 namespace packing {
 
 template <class R>
+bool Worker<R>::is_at_feed() const {
+  using namespace skinctl::activity;
+  return does(Reach::rule, Take::rule) ||
+         (does(Squeeze::rule, SetDown::rule) && now_at().place == skinctl::no_place);
+}
+
+template <class R>
+bool Worker<R>::is_near_box(const skinctl::Xyz<double>& p) const {
+  const Tray& box = found_.at[0];
+  return std::hypot(p.x - box.x, p.y - box.y) <= 0.3;
+}
+
+template <class R>
+typename Worker<R>::Part Worker<R>::move(std::uint8_t skill, const skinctl::Xyz<double>& to, double near) {
+  Part part{Set::start_skill(skill), true, to};
+  part.request.tolerance = {.position = near, .orientation = 0.05};
+  return part;
+}
+
+template <class R>
+void Worker<R>::grip(const skinctl::GripperGoal& goal) {
+  auto& part = parts_.back().request.goals.template of<skinctl::GripperGoal>();
+  part.has = true;
+  part.goal = goal;
+}
+
+template <class R>
 void Worker<R>::begin(const skinctl::StepRequest& r) {
   using namespace skinctl;
   report_ = {r.ticket, SkillPhase::running, SkillFailure::none};
@@ -47,7 +74,7 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
       const std::uint8_t carries = skill_of(&activity::Carry::rule);
       add(carries, at(here, s_.carry), passing);
       add(carries, at(p, s_.carry), 0.01);
-      add(carries, at(p, taken_.z + 0.003), 0.01);
+      add(carries, at(p, taken_.z + clear_of_table), 0.001);
     }
     parts_.push_back(press({Set::start_skill(skill), false, {}}, 1.25 * s_.feels, s_.feels));
   } else if (r.does == &activity::Carry::rule) {
@@ -113,7 +140,6 @@ typename Worker<R>::Part Worker<R>::press(Part part, double force, double until)
 
 template <class R>
 void Worker<R>::press_again() {
-  constexpr double clear = 0.002;  // above where it stood: fingers that were pushed may have slid on it [m]
   squeezed_ = {};
   asked_ = false;
   parts_.erase(parts_.begin(),
@@ -122,10 +148,8 @@ void Worker<R>::press_again() {
     Part down{Set::start_skill(skill_of(&SetDown::rule)), false, {}};
     parts_.insert(parts_.begin(), press(down, 1.25 * s_.feels, s_.feels));
   }
-  Part back{Set::start_skill(skill_of(&skinctl::activity::Carry::rule)), true,
-            at(stands_at_, stands_at_.z + clear)};
-  back.request.tolerance = {.position = 0.001, .orientation = 0.05};
-  parts_.insert(parts_.begin(), back);
+  const auto above = at(stands_at_, stands_at_.z + clear_of_table);
+  parts_.insert(parts_.begin(), move(skill_of(&skinctl::activity::Carry::rule), above, 0.001));
   part_ = 0;
 }
 
@@ -171,6 +195,17 @@ FingerRoom Worker<R>::room_beside(std::uint8_t orange) const {
                      std::span(others).first(count), s_.turns);
 }
 
+/// The object that fits and costs least; `no_object`: none fits.
+[[nodiscard]] inline std::uint8_t cheapest(const auto& fits, const auto& cost) {
+  std::uint8_t best = skinctl::no_object;
+  double least = 1e9;
+  for (std::uint8_t k = 0; k < Believed::Objects::capacity; ++k) {
+    if (!fits(k)) continue;
+    if (const double c = cost(k); c < least) best = k, least = c;
+  }
+  return best;
+}
+
 template <class R>
 void Worker<R>::look() {
   // A person was asked while it held an orange: that one first goes back to where it came from.
@@ -212,7 +247,8 @@ bool Worker<R>::judge() {
   const std::uint8_t border = now_at().border;
   answer_ = border == skinctl::no_border || k.stiffness >= executor_.task().borders[border];
   // Each side of an orange gives by half of the closing of fingers; a wrist presses in one.
-  judged_.push_back({(s_.presses ? 1 / press_tells : 2) * k.stiffness, answer_, skinctl::seconds<double>(now_)});
+  judged_.push_back(
+      {(s_.presses ? 1 / press_tells : 2) * k.stiffness, answer_, skinctl::seconds<double>(now_)});
   return true;
 }
 

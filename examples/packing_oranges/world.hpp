@@ -33,7 +33,7 @@ struct WorldSettings {
   std::size_t room = slots_if_emptied;  ///< for oranges of each arm, at most `slots`
   bool opens_gently = false;            ///< a gripper opens with its goal's force at most
   bool binary =
-      false;  ///< grippers are only open or closed; wrists have force sensors, tables press orange-like
+      false;  ///< grippers are only open or closed; wrists have force sensors, and a table presses an orange as a finger does
   double wrist_noise = 0.2;   ///< deviation of a wrist's force sensor [N]
   double wrist_bias = 3;      ///< largest of its readings without load [N], which ...
   double wrist_drift = 0.05;  ///< ... wander so far in a second [N]
