@@ -118,8 +118,8 @@ static_assert([](Plan plan) { return check(plan).error; }(pack_oranges) == skinc
   for (std::size_t b = 0; b < plan.border_count; ++b) plan.borders[b] = border;
   return plan;
 }
-/// Share of a side's stiffness that a press tells: it slows down, and fingers slide a little. Measured, see the README.
-inline constexpr double press_tells = 0.93;
+/// Share of a side's stiffness that a press tells: fingers slide a little. Measured, see the README.
+inline constexpr double press_tells = 0.965;
 inline constexpr double press_border = press_tells * 3873;
 inline constexpr Plan press_oranges = by_pressing(pack_oranges, press_border);
 static_assert([](Plan plan) { return check(plan).error; }(press_oranges) == skinctl::TaskError::none);

@@ -173,10 +173,7 @@ class Worker {
   [[nodiscard]] bool something_lies_there() const;
   /// Whether its orange has come down on something: it lets go there, and no lower.
   [[nodiscard]] bool has_come_down_in_tray() const;
-  void end(bool well) {
-    report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
-    judging_ = false;
-  }
+  void end(bool well);
   /// While something unknown is near, the arm gives way with all joints and what is in the hand. No goal holds it: a law's
   /// plan waits while the skin pushes against it. Then it returns by way of the last joints at which its hand was high, and
   /// goes on with its part. Whether this cycle is taken by that.
@@ -232,9 +229,7 @@ class Worker {
   [[nodiscard]] skinctl::Xyz<double> fingers_along() const { return R_ * skinctl::Xyz<double>{0, 1, 0}; }
   /// The hand is turned from how it points down as it was turned in the lesson from how it took.
   [[nodiscard]] skinctl::Rotation<double> turned_at(std::uint8_t place) const;
-  [[nodiscard]] skinctl::Rotation<double> turned(double angle) const {
-    return skinctl::exp_so3(skinctl::Xyz<double>{0, 0, angle}) * straight_;
-  }
+  [[nodiscard]] skinctl::Rotation<double> turned(double angle) const;
   [[nodiscard]] FingerRoom room_beside(std::uint8_t orange) const;
 
   /// An orange of its own that is well seen; the one nearest to the hand.

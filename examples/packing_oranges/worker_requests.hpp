@@ -71,6 +71,12 @@ void Worker<R>::count_ways_back(const typename Executor::Memory& was) {
 }
 
 template <class R>
+void Worker<R>::end(bool well) {
+  report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
+  judging_ = false;
+}
+
+template <class R>
 void Worker<R>::perform(const skinctl::StepRequest& r) {
   using Kind = skinctl::StepRequest::Kind;
   if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
@@ -96,8 +102,7 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
   if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
   if (pressed || (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_)) {
     if (gripper_.force > parts_[part_].most) return;
-    if (!pressed && parts_[part_].until < 1e9 && !parts_[part_].judges)
-      return end(false);  // nothing is below
+    if (!pressed && parts_[part_].until < 1e9) return end(false);  // nothing is below, or fingers slide
     if (parts_[part_].judges && !judge()) return end(false);
     if (pressed && parts_[part_].judges) {
       Part less = press({Set::start_skill(skill_of(&SetDown::rule)), false, {}}, s_.feels, 0);

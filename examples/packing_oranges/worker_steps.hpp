@@ -184,6 +184,11 @@ skinctl::Rotation<double> Worker<R>::turned_at(std::uint8_t place) const {
 }
 
 template <class R>
+skinctl::Rotation<double> Worker<R>::turned(double angle) const {
+  return skinctl::exp_so3(skinctl::Xyz<double>{0, 0, angle}) * straight_;
+}
+
+template <class R>
 FingerRoom Worker<R>::room_beside(std::uint8_t orange) const {
   std::array<skinctl::Xyz<double>, Objects::capacity> others;
   std::size_t count = 0;

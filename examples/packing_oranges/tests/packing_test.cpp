@@ -10,8 +10,8 @@
 // 4`, with `--gripper hand` too; figures in its README
 //
 // Promise: a gripper that takes only open and close judges too: it closes, the wrist presses, a push meanwhile is waited for
-// Tried: 6 oranges, both kinds, all right, stiffness told within 20 %, at most 10 N on a finger and on the table;
-// the same with a push of 12 N on each forearm every 4 s; at a squeeze area; a plan that squeezes in the air is refused
+// Tried: 6 oranges, both kinds, all right, stiffness told within 15 %, at most 10 N on a finger and on
+// the table; with a push of 12 N on each forearm every 4 s, and at a squeeze area, within 30 %; in the air it is refused
 //
 // Promise: arms that pack see a ball that moves through the room at 0.3 m/s, and give way
 // Tried: six oranges, five passages: not touched, all right; unseen the ball meets an arm
@@ -286,21 +286,21 @@ TEST_CASE("packing_oranges: a gripper that is only open or closed judges by the 
 }
 
 namespace {
-/// Every press told the stiffness.
-void pressed_right(const Outcome& o, int oranges) {
+/// All are right, and every press told the stiffness within `share`.
+void pressed_right(const Outcome& o, int oranges, double share) {
   CHECK(o.over);
   CHECK(o.right() == oranges);
   for (const auto& a : o.arm)
     for (const auto& j : a.judged) {
       CAPTURE(j.time);
-      CHECK(j.stiffness == doctest::Approx(j.truth).epsilon(0.2));
+      CHECK(j.stiffness == doctest::Approx(j.truth).epsilon(share));
     }
 }
 }  // namespace
 
 TEST_CASE("packing_oranges --gripper binary: it closes, the wrist presses, and the way of the wrist judges") {
   const Outcome o = run_ur5(with_binary_grippers(few(6)));
-  pressed_right(o, 6);
+  pressed_right(o, 6, 0.15);
   CHECK(o.worst_force() < 10);
   for (const auto& a : o.arm) {
     CHECK(a.worst_press > 4);
@@ -311,7 +311,7 @@ TEST_CASE("packing_oranges --gripper binary: it closes, the wrist presses, and t
 TEST_CASE("packing_oranges --gripper binary: a squeeze that somebody pushes is repeated") {
   RunSettings s = few(6, 5);
   s.touch_every = 4;
-  pressed_right(run_ur5(with_binary_grippers(s)), 6);
+  pressed_right(run_ur5(with_binary_grippers(s)), 6, 0.3);
 }
 
 TEST_CASE(
@@ -330,7 +330,7 @@ TEST_CASE(
   p.steps[step::squeeze].place = area;
   s = with_binary_grippers(s);
   CHECK(s.work.plan.size == p.size);
-  pressed_right(run_ur5(s), 2);
+  pressed_right(run_ur5(s), 2, 0.3);
 }
 
 TEST_CASE("Gripper: one that is only open or closed goes with its own force, and does not tell its opening") {
