@@ -15,7 +15,8 @@ namespace packing {
 class Pressing {
  public:
   static constexpr std::size_t before = 8;  ///< readings whose mean counts as no press
-  static constexpr skinctl::Nanoseconds fades = 120ms;
+  static constexpr skinctl::Nanoseconds fades =
+      120ms;                         ///< time that a skill takes to hand over to the next one
   static constexpr double felt = 1;  ///< force of a cell that is a person's, 10 deviations of its noise [N]
 
   /// A reading, before each cycle.

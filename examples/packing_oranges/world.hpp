@@ -32,8 +32,8 @@ struct WorldSettings {
   bool trays_move = false;              ///< box and bins slide on the table when they are pushed
   std::size_t room = slots_if_emptied;  ///< for oranges of each arm, at most `slots`
   bool opens_gently = false;            ///< a gripper opens with its goal's force at most
-  bool binary =
-      false;  ///< grippers are only open or closed; wrists have force sensors, and a table presses an orange as a finger does
+  /// Grippers are only open or closed; wrists have force sensors, and the table is to an orange what a finger is.
+  bool binary = false;
   double wrist_noise = 0.2;   ///< deviation of a wrist's force sensor [N]
   double wrist_bias = 3;      ///< largest of its readings without load [N], which ...
   double wrist_drift = 0.05;  ///< ... wander so far in a second [N]
@@ -57,8 +57,8 @@ struct ArmRecord {
   std::uint64_t walls = 0;            ///< ... a wall or the table
   std::uint64_t longest_at_wall = 0;  ///< ... a wall or the table without a break
   double wall_force = 0;              ///< largest force between it and a wall or the table [N]
-  double worst_press =
-      0;  ///< largest force of a held orange on the table, its weight included [N]; binary grippers
+  /// Largest force of a held orange on the table, its weight included; binary grippers only [N].
+  double worst_press = 0;
   std::uint64_t obstacle = 0;  ///< ... the obstacle
   /// Speed with which its own point moved into the other arm, and into the obstacle, when they began to touch last [m/s].
   double into_arm = 0, into_obstacle = 0;
