@@ -86,7 +86,7 @@ class Believed {
   /// The fingers, on their way to the orange that was chosen last and around it.
   void feel(const skinctl::GripperState& fingers) {
     constexpr double touches = 1, meet = 0.02;  // [N]; nearer than so they press on each other [m]
-    felt_ = felt_ || (fingers.force > touches && fingers.opening > meet);
+    felt_ = felt_ || (fingers.force > touches && (!fingers.measured || fingers.opening > meet));
   }
   /// The hand has the orange that was chosen last, or found none there.
   void took() {

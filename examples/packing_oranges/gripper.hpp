@@ -11,6 +11,9 @@ namespace packing {
 /// How far the gripper opens, and its forces and speeds.
 inline constexpr skinctl::GripperRange gripper_range{0.11, 0.5, 12, 0.005, 0.15};
 
+/// A gripper that takes only "open" and "close": whatever it is asked for, it goes with this force and speed.
+inline constexpr double firm_force = 5, firm_speed = 0.1;  // [N], [m/s]
+
 /// Moves the opening towards its goal at the goal's speed; once something is between the fingers, regulates the force:
 /// the opening changes by `gain` times what the force lacks, at the goal's speed at most.
 class Gripper {
@@ -20,10 +23,15 @@ class Gripper {
   static constexpr double filter = 0.004;  ///< time constant of the force's low pass [s]
   static constexpr double steady = 0.03;   ///< it holds when the force has been right for this long [s]
 
+  /// @param binary  it is only open or closed, and does not tell its opening.
+  explicit Gripper(bool binary = false) : binary_(binary) {}
+
   void command(const skinctl::GripperCommand& c) {
     if (c.count == 0 || c.count == count_) return;
     count_ = c.count;
     goal_ = limited(c.goal, gripper_range);
+    const bool opens = goal_.opening > gripper_range.opening / 2;
+    if (binary_) goal_ = {opens ? gripper_range.opening : 0, firm_force, firm_speed};
     right_for_ = 0;
   }
   /// A millisecond, with the opening and the force that are measured: the opening to go for.
@@ -52,12 +60,12 @@ class Gripper {
   [[nodiscard]] skinctl::GripperState state(skinctl::Nanoseconds now, double force) const {
     const bool holding = right_for_ >= steady;
     return {now,
-            opening_,
+            binary_ ? goal_.opening : opening_,
             force,
             true,
             moving_ && !holding && blocked_for_ < steady,
             holding,
-            true,
+            !binary_,
             skinctl::GripperError::none,
             0};
   }
@@ -66,6 +74,7 @@ class Gripper {
   [[nodiscard]] double opens_with() const { return goal_.opening < wanted_ ? 1e9 : goal_.force / 2; }
 
  private:
+  bool binary_;
   skinctl::GripperGoal goal_{gripper_range.opening, 1, 0.05};
   double wanted_ = gripper_range.opening, opening_ = gripper_range.opening, force_ = 0, right_for_ = 0,
          blocked_for_ = 0;

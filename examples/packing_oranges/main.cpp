@@ -139,11 +139,11 @@ int main(int argc, char** argv) {
   std::string task;
   app.add_option("--task", task,
                  "a task that was taught, as `teach learn` writes it: instead of the plan by hand");
-  app.add_option(
-         "--gripper", gripper,
-         "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
-         "Allegro hands; hand_and_gripper: the first arm has a hand, the second one a gripper, as TOMM")
-      ->check(CLI::IsMember({"measures", "open_or_closed", "hand", "hand_and_gripper"}))
+  app.add_option("--gripper", gripper,
+                 "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
+                 "Allegro hands; binary: takes only open and close, the wrist presses to judge; "
+                 "hand_and_gripper: the first arm has a hand, the second one a gripper, as TOMM")
+      ->check(CLI::IsMember({"measures", "open_or_closed", "binary", "hand", "hand_and_gripper"}))
       ->capture_default_str();
   app.add_flag("--grasps", grasps,
                "instead: three grasps of a hand on three objects, shaken and turned over; --report: their "
@@ -182,6 +182,7 @@ int main(int argc, char** argv) {
     s.keep_path = !page.empty();
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";
+    if (gripper == "binary") s = with_binary_grippers(s);
     return run(s, robot, page, live, quiet);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "packing_oranges: %s\n", error.what());

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 
 #include "examples/packing_oranges/run.hpp"
 
@@ -22,6 +23,23 @@ WorkSettings by_hand(WorkSettings s) {
                .wall_along = 0.125,
                .wall_across = 0.125,
                .aside = 0.04};
+  return s;
+}
+
+RunSettings with_binary_grippers(RunSettings s) {
+  s.world.binary = true;
+  WorkSettings& w = s.work;
+  w.presses = true;
+  w.hold = w.max_hold = w.lightly = firm_force;
+  w.judge_from = 0.7;
+  w.judge_to = 4;
+  w.judge_span = 1.5;
+  w.plan = by_pressing(w.plan, press_border);
+  if (const skinctl::TaskFault fault = check(w.plan); fault.any())
+    throw std::runtime_error(
+        std::string("--gripper binary: step ") + std::to_string(fault.step) + " (" +
+        w.plan.steps[fault.step].does->name + "): " + describe(fault.error) +
+        (fault.facts.has(firm_below) ? ": what is squeezed must stand on something firm" : ""));
   return s;
 }
 

@@ -127,9 +127,10 @@ std::string picture_of_judgement(const Outcome& o, const RunSettings& s) {
   std::string out = opened(width, height);
   out += text("<line class=\"line\" x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>", X(0), Y(0), X(most),
               Y(most));
+  const double sides = s.work.presses ? 1 / press_tells : 2;  // of an orange that give
   for (std::size_t i = 0; i < s.work.plan.border_count; ++i)
     out += text("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#8e5bb5\"/>", X(0), X(most),
-                Y(2 * s.work.plan.borders[i]), Y(2 * s.work.plan.borders[i]));
+                Y(sides * s.work.plan.borders[i]), Y(sides * s.work.plan.borders[i]));
   for (int k = 0; k <= 9000; k += 3000) {
     out +=
         text("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%d</text>", X(k), height - bottom + 18, k);

@@ -13,12 +13,26 @@ using Plan = skinctl::TaughtTask<48>;
 /// Classes of objects.
 inline constexpr skinctl::ObjectClass orange_class = 1, box_class = 2, bin_class = 3;
 
+/// What is in the hand stands on something firm: a wrist that presses it down feels how stiff it is.
+inline constexpr skinctl::Facts firm_below = skinctl::fact::own<0>;
+
+/// Down with what is in the hand, until the wrist feels that it stands: where it was taken, or at a squeeze area,
+/// the place of the step.
+struct SetDown {
+  static constexpr skinctl::ActivityRule rule{.name = "set_down",
+                                              .word = skinctl::Activity::put,
+                                              .needs = skinctl::fact::in_hand,
+                                              .adds = firm_below,
+                                              .timeout = 6s};
+};
+
 /// Up, with what is in the hand: it is carried from then on.
 struct Lift {
   static constexpr skinctl::ActivityRule rule{.name = "lift",
                                               .word = skinctl::Activity::put,
                                               .needs = skinctl::fact::in_hand,
                                               .adds = skinctl::fact::carried,
+                                              .removes = firm_below,
                                               .timeout = 5s};
 };
 
@@ -87,6 +101,34 @@ inline constexpr Plan pack_oranges = [] {
   return out;
 }();
 static_assert([](Plan plan) { return check(plan).error; }(pack_oranges) == skinctl::TaskError::none);
+
+/// A plan for a hand that only opens and closes: it presses what it squeezes down with the wrist, so each squeeze needs
+/// that it stands; what was just taken is set down first. `border`: force over the way of the wrist, one side's stiffness.
+/// `check` refuses a plan that squeezes what hangs in the air.
+[[nodiscard]] constexpr Plan by_pressing(Plan plan, double border) {
+  using namespace skinctl;
+  for (std::uint8_t k = 0, size = plan.size; k < size; ++k) {
+    Step& s = plan.steps[k];
+    const bool squeezes_next = s.done < size && plan.steps[s.done].does == &activity::Squeeze::rule;
+    if (s.does == &activity::Squeeze::rule) s.needs = s.needs | firm_below;
+    if (s.does != &activity::Take::rule || !squeezes_next || plan.size == Plan::capacity) continue;
+    plan.steps[plan.size] = step_of<SetDown>({.role = s.role, .done = s.done, .failed = s.failed});
+    s.done = plan.size++;
+  }
+  for (std::size_t b = 0; b < plan.border_count; ++b) plan.borders[b] = border;
+  return plan;
+}
+/// Share of a side's stiffness that a press tells: fingers slide a little. Measured, see the README.
+inline constexpr double press_tells = 0.965;
+inline constexpr double press_border = press_tells * 3873;
+inline constexpr Plan press_oranges = by_pressing(pack_oranges, press_border);
+static_assert([](Plan plan) { return check(plan).error; }(press_oranges) == skinctl::TaskError::none);
+static_assert([](Plan plan) {
+  plan.steps[step::take].done = step::squeeze;  // nothing says that it stands
+  plan.size = step::count;
+  return check(plan);
+}(press_oranges)
+                  .facts == firm_below);
 
 /// A step in words.
 [[nodiscard]] constexpr const char* name_of(const Plan& plan, std::uint8_t k) noexcept {

@@ -75,6 +75,9 @@ std::string summary(const Outcome& o, const RunSettings& s) {
               o.shake());
   out += text("largest force of a finger %.2f N while holding, %.2f N at all\n", o.worst_grip(),
               o.worst_force());
+  if (s.world.binary)
+    out += text("largest force of a pressed orange on the table %.2f N\n",
+                std::max(o.arm[0].worst_press, o.arm[1].worst_press));
   const Judgement j = judgement(o);
   out += text("stiffness by squeezing: %.3f of the true one in the mean, %.1f %% rms apart from that\n",
               j.mean, 100 * j.spread);

@@ -44,6 +44,9 @@ struct RunSettings {
 
 /// The same work by a hand: forces that it can exert, heights and places at which it has room.
 [[nodiscard]] WorkSettings by_hand(WorkSettings settings);
+/// The same run with grippers that are only open or closed. Throws std::runtime_error for a plan that squeezes what
+/// does not stand.
+[[nodiscard]] RunSettings with_binary_grippers(RunSettings settings);
 
 /// Shown every 32 ms of simulated time where somebody looks; what is returned is asked of both arms.
 using Show = std::function<skinctl::CycleRequest(const Scenery&)>;
@@ -57,6 +60,7 @@ struct ArmOutcome {
   };
   std::vector<Judged> judged;
   double worst_grip = 0;                   ///< force of a finger while both hold something [N]
+  double worst_press = 0;                  ///< of a held orange on the table, binary grippers [N]
   double worst_force = 0;                  ///< of a finger, bumps into what lies there included [N]
   double shake = 0;                        ///< rms acceleration of a fingertip while it carries [m/s^2]
   double waited = 0;                       ///< for the box [s]

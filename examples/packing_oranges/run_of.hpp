@@ -241,6 +241,7 @@ class Run {
       const bool sees = passer_ && s_.see_each_other;
       const auto samples = touchers_[a]->samples(world_.now(), sees ? look(a) : std::span<const double>{});
       if (sees) w.look_around(world_.joints(a), samples);
+      if (s_.world.binary) w.feel(world_.wrist(a));
       const auto out =
           w.step(world_.now(), world_.joints(a), gripper(a), samples, places.grants[a].granted, resume);
       if (out.command.valid) world_.command(a, out.command.position, out.planned.velocity);
@@ -354,6 +355,7 @@ class Run {
       ArmOutcome& o = out_.arm[a];
       o.done = workers_[a]->done();
       o.worst_grip = world_.record(a).worst_grip;
+      o.worst_press = world_.record(a).worst_press;
       o.worst_force = world_.record(a).worst_force;
       o.shake = samples_[a] > 0 ? std::sqrt(square_[a] / static_cast<double>(samples_[a])) : 0;
       o.other_arm = world_.record(a).other_arm;

@@ -31,6 +31,11 @@ struct WorkSettings {
   /// arm gives up, and leaves what lies there.
   int in_vain = 20;
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
+  /// The gripper is only open or closed: the wrist presses what it holds, and its way over the force judges.
+  bool presses = false;
+  /// Goal of the force of a press [N]; it ends at `judge_to`, and fingers slide at the friction of both, 8 N.
+  double press = 6;
+  double feels = 0.8;  ///< force from which what is set down is felt to stand [N]
   Plan plan = pack_oranges;
   skinctl::ExecutorSettings executor{.max_place_wait = 12s};
 };

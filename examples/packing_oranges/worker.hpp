@@ -1,6 +1,7 @@
 // One arm at work: what it knows of the world, its place in the plan, and the requests to its skills that follow.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "examples/packing_oranges/finger_room.hpp"
 #include "examples/packing_oranges/giving_way.hpp"
 #include "examples/packing_oranges/grip.hpp"
+#include "examples/packing_oranges/pressing.hpp"
 #include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
 #include "examples/packing_oranges/work.hpp"
@@ -35,6 +37,8 @@ class Worker {
   Worker(std::size_t arm, const WorkSettings& settings, const skinctl::State<6>& measured);
 
   void see(const Picture& picture);
+  /// A reading of the wrist's force sensor, before a cycle, where there is one.
+  void feel(const skinctl::WrenchSample& wrist) { press_.feel(wrist); }
   /// What it says about the box, before a cycle.
   [[nodiscard]] skinctl::PlaceRequest place_request() const;
 
@@ -111,14 +115,8 @@ class Worker {
                                                : executor_.task().places[now_at().place].mark;
   }
   /// Whether the step is about an orange that lies in the feed.
-  [[nodiscard]] bool is_at_feed() const {
-    using namespace skinctl::activity;
-    return does(Reach::rule, Take::rule) || (does(Squeeze::rule) && now_at().place == skinctl::no_place);
-  }
-  [[nodiscard]] bool is_near_box(const skinctl::Xyz<double>& p) const {
-    const Tray& box = found_.at[0];
-    return std::hypot(p.x - box.x, p.y - box.y) <= 0.3;
-  }
+  [[nodiscard]] bool is_at_feed() const;
+  [[nodiscard]] bool is_near_box(const skinctl::Xyz<double>& p) const;
   /// The number of the tray at which the step puts; what it is about is no orange.
   [[nodiscard]] std::size_t tray_number() const { return mark() == bin_class ? 1 + arm_ : 0; }
   /// Walls are where box and bins are believed to be; with others the arm's cycle is built anew.
@@ -139,6 +137,7 @@ class Worker {
     double slowest = 0;   ///< it takes at least so long [s]
     bool judges = false;  ///< it is a squeeze
     double most = 1e9;    ///< force of a finger at which it has ended, at most [N]
+    double until = 1e9;   ///< it presses until the wrist feels so much [N]
   };
 
   [[nodiscard]] skinctl::Observed seen() const;
@@ -159,6 +158,9 @@ class Worker {
     return std::hypot(X_WH_.origin().x - p.x, X_WH_.origin().y - p.y) < 0.05;
   }
   static constexpr double stands_on = 3;  ///< force of a finger that stands on something [N]
+  static constexpr double clear_of_table =
+      0.003;  ///< of what is set down: it may hang lower than it was taken [m]
+  static constexpr skinctl::Nanoseconds untouched = 200ms;  ///< since a push, before a press begins
   /// Whether it is on its way to a place in box or bin.
   [[nodiscard]] bool goes_to_tray() const {
     return does(skinctl::activity::Put::rule) && plan_.phase == Executor::Phase::run && mark() != 0;
@@ -171,10 +173,7 @@ class Worker {
   [[nodiscard]] bool something_lies_there() const;
   /// Whether its orange has come down on something: it lets go there, and no lower.
   [[nodiscard]] bool has_come_down_in_tray() const;
-  void end(bool well) {
-    report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
-    judging_ = false;
-  }
+  void end(bool well);
   /// While something unknown is near, the arm gives way with all joints and what is in the hand. No goal holds it: a law's
   /// plan waits while the skin pushes against it. Then it returns by way of the last joints at which its hand was high, and
   /// goes on with its part. Whether this cycle is taken by that.
@@ -198,18 +197,22 @@ class Worker {
   /// A part's request, to the cycle.
   void ask(Part& part);
 
+  /// The part that moves the hand; adds it; and lets the last part bring this goal of the gripper.
+  [[nodiscard]] static Part move(std::uint8_t skill, const skinctl::Xyz<double>& to, double near);
   void add(std::uint8_t skill, const skinctl::Xyz<double>& to, double near) {
-    Part part{Set::start_skill(skill), true, to};
-    part.request.tolerance = {.position = near, .orientation = 0.05};
-    parts_.push_back(part);
+    parts_.push_back(move(skill, to, near));
   }
-  void grip(const skinctl::GripperGoal& goal) {
-    auto& part = parts_.back().request.goals.template of<skinctl::GripperGoal>();
-    part.has = true;
-    part.goal = goal;
-  }
+  void grip(const skinctl::GripperGoal& goal);
   /// As it is carried until it is squeezed.
   void hold_lightly();
+  /// The skill that does an activity with this gripper.
+  [[nodiscard]] std::uint8_t skill_of(const skinctl::ActivityRule* does) const {
+    return s_.presses ? A::binary_skills(does) : A::skills(does);
+  }
+  /// The part that presses down with a force, until so much is felt.
+  [[nodiscard]] Part press(Part part, double force, double until) const;
+  /// A press that somebody pushes tells nothing: back, just above where it stood, down until it stands, and once more.
+  void press_again();
   /// Squeezes; where it is carried on from there, what was squeezed is held as on the way.
   void add_squeeze(std::uint8_t skill);
   [[nodiscard]] skinctl::Xyz<double> at(const skinctl::Xyz<double>& p, double z) const {
@@ -226,22 +229,11 @@ class Worker {
   [[nodiscard]] skinctl::Xyz<double> fingers_along() const { return R_ * skinctl::Xyz<double>{0, 1, 0}; }
   /// The hand is turned from how it points down as it was turned in the lesson from how it took.
   [[nodiscard]] skinctl::Rotation<double> turned_at(std::uint8_t place) const;
-  [[nodiscard]] skinctl::Rotation<double> turned(double angle) const {
-    return skinctl::exp_so3(skinctl::Xyz<double>{0, 0, angle}) * straight_;
-  }
+  [[nodiscard]] skinctl::Rotation<double> turned(double angle) const;
   [[nodiscard]] FingerRoom room_beside(std::uint8_t orange) const;
 
   /// An orange of its own that is well seen; the one nearest to the hand.
   void look();
-  [[nodiscard]] static std::uint8_t cheapest(const auto& fits, const auto& cost) {
-    std::uint8_t best = skinctl::no_object;
-    double least = 1e9;
-    for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
-      if (!fits(k)) continue;
-      if (const double c = cost(k); c < least) best = k, least = c;
-    }
-    return best;
-  }
   /// Whether the squeeze told something.
   bool judge();
 
@@ -255,6 +247,7 @@ class Worker {
   Executor executor_;
   Grip grip_;
   skinctl::Squeeze<> squeeze_;
+  Pressing press_;
   Objects objects_;
   skinctl::FeatureExtractor<> extractor_;
   typename Objects::Memory known_;
@@ -288,6 +281,8 @@ class Worker {
   bool asked_in_vain_ = false;
   skinctl::JointPosition<6> high_ = A::home();
   skinctl::Xyz<double> from_{0, 0, 0}, other_hand_{0, 0, 9};
+  skinctl::Xyz<double> stands_at_{0, 0, 0};  ///< place of the hand where what it holds is set down
+  skinctl::Nanoseconds pushed_last_{-1s};    ///< when somebody pushed its skin last
   skinctl::Nanoseconds seen_at_{-1s}, pressed_at_{-1s}, return_by_{}, given_way_{};
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};

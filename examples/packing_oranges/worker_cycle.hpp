@@ -24,7 +24,8 @@ Worker<R>::Worker(std::size_t arm, const WorkSettings& settings, const skinctl::
       }()),
       known_(objects_.start()),
       X_WB_(A::base(arm)),
-      sight_(typename A::Model{}, scene_->skin().places(), {.range = sight_range, .half_angle = sight_cone}),
+      sight_(typename A::Model{}, scene_->skin().first().places(),
+             {.range = sight_range, .half_angle = sight_cone}),
       retreat_(arm, settings.carry),
       memory_(std::make_unique<typename Scene::Memory>()) {
   scene_->start(*memory_, measured);
@@ -75,7 +76,8 @@ void Worker<R>::look_around(const skinctl::State<6>& measured, std::span<skinctl
   const std::size_t seen = sight_.look(
       measured.q,
       [&](std::size_t i) {
-        return scene_->skin().held(memory_->skin, i).proximity * double(skinctl::CellCounts::proximity_unit);
+        return scene_->skin().first().held(memory_->skin.first, i).proximity *
+               double(skinctl::CellCounts::proximity_unit);
       },
       input_.around);
   if (seen > 0) seen_at_ = measured.time;
@@ -101,8 +103,14 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
             norm(skinctl::Xyz<double>(X_WH_.origin() - was)) < 0.03 * 0.008);
   const skinctl::HandSample<> hand{now, X_WH_, 0.0002, gripper.force};
   features_ = extractor_.step(featured_, objects_, known_, hand);
+  const std::uint8_t skill = memory_->law.skill;
+  press_.step(skill == Set::template index<behaviour::ForceCartesian>() ||
+              skill == Set::template index<behaviour::ClosingToPress>());
+  if (Pressing::pushed(samples, 3 * newtons_per_reading)) pushed_last_ = now;
   // Without an opening: what the fingers close at their constant speed.
-  if (judging_)
+  if (judging_ && s_.presses)
+    squeeze_.take(squeezed_, press_.force(), -X_WH_.origin().z);
+  else if (judging_)
     squeeze_.take(squeezed_, gripper.force,
                   s_.by_time ? closing_speed * skinctl::seconds<double>(now) : -gripper.opening);
 
@@ -139,6 +147,7 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
   input_.measured = measured;
   input_.samples = samples;
   input_.gripper = gripper;
+  input_.sensed.wrenches = press_.samples();
   const auto out = scene_->step(*memory_, input_);
   input_.request = skinctl::CycleRequest::none;
   kept_ = out.status.has(skinctl::Reason::clearance_kept);

@@ -59,9 +59,9 @@ bool Worker<R>::gives_way(const skinctl::JointPosition<6>& q) {
     // It was held firmly on the way: a squeeze is judged by the rise of the force.
     parts_.clear();
     part_ = 0;
-    add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
+    add(skill_of(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
     hold_lightly();
-    add_squeeze(A::skills(&skinctl::activity::Squeeze::rule));
+    add_squeeze(skill_of(&skinctl::activity::Squeeze::rule));
   }
   if (way_back_ == WayBack::none) return false;
   if (way_back_ == WayBack::joints) {

@@ -71,6 +71,12 @@ void Worker<R>::count_ways_back(const typename Executor::Memory& was) {
 }
 
 template <class R>
+void Worker<R>::end(bool well) {
+  report_.phase = well ? skinctl::SkillPhase::finished : skinctl::SkillPhase::failed;
+  judging_ = false;
+}
+
+template <class R>
 void Worker<R>::perform(const skinctl::StepRequest& r) {
   using Kind = skinctl::StepRequest::Kind;
   if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
@@ -90,10 +96,19 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
   }
   if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside(parts_[part_].request);
   const auto told = Set::report_of(memory_->law, ticket_);
+  const bool somebody_pushes = now_ - pushed_last_ < untouched;
+  if (somebody_pushes && parts_[part_].until < 1e9) press_again();
+  const bool pressed = asked_ && press_.force() >= parts_[part_].until;
   if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
-  if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
+  if (pressed || (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_)) {
     if (gripper_.force > parts_[part_].most) return;
+    if (!pressed && parts_[part_].until < 1e9) return end(false);  // nothing is below, or fingers slide
     if (parts_[part_].judges && !judge()) return end(false);
+    if (pressed && parts_[part_].judges) {
+      Part less = press({Set::start_skill(skill_of(&SetDown::rule)), false, {}}, s_.feels, 0);
+      less.request.kind = static_cast<unsigned char>(Goal::Kind::goal);
+      ask(less);
+    }
     if (++part_ == parts_.size()) return end(true);
     asked_ = false;
   }

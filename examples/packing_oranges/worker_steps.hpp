@@ -6,6 +6,33 @@
 namespace packing {
 
 template <class R>
+bool Worker<R>::is_at_feed() const {
+  using namespace skinctl::activity;
+  return does(Reach::rule, Take::rule) ||
+         (does(Squeeze::rule, SetDown::rule) && now_at().place == skinctl::no_place);
+}
+
+template <class R>
+bool Worker<R>::is_near_box(const skinctl::Xyz<double>& p) const {
+  const Tray& box = found_.at[0];
+  return std::hypot(p.x - box.x, p.y - box.y) <= 0.3;
+}
+
+template <class R>
+typename Worker<R>::Part Worker<R>::move(std::uint8_t skill, const skinctl::Xyz<double>& to, double near) {
+  Part part{Set::start_skill(skill), true, to};
+  part.request.tolerance = {.position = near, .orientation = 0.05};
+  return part;
+}
+
+template <class R>
+void Worker<R>::grip(const skinctl::GripperGoal& goal) {
+  auto& part = parts_.back().request.goals.template of<skinctl::GripperGoal>();
+  part.has = true;
+  part.goal = goal;
+}
+
+template <class R>
 void Worker<R>::begin(const skinctl::StepRequest& r) {
   using namespace skinctl;
   report_ = {r.ticket, SkillPhase::running, SkillFailure::none};
@@ -14,7 +41,7 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
   parts_.clear();
   part_ = 0;
   looks_since_ = now_;
-  const std::uint8_t skill = A::skills(r.does);
+  const std::uint8_t skill = skill_of(r.does);
   const auto here = X_WH_.origin();
   constexpr double passing = 0.06;
   if (r.does == &activity::Look::rule) return;
@@ -39,6 +66,17 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
     squeezed_ = {};
     judging_ = true;
     add_squeeze(skill);
+  } else if (r.does == &SetDown::rule) {
+    stands_at_ = taken_;
+    if (r.place != no_place) {
+      const auto p = hand_at(r.place);
+      stands_at_ = at(p, taken_.z);
+      const std::uint8_t carries = skill_of(&activity::Carry::rule);
+      add(carries, at(here, s_.carry), passing);
+      add(carries, at(p, s_.carry), 0.01);
+      add(carries, at(p, taken_.z + clear_of_table), 0.001);
+    }
+    parts_.push_back(press({Set::start_skill(skill), false, {}}, 1.25 * s_.feels, s_.feels));
   } else if (r.does == &activity::Carry::rule) {
     R_ = turned_at(r.place);
     const auto p = hand_at(r.place);
@@ -88,15 +126,40 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
 template <class R>
 void Worker<R>::hold_lightly() {
   grip({0, s_.lightly, 0.02});
-  parts_.back().most = 1.3 * s_.lightly;
+  if (!s_.presses) parts_.back().most = 1.3 * s_.lightly;
+}
+
+template <class R>
+typename Worker<R>::Part Worker<R>::press(Part part, double force, double until) const {
+  auto& goal = part.request.goals.template of<skinctl::ForceGoal<>>();
+  goal.has = true;
+  goal.goal = {{0, 0, -1}, A::yields_to_press * force};
+  part.until = until;
+  return part;
+}
+
+template <class R>
+void Worker<R>::press_again() {
+  squeezed_ = {};
+  asked_ = false;
+  parts_.erase(parts_.begin(),
+               std::find_if(parts_.begin(), parts_.end() - 1, [](const Part& part) { return part.judges; }));
+  if (parts_.front().judges) {
+    Part down{Set::start_skill(skill_of(&SetDown::rule)), false, {}};
+    parts_.insert(parts_.begin(), press(down, 1.25 * s_.feels, s_.feels));
+  }
+  const auto above = at(stands_at_, stands_at_.z + clear_of_table);
+  parts_.insert(parts_.begin(), move(skill_of(&skinctl::activity::Carry::rule), above, 0.001));
+  part_ = 0;
 }
 
 template <class R>
 void Worker<R>::add_squeeze(std::uint8_t skill) {
   parts_.push_back({Set::start_skill(skill), false, {}});
   parts_.back().judges = true;
+  if (s_.presses) parts_.back() = press(parts_.back(), s_.press, s_.judge_to);
   if (now_at().place == skinctl::no_place) return;
-  add(A::skills(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
+  add(skill_of(&skinctl::activity::Carry::rule), X_WH_.origin(), 0.01);
   grip({0, grip_.hold(), 0.02});
 }
 
@@ -121,6 +184,11 @@ skinctl::Rotation<double> Worker<R>::turned_at(std::uint8_t place) const {
 }
 
 template <class R>
+skinctl::Rotation<double> Worker<R>::turned(double angle) const {
+  return skinctl::exp_so3(skinctl::Xyz<double>{0, 0, angle}) * straight_;
+}
+
+template <class R>
 FingerRoom Worker<R>::room_beside(std::uint8_t orange) const {
   std::array<skinctl::Xyz<double>, Objects::capacity> others;
   std::size_t count = 0;
@@ -130,6 +198,17 @@ FingerRoom Worker<R>::room_beside(std::uint8_t orange) const {
   }
   return finger_room(known_.objects[orange].X_WO.origin() + beside_, straight_,
                      std::span(others).first(count), s_.turns);
+}
+
+/// The object that fits and costs least; `no_object`: none fits.
+[[nodiscard]] inline std::uint8_t cheapest(const auto& fits, const auto& cost) {
+  std::uint8_t best = skinctl::no_object;
+  double least = 1e9;
+  for (std::uint8_t k = 0; k < Believed::Objects::capacity; ++k) {
+    if (!fits(k)) continue;
+    if (const double c = cost(k); c < least) best = k, least = c;
+  }
+  return best;
 }
 
 template <class R>
@@ -172,8 +251,9 @@ bool Worker<R>::judge() {
   if (!k.known) return false;
   const std::uint8_t border = now_at().border;
   answer_ = border == skinctl::no_border || k.stiffness >= executor_.task().borders[border];
-  // Each side of an orange gives by half of the closing.
-  judged_.push_back({2 * k.stiffness, answer_, skinctl::seconds<double>(now_)});
+  // Each side of an orange gives by half of the closing of fingers; a wrist presses in one.
+  judged_.push_back(
+      {(s_.presses ? 1 / press_tells : 2) * k.stiffness, answer_, skinctl::seconds<double>(now_)});
   return true;
 }
 

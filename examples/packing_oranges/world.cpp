@@ -46,8 +46,9 @@ std::string collides(int type, int with) {
 
 void write_gripper(std::string& xml, std::size_t arm, double flange) {
   const std::string meets = collides(is_arm[arm], meets_arm[arm]);
-  xml += "<body name='" + name("palm", arm, 0) + "' pos='" + list({0, 0, flange}) +
-         "'><geom type='box' size='0.035 0.06 0.025' pos='0 0 0.03' mass='0.5'" + meets + "/>";
+  xml += "<body name='" + name("palm", arm, 0) + "' pos='" + list({0, 0, flange}) + "'><site name='" +
+         name("wrist", arm, 0) + "'/><geom type='box' size='0.035 0.06 0.025' pos='0 0 0.03' mass='0.5'" +
+         meets + "/>";
   for (std::size_t f = 0; f < 2; ++f) {
     const double way = f == 0 ? 1 : -1;
     xml += "<body name='" + name("finger", arm, f) + "' pos='" + list({0, 0, finger_reach}) +
@@ -150,12 +151,24 @@ std::string thing_text(const Thing& t, double friction) {
          list({solid, solid, 0.001, 0.5, 2}) + "'" + collides(is_orange, is_table) + "/></body>";
 }
 
+/// Oranges that a wrist presses on the table: a contact as stiff as the orange, like that of a finger.
+std::string press_text(const WorldSettings& settings, const std::string& soft) {
+  std::string xml = "<contact>";
+  for (std::size_t k = 0; k < arms * slots; ++k)
+    if (k % slots < settings.room)
+      xml += "<pair geom1='table' geom2='orange" + std::to_string(k) + "' condim='6' friction='" +
+             list({settings.friction, settings.friction, 0.01, 0.0005, 0.0005}) + "' solimp='" + soft + "'/>";
+  xml += "</contact><sensor>";
+  for (std::size_t arm = 0; arm < arms; ++arm) xml += "<force site='" + name("wrist", arm, 0) + "'/>";
+  return xml + "</sensor>";
+}
+
 std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSettings& settings) {
   const Thing& thing = settings.thing;
   std::string xml =
       "<mujoco><compiler angle='radian' balanceinertia='true'/><size njmax='600' nconmax='150'/>"
       "<option timestep='0.001' cone='elliptic' impratio='100' gravity='0 0 -9.81'/><worldbody>"
-      "<geom type='plane' size='2 2 0.1'" +
+      "<geom name='table' type='plane' size='2 2 0.1'" +
       collides(is_table, 0) + "/>";
   for (std::size_t k = 0; k < tray_count; ++k) write_tray(xml, k, settings.trays_move);
   for (std::size_t arm = 0; arm < arms; ++arm) write_arm(xml, arm, bodies[arm]);
@@ -175,7 +188,7 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSetti
     if (!bodies[arm].hand)
       xml += "<joint joint1='" + name("slide", arm, 0) + "' joint2='" + name("slide", arm, 1) +
              "' polycoef='0 1 0 0 0' solref='0.004 1'/>";
-  return xml + "</equality></mujoco>";
+  return xml + "</equality>" + (settings.binary ? press_text(settings, soft) : "") + "</mujoco>";
 }
 }  // namespace
 
@@ -200,7 +213,9 @@ struct World::Bodies {
     Gripper gripper;
     skinctl::GripperState state;
     double reading = 0;  // of the force sensor
-    int pushed = -1;     // body
+    Xyz<double> wrist{0, 0, 0}, wrist_bias{0, 0, 0},
+        wrist_reading{0, 0, 0};  // the wrist's: true, smoothed; ...
+    int pushed = -1;             // body
     Xyz<double> push_at{0, 0, 0}, push{0, 0, 0}, push_turns{0, 0, 0};
     std::array<Xyz<double>, 4> push_tips{};  // in the world's axes
     Xyz<double> tip_velocity{0, 0, 0};       // of the first one, a millisecond ago
@@ -208,6 +223,7 @@ struct World::Bodies {
   };
   struct Slot {
     int q = 0, v = 0, body = 0, geom = 0;
+    int pair = -1;  // with the table
     bool there = false, frozen = true;
     std::array<double, 7> rests{};
     skinctl::Nanoseconds touched{-1};
@@ -227,6 +243,7 @@ struct World::Bodies {
   std::array<int, tray_count> tray{}, tray_v{};            // bodies; dofs of the first of two slides, or -1
   std::array<Xyz<double>, tray_count> pulled{};            // by a person
   std::array<std::uint64_t, arms> at_wall{};               // milliseconds without a break
+  int table = -1;                                          // geom
   int obstacle = -1, obstacle_at = 0;                      // geom, and its place among the moved bodies
   std::array<bool, arms> meets_other{}, meets_obstacle{};  // a millisecond ago
   std::mt19937_64 random;
@@ -250,6 +267,9 @@ struct World::Bodies {
     mj_forward(model, data);
     weigh();
     mj_step1(model, data);
+    if (!settings.binary) return;
+    std::uniform_real_distribution<double> bias(-settings.wrist_bias, settings.wrist_bias);
+    for (Arm& m : arm) m.gripper = Gripper(true), m.wrist_bias = {bias(random), bias(random), bias(random)};
   }
   ~Bodies() {
     mj_deleteData(data);
@@ -262,6 +282,7 @@ struct World::Bodies {
   void find(const std::array<ArmBody, arms>& bodies) {
     owner.assign(static_cast<std::size_t>(model->ngeom), -1);
     obstacle = id(mjOBJ_GEOM, "obstacle");
+    table = id(mjOBJ_GEOM, "table");
     obstacle_at = model->body_mocapid[id(mjOBJ_BODY, "obstacle")];
     for (std::size_t k = 0; k < tray_count; ++k) {
       tray[k] = id(mjOBJ_BODY, name("tray", 0, k));
@@ -307,6 +328,8 @@ struct World::Bodies {
       o.body = id(mjOBJ_BODY, "orange" + std::to_string(k));
       o.geom = id(mjOBJ_GEOM, "orange" + std::to_string(k));
       const int joint = model->body_jntadr[o.body];
+      for (int p = 0; p < model->npair; ++p)
+        if (model->pair_geom1[p] == o.geom || model->pair_geom2[p] == o.geom) o.pair = p;
       o.q = model->jnt_qposadr[joint];
       o.v = model->jnt_dofadr[joint];
       orange_of[static_cast<std::size_t>(o.geom)] = static_cast<int>(k);
@@ -328,6 +351,13 @@ struct World::Bodies {
     const double stiff = stiffness * A * (1 - solid);
     model->geom_solref[2 * geom] = -stiff;
     model->geom_solref[2 * geom + 1] = -2 * std::sqrt(stiff);
+  }
+  /// The same of an orange on the table, which does not give way.
+  void stiffen_below(const Slot& o, double stiffness) {
+    if (o.pair < 0) return;
+    const double stiff = stiffness * model->body_invweight0[2 * o.body] * (1 - solid);
+    model->pair_solref[2 * o.pair] = -stiff;
+    model->pair_solref[2 * o.pair + 1] = -2 * std::sqrt(stiff);
   }
   void find_hand(Arm& m, std::size_t a, const HandBody& hand) {
     link_of.resize(static_cast<std::size_t>(model->nbody), -1);
@@ -445,6 +475,8 @@ struct World::Bodies {
       const mjContact& contact = data->contact[c];
       const auto g1 = static_cast<std::size_t>(contact.geom1), g2 = static_cast<std::size_t>(contact.geom2);
       const int o1 = owner[g1], o2 = owner[g2];
+      if (settings.binary && (contact.geom1 == table || contact.geom2 == table))
+        press(c, orange_of[contact.geom1 == table ? g2 : g1]);
       if (o1 < 0 && o2 < 0) continue;
       if (o1 >= 0 && o2 >= 0) {
         other.fill(true);
@@ -511,6 +543,31 @@ struct World::Bodies {
     }
     meets_other = other, meets_obstacle = blocked;
   }
+  /// An orange that fingers hold meets the table.
+  void press(int c, int orange) {
+    if (orange < 0 || orange == the_thing) return;
+    const Slot& o = slot[static_cast<std::size_t>(orange)];
+    if (o.touched < skinctl::Nanoseconds(0) || now() - o.touched > 2ms) return;
+    double f[6];
+    mj_contactForce(model, data, c, f);
+    double& worst = arm[static_cast<std::size_t>(orange) / slots].record.worst_press;
+    worst = std::max(worst, f[0]);
+  }
+  /// What the force sensors of the wrists read.
+  void feel_wrists() {
+    constexpr double smooth = 0.004;  // time constant of the sensor's own low pass [s]
+    for (std::size_t a = 0; a < arms; ++a) {
+      Arm& m = arm[a];
+      const double* f = data->sensordata + 3 * a;
+      // What the arm does to the hand, as MuJoCo has it; the sensor tells what the hand does to the arm.
+      m.wrist = m.wrist - tick / (smooth + tick) * (Xyz<double>{f[0], f[1], f[2]} + m.wrist);
+      const auto noise = [&](double of) {
+        return of * Xyz<double>{normal(random), normal(random), normal(random)};
+      };
+      m.wrist_bias = m.wrist_bias + noise(settings.wrist_drift * std::sqrt(tick));
+      m.wrist_reading = m.wrist + m.wrist_bias + noise(settings.wrist_noise);
+    }
+  }
   void feel(Arm& m, int c, int body) {
     double f[6];
     mj_contactForce(model, data, c, f);
@@ -572,6 +629,7 @@ void World::step() {
   mj_step2(b.model, b.data);
   ++b.ticks;
   b.look_at_contacts();
+  if (b.settings.binary) b.feel_wrists();
   b.freeze();
   mj_step1(b.model, b.data);
 }
@@ -661,6 +719,10 @@ skinctl::State<6> World::joints(std::size_t arm) const {
 skinctl::GripperState World::gripper(std::size_t arm) const {
   return b_->arm[arm].gripper.state(now(), b_->arm[arm].reading);
 }
+skinctl::WrenchSample World::wrist(std::size_t arm) const {
+  const auto& f = b_->arm[arm].wrist_reading;
+  return {now(), {f.x, f.y, f.z}, {}};
+}
 Xyz<double> World::hand(std::size_t arm) const {
   const Bodies::Arm& m = b_->arm[arm];
   const double *palm = b_->data->xpos + 3 * m.palm, *R = b_->data->xmat + 9 * m.palm;
@@ -720,6 +782,7 @@ void World::put(std::size_t k, const Xyz<double>& p, const Orange& orange) {
   o.rests = {p.x, p.y, p.z + orange.radius, 1, 0, 0, 0};
   b.model->geom_size[3 * o.geom] = b.model->geom_rbound[o.geom] = orange.radius;
   b.stiffen(o.geom, o.body, b.arm[k / slots].tip[0], orange.stiffness);
+  b.stiffen_below(o, orange.stiffness);
   b.model->geom_friction[3 * o.geom] = b.settings.friction;
   b.collide(o, false);
   b.rest(o);

@@ -9,6 +9,7 @@
 #include "examples/packing_oranges/gripper.hpp"
 #include "examples/packing_oranges/layout.hpp"
 #include "skinctl/core/state.hpp"
+#include "skinctl/sensing/wrench_sample.hpp"
 
 namespace packing {
 
@@ -31,7 +32,12 @@ struct WorldSettings {
   bool trays_move = false;              ///< box and bins slide on the table when they are pushed
   std::size_t room = slots_if_emptied;  ///< for oranges of each arm, at most `slots`
   bool opens_gently = false;            ///< a gripper opens with its goal's force at most
-  bool interpolate = true;  ///< false: commands are steps, as a servo without interpolation takes them
+  /// Grippers are only open or closed; wrists have force sensors, and the table is to an orange what a finger is.
+  bool binary = false;
+  double wrist_noise = 0.2;   ///< deviation of a wrist's force sensor [N]
+  double wrist_bias = 3;      ///< largest of its readings without load [N], which ...
+  double wrist_drift = 0.05;  ///< ... wander so far in a second [N]
+  bool interpolate = true;    ///< false: commands are steps, as a servo without interpolation takes them
 };
 
 /// An orange as it is put on the table.
@@ -51,7 +57,9 @@ struct ArmRecord {
   std::uint64_t walls = 0;            ///< ... a wall or the table
   std::uint64_t longest_at_wall = 0;  ///< ... a wall or the table without a break
   double wall_force = 0;              ///< largest force between it and a wall or the table [N]
-  std::uint64_t obstacle = 0;         ///< ... the obstacle
+  /// Largest force of a held orange on the table, its weight included; binary grippers only [N].
+  double worst_press = 0;
+  std::uint64_t obstacle = 0;  ///< ... the obstacle
   /// Speed with which its own point moved into the other arm, and into the obstacle, when they began to touch last [m/s].
   double into_arm = 0, into_obstacle = 0;
 };
@@ -90,6 +98,8 @@ class World {
 
   [[nodiscard]] skinctl::State<6> joints(std::size_t arm) const;
   [[nodiscard]] skinctl::GripperState gripper(std::size_t arm) const;
+  /// What the force sensor of a binary gripper's wrist reads, along the flange's axes; its moment is left out.
+  [[nodiscard]] skinctl::WrenchSample wrist(std::size_t arm) const;
   /// The joints of a hand: angles to the steps of its encoders (333.3 degrees in 65 536).
   [[nodiscard]] skinctl::State<16> fingers(std::size_t arm) const;
   /// What its fingertips feel: index, middle, ring, thumb [N].
