@@ -139,6 +139,13 @@ int main(int argc, char** argv) {
   std::string task;
   app.add_option("--task", task,
                  "a task that was taught, as `teach learn` writes it: instead of the plan by hand");
+  std::vector<std::string> process;
+  const auto* by_process =
+      app.add_option("--process", process,
+                     "oranges stay, and an arm puts the full box away: sort, pack and put away as a process. "
+                     "FILES: another one, of one file, or of the tasks in these files, in their order")
+          ->expected(0, int(Process::max_tasks))
+          ->type_name("[FILES]");
   app.add_option(
          "--gripper", gripper,
          "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
@@ -179,6 +186,16 @@ int main(int argc, char** argv) {
       return code(over ? Exit::fine : Exit::not_following);
     }
     if (!task.empty()) s.work.plan = plan_of(teach::load(task), robot == "ur10e" ? Ur10e::room : Ur5::room);
+    if (*by_process) {
+      if (!task.empty() || faults || worlds > 0 || s.obstacle > 0)
+        throw std::runtime_error("--process: not with --task, --faults, --worlds or --obstacle");
+      if (!s.honest) throw std::runtime_error("--process: not with --world ideal, whose box cannot be moved");
+      if (gripper.find("hand") == 0)
+        throw std::runtime_error(
+            "--process: an Allegro hand takes nothing as thin as the wall of a box here; a gripper does");
+      s.stay = true;
+      s.work.plan = process_by_hand;
+    }
     s.keep_path = !page.empty();
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";

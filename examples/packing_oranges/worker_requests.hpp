@@ -32,6 +32,10 @@ void Worker<R>::learn(const typename Executor::Memory& was, bool resume) {
   using Phase = typename Executor::Phase;
   using skinctl::StepFailure;
   const skinctl::Step& step = executor_.task().steps[was.step];
+  if (step.role == full_box_class) {  // of oranges, and of the camera that sees them, a wall tells nothing
+    stood_ = empty_ = false;
+    return believed_.write(known_);
+  }
   const bool take = step.does == &skinctl::activity::Take::rule, lift = step.does == &Lift::rule;
   const bool squeezes = step.does == &skinctl::activity::Squeeze::rule && step.place == skinctl::no_place;
   const bool began = was.phase == Phase::run || was.phase == Phase::confirm;
@@ -79,6 +83,10 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
     if (has_seen_tray(goes_down_for)) end(true);
     return;
   }
+  if (does(FindRoom::rule)) {
+    if (has_seen_tray(goes_down_for) && !box_is_full_ && granted_) end(true);
+    return;
+  }
   if (parts_.empty()) return look();
   if (way_.is_aside()) return;
   if (goes_to_tray() && norm(skinctl::Xyz<double>(hand_at(r.place) - goes_to_)) > strays) begin(r);
@@ -88,7 +96,10 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
     ask(off);
     return end(true);
   }
-  if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside(parts_[part_].request);
+  if (asked_ && parts_[part_].moves && way_.should_go() && !grips_box())
+    return go_aside(parts_[part_].request);
+  // A box that does not come along is let go.
+  if (moves_box() && gripper_.force > s_.box_is_stuck) return end(false);
   const auto told = Set::report_of(memory_->law, ticket_);
   if (asked_ && told.phase == skinctl::SkillPhase::failed && told.ticket == ticket_) return end(false);
   if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {

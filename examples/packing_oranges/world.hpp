@@ -51,7 +51,8 @@ struct ArmRecord {
   std::uint64_t walls = 0;            ///< ... a wall or the table
   std::uint64_t longest_at_wall = 0;  ///< ... a wall or the table without a break
   double wall_force = 0;              ///< largest force between it and a wall or the table [N]
-  std::uint64_t obstacle = 0;         ///< ... the obstacle
+  double worst_push = 0;       ///< largest force between it and trays that it moves, see `moves_trays` [N]
+  std::uint64_t obstacle = 0;  ///< ... the obstacle
   /// Speed with which its own point moved into the other arm, and into the obstacle, when they began to touch last [m/s].
   double into_arm = 0, into_obstacle = 0;
 };
@@ -87,6 +88,10 @@ class World {
   [[nodiscard]] skinctl::Xyz<double> tray_velocity(std::size_t k) const;
   /// From now on a person pulls at it with this force [N].
   void pull_tray(std::size_t k, const skinctl::Xyz<double>& force);
+  /// A person puts it there.
+  void put_tray(std::size_t k, const skinctl::Xyz<double>& p);
+  /// Whether what an arm touches of trays is meant from now on: it counts as a push, and not as walls.
+  void moves_trays(std::size_t arm, bool on);
 
   [[nodiscard]] skinctl::State<6> joints(std::size_t arm) const;
   [[nodiscard]] skinctl::GripperState gripper(std::size_t arm) const;

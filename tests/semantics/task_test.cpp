@@ -241,7 +241,8 @@ TEST_CASE("join: a process with a fault is refused; task, step and facts are nam
 }
 
 TEST_CASE("Executor: a process goes from task to task, and back to the first, until that has nothing to do") {
-  const Executor<20> executor(joined(process_of(true, {sort, pack, away})));
+  constexpr auto whole = joined(process_of(true, {sort, pack, away}));
+  const Executor<20> executor(whole);
   auto memory = executor.start(1s);
   Nanoseconds now = 1s;
   std::vector<int> steps;
