@@ -140,12 +140,12 @@ int main(int argc, char** argv) {
   app.add_option("--task", task,
                  "a task that was taught, as `teach learn` writes it: instead of the plan by hand");
   std::vector<std::string> process;
-  const auto* by_process =
-      app.add_option("--process", process,
-                     "oranges stay, and an arm puts the full box away: sort, pack and put away as a process. "
-                     "FILES: another one, of one file, or of the tasks in these files, in their order")
-          ->expected(0, int(Process::max_tasks))
-          ->type_name("[FILES]");
+  const auto* by_process = app.add_option("--process", process,
+                                          "oranges stay, and an arm puts the full box away: sort, pack, put "
+                                          "away as a process. FILES: another "
+                                          "one, of the tasks in these files, in their order")
+                               ->expected(0, int(Process::max_tasks))
+                               ->type_name("[FILES]");
   app.add_option(
          "--gripper", gripper,
          "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
@@ -194,7 +194,9 @@ int main(int argc, char** argv) {
         throw std::runtime_error(
             "--process: an Allegro hand takes nothing as thin as the wall of a box here; a gripper does");
       s.stay = true;
-      s.work.plan = process_by_hand;
+      std::erase_if(process, [](const std::string& file) { return file.empty() || file == "{}"; });
+      s.work.plan = process.empty() ? process_by_hand
+                                    : plan_of_process(process, robot == "ur10e" ? Ur10e::room : Ur5::room);
     }
     s.keep_path = !page.empty();
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};

@@ -84,6 +84,7 @@ void Worker<R>::begin_at_box(const skinctl::StepRequest& r) {
     add(reach, at(here, s_.carry), 0.05);
   } else {
     parts_.push_back({Set::start_skill(skill), false, {}});
+    grip({0, 2, 0.03});  // the finger that is there first pushes the box until the other one is
   }
 }
 

@@ -140,7 +140,7 @@ void Worker<R>::look() {
   if (features_.in_hand && in_vain_ <= 2 * s_.in_vain) return end(false);
   if (gives_up()) return answer_ = false, end(true);
   if (is_about_box()) {
-    constexpr auto settled = 500ms;  // what the hand hid in the box is seen then
+    constexpr auto settled = 350ms;  // what the hand hid in the box is seen then
     if (now_ - looks_since_ >= settled) answer_ = sees_full_box(), end(true);
     return;
   }
