@@ -125,8 +125,8 @@ int main(int argc, char** argv) {
                  "way; 0: nothing does")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--fault", fault, "none, slip, no_detector, box_blocked or touch_held")
-      ->check(CLI::IsMember({"none", "slip", "no_detector", "box_blocked", "touch_held"}))
+  app.add_option("--fault", fault, "none, slip, no_detector, box_blocked, touch_held or (--process) box_held")
+      ->check(CLI::IsMember({"none", "slip", "no_detector", "box_blocked", "touch_held", "box_held"}))
       ->capture_default_str();
   app.add_option("--fault-at", s.fault_at, "when [s]")->check(CLI::Range(0.0, 1e6))->capture_default_str();
   app.add_option("--fault-lasts", s.fault_lasts, "how long [s]; 0: as is usual for it, as the report says")

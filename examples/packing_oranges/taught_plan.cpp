@@ -149,6 +149,7 @@ class Reader {
     for (std::uint8_t k = 0; k < plan_.size; ++k) {
       if (plan_.steps[k].does != &activity::Release::rule) continue;
       const std::uint8_t next = plan_.steps[k].done;
+      if (next < plan_.size && plan_.steps[next].does == &GoBack::rule) continue;
       std::uint8_t back = 0;
       while (back < plan_.size && (plan_.steps[back].does != &GoBack::rule || plan_.steps[back].done != next))
         ++back;

@@ -69,8 +69,10 @@ void Worker<R>::begin_at_box(const skinctl::StepRequest& r) {
   } else if (r.does == &activity::Reach::rule) {
     if (!is_over(taken_)) return end(false);
     keep_clear_of_trays();
+    constexpr double just_above = 0.115;  // the fingers' ends are 13 mm over the wall there [m]
+    add(skill, at(taken_, just_above), 0.01);
     add(skill, taken_, 0.003);
-    parts_.back().slowest = 1.875 * norm(Xyz<double>(taken_ - here)) / Believed::wary_speed;
+    parts_.back().slowest = 1.875 * (just_above - taken_.z) / Believed::wary_speed;
   } else if (r.does == &activity::Put::rule) {
     const auto to = hand_at(r.place);
     const Xyz<double> way{to.x - found_.at[0].x, to.y - found_.at[0].y, 0};
