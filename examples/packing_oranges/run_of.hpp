@@ -140,7 +140,7 @@ class Run {
   [[nodiscard]] static WorldSettings worlds(const RunSettings& s) {
     WorldSettings out = s.world;
     out.trays_move = s.honest || s.move_box > 0;
-    if (s.honest && s.stay) out.room = slots, out.opens_gently = true;
+    if (s.honest && s.stay) out.room = slots, out.opens_gently = out.loads_trays = true;
     return out;
   }
   [[nodiscard]] static SupplySettings supplies(const RunSettings& s) {

@@ -84,8 +84,8 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
     return;
   }
   if (does(FindRoom::rule)) {
-    if (has_seen_tray(goes_down_for) && !box_is_full_ && granted_) end(true);
-    return;
+    if (has_seen_tray(goes_down_for) && !box_is_full_ && granted_) return end(true);
+    if (part_ == parts_.size()) return;
   }
   if (parts_.empty()) return look();
   if (way_.is_aside()) return;
@@ -105,7 +105,10 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
   if (asked_ && told.phase == skinctl::SkillPhase::finished && told.ticket == ticket_) {
     if (gripper_.force > parts_[part_].most) return;
     if (parts_[part_].judges && !judge()) return end(false);
-    if (++part_ == parts_.size()) return end(true);
+    if (++part_ == parts_.size()) {
+      if (!does(FindRoom::rule)) end(true);
+      return;
+    }
     asked_ = false;
   }
   // A finger has come down on something: no further.

@@ -14,12 +14,20 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
   parts_.clear();
   part_ = 0;
   looks_since_ = now_;
-  if (is_about_box() && r.does != &GoBack::rule) return begin_at_box(r);
+  if (is_about_box() && r.does != &GoBack::rule && (r.does != &activity::Reverse::rule || grips_box()))
+    return begin_at_box(r);
   const std::uint8_t skill = A::skills(r.does);
   const auto here = X_WH_.origin();
   constexpr double passing = 0.06;
   if (r.does == &activity::Look::rule) return;
-  if (r.does == &activity::Find::rule || r.does == &FindRoom::rule) return;
+  if (r.does == &activity::Find::rule) return;
+  if (r.does == &FindRoom::rule) {
+    // It waits where it does not keep the other arm from the box.
+    if (!box_is_full_ || !is_near_box(here)) return;
+    const Tray feed = feed_tray(arm_);
+    add(A::skills(&activity::Put::rule), at(here, s_.carry), passing);
+    return add(A::skills(&activity::Put::rule), {feed.x, feed.y, s_.carry}, 0.2);
+  }
   if (r.does == &activity::ReachAbove::rule) {
     R_ = turned(turned_);
     const auto p = known_.objects[object_].X_WO.origin();

@@ -542,7 +542,6 @@ struct World::Bodies {
     const double along = mju_dot3(turned, contact.frame);  // the normal points from geom1 to geom2
     return g == contact.geom1 ? along : -along;
   }
-  /// A tray slides the harder the more it holds.
   void load_trays() {
     for (std::size_t k = 0; k < tray_count; ++k) {
       if (tray_v[k] < 0) continue;
@@ -596,7 +595,7 @@ void World::step() {
     if (b.tray_v[k] >= 0)
       b.data->qfrc_applied[b.tray_v[k]] += b.pulled[k].x,
           b.data->qfrc_applied[b.tray_v[k] + 1] += b.pulled[k].y;
-  if (b.ticks % 8 == 0) b.load_trays();
+  if (b.settings.loads_trays && b.ticks % 8 == 0) b.load_trays();
   mj_step2(b.model, b.data);
   ++b.ticks;
   b.look_at_contacts();

@@ -30,6 +30,7 @@ struct WorldSettings {
   double friction = 0.8;                ///< of an orange
   bool trays_move = false;              ///< box and bins slide on the table when they are pushed
   std::size_t room = slots_if_emptied;  ///< for oranges of each arm, at most `slots`
+  bool loads_trays = false;             ///< a tray slides the harder the more oranges it holds
   bool opens_gently = false;            ///< a gripper opens with its goal's force at most
   bool interpolate = true;  ///< false: commands are steps, as a servo without interpolation takes them
 };

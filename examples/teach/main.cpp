@@ -69,10 +69,10 @@ int learn_from(const std::vector<std::string>& files, const std::string& json, c
       std::printf("(%s, at %.2f s)\n", files[learnt.demonstration].c_str(), seconds<double>(learnt.at));
     return examples::job::code(examples::job::Exit::refused);
   }
-  out.task = round ? one_round(learnt.task) : learnt.task;
+  out.task = learnt.task;
   std::printf("%s%d steps, %d places, %d borders; proved\n", to_text(out).c_str(), int(out.task.size),
               int(out.task.place_count), int(out.task.border_count));
-  save(json, to_json(out));
+  save(json, to_json(round ? NamedTask{one_round(out.task), out.classes} : out));
   save(svg, to_svg(out));
   save(xml, to_xml(out));
   return 0;
