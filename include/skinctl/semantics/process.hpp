@@ -76,7 +76,7 @@ struct Process {
 /// The first fault of a process: of a task by itself, or of what the tasks before it leave.
 struct ProcessFault {
   std::uint8_t task = 0;  ///< index of the task
-  TaskFault fault{};      ///< its fault, with the index of the step in that task
+  TaskFault fault{};      ///< fault of the task, with the index of the step in it
   [[nodiscard]] constexpr bool any() const noexcept { return fault.any(); }
 };
 
