@@ -164,9 +164,9 @@ std::string to_json(const NamedTask& named) {
   return j.dump(2) + "\n";
 }
 
-std::string to_text(Facts facts) {
+std::string to_text(Facts set) {
   std::string out;
-  for (const auto& name : names_of(facts)) out += (out.empty() ? "" : ", ") + name.get<std::string>();
+  for (const auto& name : names_of(set)) out += (out.empty() ? "" : ", ") + name.get<std::string>();
   return out;
 }
 

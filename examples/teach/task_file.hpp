@@ -29,7 +29,7 @@ using Activities = std::span<const skinctl::ActivityRule* const>;
 /// From a file.
 [[nodiscard]] NamedTask load(const std::string& file, Activities own = {});
 /// Facts by their names in files: "in_hand, good".
-[[nodiscard]] std::string to_text(skinctl::Facts facts);
+[[nodiscard]] std::string to_text(skinctl::Facts set);
 
 /// One round of a task that is done until nothing is left: it ends where that one begins anew. For a process, whose
 /// tasks take turns.

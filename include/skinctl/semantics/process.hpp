@@ -61,8 +61,9 @@ template <std::same_as<Step>... S>
 
 /// A process of at most `N` tasks: a value, written, or loaded from files. See `join`.
 ///
-/// A task is followed by the next one when it ends: done, with the answer no (it had nothing to do), or after it
-/// has gone back. A process that repeats begins anew behind its last task, until the first one has nothing to do.
+/// A task is followed by the next one when it ends: done, with the answer no (it had nothing to do), or after
+/// it has gone back. A process that repeats begins anew behind its last task, until the first one has nothing
+/// to do.
 template <std::size_t C, std::size_t N = 6>
 struct Process {
   static_assert(N > 0 && N < 255);
@@ -113,7 +114,8 @@ template <std::size_t C, std::size_t N>
   return out;
 }
 
-/// The tasks of a process as one task. One in which `join` finds a fault does not compile, and the error says why.
+/// The tasks of a process as one task. One in which `join` finds a fault does not compile, and the error says
+/// why.
 template <std::size_t C, std::size_t N>
 [[nodiscard]] consteval TaughtTask<C> joined(const Process<C, N>& process) {
   TaughtTask<C> whole{};
