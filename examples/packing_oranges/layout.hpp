@@ -48,6 +48,13 @@ inline constexpr double tray_bottom = 0.003;
 [[nodiscard]] constexpr skinctl::Xyz<double> feed_place(std::size_t arm, std::size_t k) noexcept {
   return {(-0.24 + 0.15 * (static_cast<double>(k) - 1)) * side(arm), -0.40 * side(arm), 0};
 }
+/// Where an arm puts a full box, on the other arm's side of the table, as far as the shorter arm reaches with ease: a
+/// person fetches it there.
+[[nodiscard]] constexpr skinctl::Xyz<double> shelf_place(std::size_t arm) noexcept {
+  return {0.22 * side(arm), 0, 0};
+}
+/// A box that is nearer to it than this is put there [m].
+inline constexpr double put_within = 0.06;
 /// As the first arm sees it from its side, seen from the side of an arm.
 [[nodiscard]] constexpr skinctl::Xyz<double> seen_by(std::size_t arm,
                                                      const skinctl::Xyz<double>& p) noexcept {

@@ -125,8 +125,8 @@ int main(int argc, char** argv) {
                  "way; 0: nothing does")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--fault", fault, "none, slip, no_detector, box_blocked or touch_held")
-      ->check(CLI::IsMember({"none", "slip", "no_detector", "box_blocked", "touch_held"}))
+  app.add_option("--fault", fault, "none, slip, no_detector, box_blocked, touch_held or (--process) box_held")
+      ->check(CLI::IsMember({"none", "slip", "no_detector", "box_blocked", "touch_held", "box_held"}))
       ->capture_default_str();
   app.add_option("--fault-at", s.fault_at, "when [s]")->check(CLI::Range(0.0, 1e6))->capture_default_str();
   app.add_option("--fault-lasts", s.fault_lasts, "how long [s]; 0: as is usual for it, as the report says")
@@ -139,6 +139,13 @@ int main(int argc, char** argv) {
   std::string task;
   app.add_option("--task", task,
                  "a task that was taught, as `teach learn` writes it: instead of the plan by hand");
+  std::vector<std::string> process;
+  const auto* by_process = app.add_option("--process", process,
+                                          "oranges stay, and an arm puts the full box away: sort, pack, put "
+                                          "away as a process. FILES: another "
+                                          "one, of the tasks in these files, in their order")
+                               ->expected(0, int(Process::max_tasks))
+                               ->type_name("[FILES]");
   app.add_option("--gripper", gripper,
                  "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
                  "Allegro hands; binary: takes only open and close, the wrist presses to judge; "
@@ -179,6 +186,22 @@ int main(int argc, char** argv) {
       return code(over ? Exit::fine : Exit::not_following);
     }
     if (!task.empty()) s.work.plan = plan_of(teach::load(task), robot == "ur10e" ? Ur10e::room : Ur5::room);
+    if (*by_process) {
+      if (!task.empty() || faults || worlds > 0 || s.obstacle > 0)
+        throw std::runtime_error("--process: not with --task, --faults, --worlds or --obstacle");
+      if (!s.honest) throw std::runtime_error("--process: not with --world ideal, whose box cannot be moved");
+      if (gripper.find("hand") == 0)
+        throw std::runtime_error(
+            "--process: an Allegro hand takes nothing as thin as the wall of a box here; a gripper does");
+      if (gripper == "binary")
+        throw std::runtime_error(
+            "--process: a gripper that is only open or closed cannot let a box go that gets stuck: it tells "
+            "no force");
+      s.stay = true;
+      std::erase_if(process, [](const std::string& file) { return file.empty() || file == "{}"; });
+      s.work.plan = process.empty() ? process_by_hand
+                                    : plan_of_process(process, robot == "ur10e" ? Ur10e::room : Ur5::room);
+    }
     s.keep_path = !page.empty();
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";

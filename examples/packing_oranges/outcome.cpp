@@ -87,7 +87,8 @@ constexpr struct {
               {Fault::slip, "slip", "a carried orange is wet and slips out of the fingers", 1},
               {Fault::no_detector, "no_detector", "the detector is silent", 2},
               {Fault::box_blocked, "box_blocked", "a person has the box", 30},
-              {Fault::touch_held, "touch_held", "a person leans on a forearm", 20}};
+              {Fault::touch_held, "touch_held", "a person leans on a forearm", 20},
+              {Fault::box_held, "box_held", "a person holds the full box that an arm moves, 80 mm aside", 3}};
 }  // namespace
 
 Fault fault_named(const std::string& name) {

@@ -12,6 +12,8 @@ using Plan = skinctl::TaughtTask<48>;
 
 /// Classes of objects.
 inline constexpr skinctl::ObjectClass orange_class = 1, box_class = 2, bin_class = 3;
+/// A box that is full, and where full boxes are put: no detector tells them, the arms know them.
+inline constexpr skinctl::ObjectClass full_box_class = 4, shelf_class = 5;
 
 /// What is in the hand stands on something firm: a wrist that presses it down feels how stiff it is.
 inline constexpr skinctl::Facts firm_below = skinctl::fact::own<0>;
@@ -40,6 +42,12 @@ struct Lift {
 struct GoBack {
   static constexpr skinctl::ActivityRule rule{
       .name = "go_back", .word = skinctl::Activity::reach, .forbids = skinctl::fact::in_hand, .timeout = 10s};
+};
+
+/// Finds a box that has room, and waits until there is one: longer than an arm and a person take to exchange it.
+struct FindRoom {
+  static constexpr skinctl::ActivityRule rule{
+      .name = "find_room", .adds = skinctl::fact::marked, .timeout = 40s, .retries = 0};
 };
 
 namespace step {
@@ -135,6 +143,14 @@ static_assert([](Plan plan) {
   using namespace skinctl;
   const Step& s = plan.steps[k];
   const bool box = s.place != no_place && plan.places[s.place].mark == box_class;
+  if (s.role == full_box_class)
+    return s.does == &activity::Look::rule      ? "look for a full box"
+           : s.does == &activity::Take::rule    ? "take its wall"
+           : s.does == &activity::Put::rule     ? "push the box away"
+           : s.does == &activity::Release::rule ? "let go of the box"
+           : s.does == &GoBack::rule            ? "go back"
+                                                : "reach its wall";
+  if (s.does == &FindRoom::rule) return "find a box with room";
   if (s.does == &activity::Put::rule) return box ? "to box" : "to bin";
   if (s.does == &activity::Find::rule) return box ? "find the box" : "find the bin";
   return s.does == &activity::ReachAbove::rule             ? "reach above"

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "examples/packing_oranges/pictures.hpp"
+#include "examples/packing_oranges/process.hpp"
 #include "examples/support/report_style.hpp"
 #include "examples/support/svg_plot.hpp"
 #include "examples/support/text.hpp"
@@ -60,6 +61,25 @@ std::string failures(const ArmOutcome& a, const Plan& plan) {
   if (n > shown) out += text("  and %d more\n", n - shown);
   return out;
 }
+/// Full boxes that arms have put away, and how long each took, from reaching for its wall until it was let go [s].
+std::string put_away(const Outcome& o, const Plan& plan) {
+  double time = 0, force = 0;
+  int count = 0, failed = 0;
+  for (const ArmOutcome& a : o.arm) {
+    force = std::max(force, a.worst_push);
+    for (const Done& d : a.done) {
+      if (plan.steps[d.step].role != full_box_class || d.does == &skinctl::activity::Look::rule) continue;
+      time += d.to - d.from;
+      const bool fails = d.why != skinctl::StepFailure::none;
+      failed += fails;
+      count += d.does == &skinctl::activity::Release::rule && !d.back && !fails;
+    }
+  }
+  return text(
+      "the arms put away %d full boxes: %.1f s each, with %.1f N at most, %d steps failed; a person fetched "
+      "%d\n",
+      count, count > 0 ? time / count : 0.0, force, failed, o.fetched);
+}
 }  // namespace
 
 std::string summary(const Outcome& o, const RunSettings& s) {
@@ -107,6 +127,7 @@ std::string summary(const Outcome& o, const RunSettings& s) {
     for (const auto& p : m.doubted) out += text(" %+.2f %+.2f", p.x, p.y);
     out += m.doubted.empty() ? " nothing\n" : " m\n";
   }
+  if (puts_boxes_away(s.work.plan)) out += put_away(o, s.work.plan);
   if (o.put_away > 0) out += text("a person put away %d full boxes and bins\n", o.put_away);
   if (s.move_box > 0)
     out += text("a person moved the box by %.0f mm %d times\n", 1e3 * s.move_box, o.box_moved);

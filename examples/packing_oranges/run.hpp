@@ -15,7 +15,7 @@
 namespace packing {
 
 /// What goes wrong in a run, once.
-enum class Fault : unsigned char { none, slip, no_detector, box_blocked, touch_held };
+enum class Fault : unsigned char { none, slip, no_detector, box_blocked, touch_held, box_held };
 
 struct RunSettings {
   SupplySettings supply{};
@@ -65,6 +65,7 @@ struct ArmOutcome {
   double shake = 0;                        ///< rms acceleration of a fingertip while it carries [m/s^2]
   double waited = 0;                       ///< for the box [s]
   double busy = 0;                         ///< until its last orange was done [s]
+  double worst_push = 0;                   ///< largest force on a full box that it moves [N]
   int touches = 0, asked = 0;              ///< how often it was touched, and a person was asked
   int went_aside = 0;                      ///< how often, for the other arm
   std::uint64_t other_arm = 0, walls = 0;  ///< milliseconds in contact
@@ -97,6 +98,7 @@ struct Outcome {
   double hand_cycle = 0;  ///< the same of a hand; 0: it has none
   int box_moved = 0;      ///< how often, by a person
   int put_away = 0;       ///< full boxes and bins, by a person
+  int fetched = 0;        ///< of these, boxes that a person fetched where an arm had put them
   int passes = 0;         ///< of the thing that moves through the room
   double nearest = 1e9;   ///< it came to an arm, as capsules [m]
   /// Both plans have ended; all oranges are packed, or the others are doubted (honest), or left by an arm that

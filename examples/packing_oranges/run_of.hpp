@@ -80,6 +80,7 @@ class Run {
       WorkSettings work = s.hand[a] ? by_hand(s.work) : s.work;
       work.honest = s.honest;
       work.stay = s.honest && s.stay;
+      work.full_box = static_cast<std::size_t>(s.supply.full_box);
       workers_.push_back(std::make_unique<Worker<R>>(a, work, world_.joints(a)));
       if (s.hand[a]) hands_[a] = std::make_unique<Hand>(around_a_ball(), world_.fingers(a));
       touchers_.push_back(std::make_unique<Toucher<R>>(s, skin.places().size(), s.seed * 7919 + 4 + a));
@@ -139,12 +140,13 @@ class Run {
   [[nodiscard]] static WorldSettings worlds(const RunSettings& s) {
     WorldSettings out = s.world;
     out.trays_move = s.honest || s.move_box > 0;
-    if (s.honest && s.stay) out.room = slots, out.opens_gently = true;
+    if (s.honest && s.stay) out.room = slots, out.opens_gently = out.loads_trays = true;
     return out;
   }
   [[nodiscard]] static SupplySettings supplies(const RunSettings& s) {
     SupplySettings out = s.supply;
     out.stay = s.honest && s.stay;
+    out.boxes_come = puts_boxes_away(s.work.plan);
     out.waits = s.obstacle > 0;  // an arm that gives way comes back to where it takes an orange
     return out;
   }
@@ -190,12 +192,28 @@ class Run {
           out_.fault_begins = t;
           out_.fault_ends = t + lasts_;
         }
+    if (s_.fault == Fault::box_held) hold_box();
     if (slipped_ >= 0 && !dry_ && t >= out_.fault_ends) {
       world_.make_slippery(static_cast<std::size_t>(slipped_), false);
       dry_ = true;
     }
   }
 
+  /// A person takes hold of the first full box that an arm moves, and pulls it aside; an arm's strength at most.
+  void hold_box() {
+    constexpr double aside = 0.08, stiffness = 2000, damping = 90, strength = 60;
+    const Tray box = world_.tray(0);
+    const double t = time();
+    if (out_.fault_begins == 0 && (workers_[0]->moves_box() || workers_[1]->moves_box()) &&
+        norm(world_.tray_velocity(0)) > 0.05)
+      out_.fault_begins = t, out_.fault_ends = t + lasts_, held_at_ = {box.x, box.y + aside, 0};
+    const bool on = out_.fault_begins > 0 && t < out_.fault_ends;
+    skinctl::Xyz<double> force =
+        stiffness * skinctl::Xyz<double>(held_at_ - skinctl::Xyz<double>{box.x, box.y, 0}) -
+        damping * world_.tray_velocity(0);
+    force = std::min(1.0, strength / std::max(norm(force), 1e-9)) * force;
+    world_.pull_tray(0, on ? force : skinctl::Xyz<double>{0, 0, 0});
+  }
   /// A millisecond of the thing that moves through the room.
   void pass() {
     if (tick_ % 8 == 0) {
@@ -287,7 +305,8 @@ class Run {
     const ArmRecord& r = world_.record(a);
     if (w.carries() && !(touchers_[a]->force() > 0)) square_[a] += r.square, samples_[a] += r.samples;
     world_.clear_shake(a);
-    if (!granted) o.waited += 0.008;
+    world_.moves_trays(a, w.grips_box());
+    if (!granted || w.waits_for_room()) o.waited += 0.008;
     while (o.judged.size() < w.judged().size()) {
       const auto& j = w.judged()[o.judged.size()];
       const std::size_t k = in_hand(a);
@@ -339,6 +358,7 @@ class Run {
     out_.ended = supply_.ended();
     out_.oranges = s_.supply.oranges;
     out_.put_away = supply_.put_away();
+    out_.fetched = supply_.fetched();
     if (passer_) out_.passes = passer_->passes();
     out_.time = time();
     out_.computed = computed;
@@ -349,7 +369,7 @@ class Run {
       out_.robot += " with Allegro hands";
     else if (s_.hand[0] || s_.hand[1])
       out_.robot += ", one with an Allegro hand";
-    if (s_.fault != Fault::none && s_.fault != Fault::slip)
+    if (s_.fault != Fault::none && s_.fault != Fault::slip && s_.fault != Fault::box_held)
       out_.fault_begins = s_.fault_at, out_.fault_ends = s_.fault_at + lasts_;
     for (std::size_t a = 0; a < arms; ++a) {
       ArmOutcome& o = out_.arm[a];
@@ -362,6 +382,7 @@ class Run {
       o.walls = world_.record(a).walls;
       o.longest_at_wall = world_.record(a).longest_at_wall;
       o.wall_force = world_.record(a).wall_force;
+      o.worst_push = world_.record(a).worst_push;
       o.went_aside = workers_[a]->went_aside();
       o.obstacle = world_.record(a).obstacle;
       o.into_obstacle = world_.record(a).into_obstacle;
@@ -400,7 +421,8 @@ class Run {
   Outcome out_;
   double lasts_ = 0, computed_ = 0, held_ = 0, works_at_ = 0;
   std::uint64_t tick_ = 0, cycles_ = 0, holds_ = 0;
-  int slipped_ = -1;  ///< the orange
+  skinctl::Xyz<double> held_at_{0, 0, 0};  ///< where a person holds the box
+  int slipped_ = -1;                       ///< the orange
   bool dry_ = false;
 };
 

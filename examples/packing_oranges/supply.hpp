@@ -18,6 +18,10 @@ struct SupplySettings {
   /// Oranges stay in box and bins, until a person puts an empty one in the place of a full one, over which no hand is.
   bool stay = false;
   int full_box = 8, full_bin = 3;  ///< so many are full
+  /// Arms put full boxes away: a person fetches one where an arm has put it, some time later, and puts an empty one
+  /// where the boxes are filled.
+  bool boxes_come = false;
+  double fetched_after = 3;  ///< [s]
 };
 
 /// Where an orange has ended.
@@ -49,6 +53,8 @@ class Supply {
   [[nodiscard]] int given() const { return given_; }
   /// How often a person has put a full box or bin away.
   [[nodiscard]] int put_away() const { return put_away_; }
+  /// How often a person has fetched a box where an arm had put it.
+  [[nodiscard]] int fetched() const { return fetched_; }
   [[nodiscard]] const SupplySettings& settings() const { return s_; }
   [[nodiscard]] double stiffness(std::size_t slot) const { return kind_[slot].stiffness; }
   [[nodiscard]] bool good(std::size_t slot) const { return kind_[slot].good; }
@@ -96,10 +102,24 @@ class Supply {
     };
     each([&](std::size_t) { ++in_it; });
     if (in_it < (tray == 0 ? s_.full_box : s_.full_bin)) return;
+    bool stands = true;
     for (std::size_t a = 0; a < arms; ++a)
-      if (const auto p = world.hand(a); std::hypot(p.x - at.x, p.y - at.y) < over_tray) return;
+      if (const auto p = world.hand(a); std::hypot(p.x - at.x, p.y - at.y) < over_tray) stands = false;
+    if (tray == 0 && s_.boxes_come) {
+      if (!stands || !is_put(at)) stood_since_ = world.now();
+      if (world.now() - stood_since_ < skinctl::nanoseconds(s_.fetched_after)) return;
+      ++fetched_;
+    }
+    if (!stands) return;
     each([&](std::size_t k) { world.take_out(k); });
+    if (tray == 0 && s_.boxes_come) world.put_tray(0, {box_tray.x, box_tray.y, 0});
     ++put_away_;
+  }
+  /// Whether a box stands where an arm puts full ones.
+  [[nodiscard]] static bool is_put(const Tray& box) {
+    for (std::size_t a = 0; a < arms; ++a)
+      if (const auto p = shelf_place(a); std::hypot(p.x - box.x, p.y - box.y) < put_within) return true;
+    return false;
   }
   void fill(World& world, std::size_t arm) {
     for (std::size_t place = 0; place < feed_places; ++place) {
@@ -134,7 +154,8 @@ class Supply {
   std::array<Kind, arms * slots> kind_{};
   std::array<std::array<std::size_t, feed_places>, arms> at_{};
   std::vector<Packed> ended_;
-  int given_ = 0, put_away_ = 0;
+  int given_ = 0, put_away_ = 0, fetched_ = 0;
+  skinctl::Nanoseconds stood_since_{};  ///< when a full box has stood where a person fetches it
 };
 
 }  // namespace packing

@@ -33,6 +33,7 @@ class Reader {
       if (plan_.places[i].mark == orange_class) around_orange(0, orange_class, plan_.places[i].X_MH.origin());
     }
     go_back_after_releases();
+    plan_.name = "taught";
     if (const TaskFault fault = check(plan_); fault.any()) refuse(fault.step, describe(fault.error));
     return plan_;
   }
@@ -44,21 +45,26 @@ class Reader {
   }
   [[nodiscard]] ObjectClass class_here(ObjectClass kind) const {
     const std::string name = kind == 0 ? "" : classes_.name(kind);
-    return name == "orange" ? orange_class
-           : name == "box"  ? box_class
-           : name == "bin"  ? bin_class
-                            : ObjectClass(0);
+    return name == "orange"     ? orange_class
+           : name == "box"      ? box_class
+           : name == "bin"      ? bin_class
+           : name == "full box" ? full_box_class
+           : name == "shelf"    ? shelf_class
+                                : ObjectClass(0);
   }
   /// Whether these arms can do a step; its role becomes the class that it has here.
   void understand(std::uint8_t k) {
     Step& s = plan_.steps[k];
-    if (class_here(s.role) != orange_class)
+    const ObjectClass role = class_here(s.role);
+    if (role != orange_class && role != full_box_class)
       refuse(k, "here are oranges, a box and bins, no " + classes_.name(s.role));
-    s.role = orange_class;
+    s.role = role;
     if (!is_done_by_tomm(s.does)) refuse(k, "these arms have no skill for it");
     if (s.does == &activity::Look::rule && s.no == ask_person)
       refuse(k, "it is done once; show it with more than one orange, and it goes on until none is left");
-    const bool goes = s.does == &activity::Put::rule || s.does == &activity::Carry::rule;
+    if (role == full_box_class) return understand_box(k);
+    const bool goes =
+        s.does == &activity::Put::rule || s.does == &activity::Carry::rule || s.does == &FindRoom::rule;
     if (s.place == no_place && goes) refuse(k, "it has no place");
     if (s.place == no_place) return;
     TaughtPlace& place = plan_.places[s.place];
@@ -66,8 +72,9 @@ class Reader {
     if (mark == 0 && place.mark != 0)
       refuse(k, "its place is beside a " + classes_.name(place.mark) + ", and there is none here");
     const auto& p = place.X_MH.origin();
-    const bool lets_go = s.does == &activity::Put::rule || s.does == &activity::Find::rule ||
-                         s.does == &activity::Release::rule;
+    if (s.does == &FindRoom::rule && mark != box_class) refuse(k, "it is the box that is to have room");
+    const bool lets_go = s.does == &activity::Put::rule || s.does == &FindRoom::rule ||
+                         s.does == &activity::Find::rule || s.does == &activity::Release::rule;
     if (lets_go)
       in_tray(k, mark, place);
     else if (s.does == &activity::Carry::rule || s.does == &activity::Squeeze::rule)
@@ -77,6 +84,27 @@ class Reader {
     // The same turn is asked of the hand here as was shown: about the vertical, because it takes from above.
     const Rotation<double> turned = place.X_MH.axes() * taken().transpose();
     if (turned.z.z < 0.97) refuse(k, "the hand is tilted from how it took, and here it points down");
+  }
+  /// A full box is taken by the wall on the arm's side, and put where a person fetches it.
+  void understand_box(std::uint8_t k) {
+    using namespace activity;
+    const Step& s = plan_.steps[k];
+    const auto is = [&](const auto&... rule) { return ((s.does == &rule) || ...); };
+    if (is(Look::rule, GoBack::rule)) return;
+    const bool at_wall = is(ReachAbove::rule, Reach::rule, Take::rule);
+    if (!at_wall && !is(Put::rule, Release::rule))
+      refuse(k, "a full box is looked for, taken by its wall, put on the shelf and let go");
+    if (s.place == no_place) refuse(k, "it has no place");
+    const TaughtPlace& place = plan_.places[s.place];
+    const Xyz<double> off = place.X_MH.origin() - (at_wall ? wall_place : Xyz<double>{0, 0, 0});
+    constexpr double beside = 0.01;
+    if (class_here(place.mark) != (at_wall ? box_class : shelf_class) || !(norm(off) <= beside))
+      refuse(k, at_wall
+                    ? text("a full box is taken at the middle of its wall, %.3f m from its own: 10 mm beside "
+                           "at most",
+                           wall_place.x)
+                    : std::string(
+                          "a full box is put on the shelf, where a person fetches it: 10 mm beside at most"));
   }
   /// How the hand stood when it took an orange.
   [[nodiscard]] Rotation<double> taken() const {
@@ -121,6 +149,7 @@ class Reader {
     for (std::uint8_t k = 0; k < plan_.size; ++k) {
       if (plan_.steps[k].does != &activity::Release::rule) continue;
       const std::uint8_t next = plan_.steps[k].done;
+      if (next < plan_.size && plan_.steps[next].does == &GoBack::rule) continue;
       std::uint8_t back = 0;
       while (back < plan_.size && (plan_.steps[back].does != &GoBack::rule || plan_.steps[back].done != next))
         ++back;
@@ -128,7 +157,7 @@ class Reader {
       if (back == plan_.size) {
         const Step& release = plan_.steps[k];
         plan_.steps[plan_.size++] =
-            step_of<GoBack>({.role = orange_class, .done = next, .failed = release.failed});
+            step_of<GoBack>({.role = release.role, .done = next, .failed = release.failed});
       }
       plan_.steps[k].done = back;
     }
@@ -141,7 +170,47 @@ class Reader {
 }  // namespace
 
 Plan plan_of(const teach::NamedTask& task, const HandRoom& room) {
-  return Reader(task, room).plan();
+  Plan plan = Reader(task, room).plan();
+  if (plan.begins.any())
+    throw std::runtime_error("the task begins with " + teach::to_text(plan.begins) +
+                             ": it is a part of a process");
+  return plan;
+}
+
+teach::Activities activities_here() {
+  static constexpr const ActivityRule* own[] = {&Lift::rule, &GoBack::rule, &FindRoom::rule};
+  return own;
+}
+
+Plan plan_of_process(std::span<const std::string> files, const HandRoom& room) {
+  Process process;
+  process.repeats = true;
+  if (files.size() > Process::max_tasks)
+    throw std::runtime_error(text("a process has %zu tasks at most", Process::max_tasks));
+  const auto of_task = [&](std::size_t k) {
+    return text("task %zu of the process (%s), ", k + 1, files[k].c_str());
+  };
+  for (std::size_t k = 0; k < files.size(); ++k) try {
+      process.tasks[process.size++] = Reader(teach::load(files[k], activities_here()), room).plan();
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(of_task(k) + error.what());
+    }
+  bool boxes_go = false;
+  for (const Plan& task : process.tasks) boxes_go = boxes_go || puts_boxes_away(task);
+  for (Plan& task : process.tasks)
+    for (std::size_t i = 0; boxes_go && i < task.size; ++i)
+      if (Step& s = task.steps[i];
+          s.does == &activity::Find::rule && s.place != no_place && task.places[s.place].mark == box_class)
+        s.does = &FindRoom::rule;
+  Plan whole;
+  if (const ProcessFault f = join(process, whole); f.any()) {
+    const Plan& task = process.tasks[f.task];
+    const ActivityRule* does = f.fault.step < task.size ? task.steps[f.fault.step].does : nullptr;
+    throw std::runtime_error(
+        of_task(f.task) + text("step %d (%s): ", int(f.fault.step), does ? does->name : "?") +
+        describe(f.fault.error) + (f.fault.facts.any() ? " (" + teach::to_text(f.fault.facts) + ")" : ""));
+  }
+  return whole;
 }
 
 }  // namespace packing

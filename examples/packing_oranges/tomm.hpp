@@ -9,7 +9,7 @@
 #include "examples/packing_oranges/gripper.hpp"
 #include "examples/packing_oranges/hand_room.hpp"
 #include "examples/packing_oranges/obstacle.hpp"
-#include "examples/packing_oranges/plan.hpp"
+#include "examples/packing_oranges/process.hpp"
 #include "skinctl/semantics/skill_map.hpp"
 #include "skinctl/skinctl.hpp"
 
@@ -105,6 +105,7 @@ inline constexpr auto done_by_tomm = boost::hana::make_map(
     skinctl::done_by<SetDown, behaviour::ForceCartesian>(), skinctl::done_by<Lift, behaviour::Putting>(),
     skinctl::done_by<skinctl::activity::Carry, behaviour::Putting>(),
     skinctl::done_by<skinctl::activity::Find, behaviour::Rest>(),
+    skinctl::done_by<FindRoom, behaviour::Rest>(),
     skinctl::done_by<skinctl::activity::Put, behaviour::Putting>(),
     skinctl::done_by<skinctl::activity::Release, behaviour::LetGo>(),
     skinctl::done_by<GoBack, behaviour::Reaching>(),
@@ -349,7 +350,7 @@ struct Arm {
   }
   using Scene = decltype(scene());
   using Set = typename Scene::law_type;
-  static constexpr auto skills = skinctl::skill_map<Set>(tomm, pack_oranges);
+  static constexpr auto skills = skinctl::skill_map<Set>(tomm, process_by_hand);
   static constexpr auto binary_skills = skinctl::skill_map<Set>(tomm_binary, press_oranges);
 
   static skinctl::Transform<skinctl::Base, skinctl::Tool> hand(const skinctl::JointPosition<6>& q) {

@@ -26,7 +26,15 @@ struct WorkSettings {
   bool turns = true;  ///< the hand turns so that its open fingers come down beside what lies near an orange
   bool stay = false;  ///< oranges stay in box and bins: it lets go beside those that lie there, or just above
   OpenFingers fingers{};
-  bool honest = false;  ///< the detector tells no numbers: it takes what it believes, see `Believed`
+  std::size_t full_box = 8;  ///< number of oranges of a full box
+  /// Force of each finger on a wall of a box that is moved [N]. The fingers push by their shape, so it need only be
+  /// felt; it is less than what bruises an orange that the inner finger may touch.
+  double hold_box = 8;
+  /// Mean force of both fingers from which the box is stuck, and is let go [N]: then one of them presses with twice as
+  /// much, 28 N. A box of 1.5 kg with 8 oranges slides with 11.5 N; a hand that is pinched may get 65 N.
+  double box_is_stuck = 14;
+  double box_speed = 0.08;  ///< largest speed of a box that is moved [m/s]
+  bool honest = false;      ///< the detector tells no numbers: it takes what it believes, see `Believed`
   /// Ways back in a row, with no orange put, after which a person is asked, once; after half as many more the
   /// arm gives up, and leaves what lies there.
   int in_vain = 20;

@@ -87,8 +87,15 @@ class Worker {
   [[nodiscard]] const Believed& believed() const { return believed_; }
   [[nodiscard]] bool carries() const {
     return features_.in_hand && does(skinctl::activity::Put::rule, skinctl::activity::Carry::rule) &&
-           plan_.phase == Executor::Phase::run;
+           !is_about_box() && plan_.phase == Executor::Phase::run;
   }
+  /// Whether it has a full box between its fingers, or is about to; and whether it moves one now.
+  [[nodiscard]] bool grips_box() const;
+  [[nodiscard]] bool moves_box() const {
+    return is_about_box() && does(skinctl::activity::Put::rule) && plan_.phase == Executor::Phase::run;
+  }
+  /// Whether it waits with an orange for a box that has room.
+  [[nodiscard]] bool waits_for_room() const { return does(FindRoom::rule) && box_is_full_; }
   [[nodiscard]] bool goes_back() const { return !done_.empty() && done_.back().back; }
   /// Whether it is limited for the other arm.
   [[nodiscard]] bool kept() const { return kept_; }
@@ -109,6 +116,18 @@ class Worker {
     const auto next = now_at().done;
     return next < executor_.task().size && executor_.task().steps[next].does == &rule;
   }
+  /// Whether that step is about a full box, and no orange.
+  [[nodiscard]] bool is_about_box() const { return now_at().role == full_box_class; }
+  /// Whether a full box is to be put away: one that is believed to be full, and is not yet where a person fetches it.
+  [[nodiscard]] bool sees_full_box() const;
+  /// A box is full, and empty, once some pictures in a row have shown it.
+  void count_oranges_in_box();
+  /// Where at the wall of a place, along it, the inner finger has most room beside what lies in the box.
+  [[nodiscard]] skinctl::Xyz<double> place_at_wall(std::uint8_t place) const;
+  /// The hand points down, and its fingers move across the walls on both arms' sides.
+  [[nodiscard]] skinctl::Rotation<double> across_wall() const;
+  /// The parts of a step that is about a full box.
+  void begin_at_box(const skinctl::StepRequest& r);
   /// Class of the landmark of that step's place; 0: none.
   [[nodiscard]] skinctl::ObjectClass mark() const {
     return now_at().place == skinctl::no_place ? skinctl::ObjectClass(0)
@@ -163,7 +182,8 @@ class Worker {
   static constexpr skinctl::Nanoseconds untouched = 200ms;  ///< since a push, before a press begins
   /// Whether it is on its way to a place in box or bin.
   [[nodiscard]] bool goes_to_tray() const {
-    return does(skinctl::activity::Put::rule) && plan_.phase == Executor::Phase::run && mark() != 0;
+    return does(skinctl::activity::Put::rule) && plan_.phase == Executor::Phase::run && mark() != 0 &&
+           !is_about_box();
   }
   /// Whether it goes down there, or is about to.
   [[nodiscard]] bool lowers_in_tray() const {
@@ -277,6 +297,8 @@ class Worker {
   RightOfWay way_;
   WayBack way_back_ = WayBack::none;
   bool gives_way_ = false, displaced_ = false;
+  bool granted_ = false, box_is_full_ = false;
+  int since_full_ = 0;  ///< pictures in a row that say something else than `box_is_full_`
   int gave_way_ = 0, set_right_ = 0, tries_ = 0, in_vain_ = 0;
   bool asked_in_vain_ = false;
   skinctl::JointPosition<6> high_ = A::home();
@@ -295,5 +317,6 @@ class Worker {
 
 #include "examples/packing_oranges/worker_cycle.hpp"
 #include "examples/packing_oranges/worker_gives_way.hpp"
+#include "examples/packing_oranges/worker_moves_box.hpp"
 #include "examples/packing_oranges/worker_requests.hpp"
 #include "examples/packing_oranges/worker_steps.hpp"

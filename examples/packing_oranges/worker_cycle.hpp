@@ -49,6 +49,7 @@ void Worker<R>::see(const Picture& picture) {
   believed_.see(picture, std::array{X_WH_.origin(), other_hand_});
   believed_.write(known_);
   believed_.find(found_);
+  count_oranges_in_box();
   keep_clear_of_trays();
 }
 
@@ -61,7 +62,7 @@ skinctl::PlaceRequest Worker<R>::place_request() const {
   const std::uint8_t to = now_at().place;
   const bool at_box = to != skinctl::no_place && mark() != orange_class && is_near_box(hand_at(to));
   skinctl::PlaceRequest out;
-  out.wants = at_work && at_box ? std::uint8_t(0) : std::uint8_t(255);
+  out.wants = at_work && at_box && !waits_for_room() ? std::uint8_t(0) : std::uint8_t(255);
   out.leaves = 1;
   out.failed = !at_work;
   out.away = is_near_box(p) ? 0u : ~0u;
@@ -96,6 +97,7 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
                                                   bool resume) {
   now_ = now;
   gripper_ = gripper;
+  granted_ = granted;
   const auto was = X_WH_.origin();
   X_WH_ = X_WB_ * A::hand(measured.q);
   if (does(skinctl::activity::Reach::rule, skinctl::activity::Take::rule)) believed_.feel(gripper);
@@ -157,11 +159,13 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
 
 template <class R>
 void Worker<R>::keep_clear_of_trays() {
+  Trays stand = found_.at;
+  if (grips_box()) stand[0].x = 9;  // its fingers are where a wall is
   double off = 0;
   for (std::size_t k = 0; k < tray_count; ++k)
-    off = std::max(off, std::hypot(found_.at[k].x - walls_at_[k].x, found_.at[k].y - walls_at_[k].y));
+    off = std::max(off, std::hypot(stand[k].x - walls_at_[k].x, stand[k].y - walls_at_[k].y));
   if (off < walls_off) return;
-  walls_at_ = found_.at;
+  walls_at_ = stand;
   scene_.reset(new Scene(A::scene(arm_, walls_at_)));
   retreat_ = GivingWay<R>(arm_, s_.carry, walls_at_);
 }
@@ -179,7 +183,8 @@ skinctl::Observed Worker<R>::seen() const {
   using namespace skinctl;
   const auto out = observed(features_);
   // A release forgets the place, though it is still seen.
-  const bool matters = s_.honest && does(activity::Find::rule, activity::Put::rule) && mark() != 0;
+  const bool matters =
+      s_.honest && does(activity::Find::rule, FindRoom::rule, activity::Put::rule) && mark() != 0;
   return matters ? also(out, fact::marked, has_seen_tray(marked_for)) : out;
 }
 

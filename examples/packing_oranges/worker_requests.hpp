@@ -32,6 +32,10 @@ void Worker<R>::learn(const typename Executor::Memory& was, bool resume) {
   using Phase = typename Executor::Phase;
   using skinctl::StepFailure;
   const skinctl::Step& step = executor_.task().steps[was.step];
+  if (step.role == full_box_class) {  // of oranges, and of the camera that sees them, a wall tells nothing
+    stood_ = empty_ = false;
+    return believed_.write(known_);
+  }
   const bool take = step.does == &skinctl::activity::Take::rule, lift = step.does == &Lift::rule;
   const bool squeezes = step.does == &skinctl::activity::Squeeze::rule && step.place == skinctl::no_place;
   const bool began = was.phase == Phase::run || was.phase == Phase::confirm;
@@ -85,6 +89,10 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
     if (has_seen_tray(goes_down_for)) end(true);
     return;
   }
+  if (does(FindRoom::rule)) {
+    if (has_seen_tray(goes_down_for) && !box_is_full_ && granted_) return end(true);
+    if (part_ == parts_.size()) return;
+  }
   if (parts_.empty()) return look();
   if (way_.is_aside()) return;
   if (goes_to_tray() && norm(skinctl::Xyz<double>(hand_at(r.place) - goes_to_)) > strays) begin(r);
@@ -94,7 +102,10 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
     ask(off);
     return end(true);
   }
-  if (asked_ && parts_[part_].moves && way_.should_go()) return go_aside(parts_[part_].request);
+  if (asked_ && parts_[part_].moves && way_.should_go() && !grips_box())
+    return go_aside(parts_[part_].request);
+  // A box that does not come along is let go.
+  if (moves_box() && gripper_.force > s_.box_is_stuck) return end(false);
   const auto told = Set::report_of(memory_->law, ticket_);
   const bool somebody_pushes = now_ - pushed_last_ < untouched;
   if (somebody_pushes && parts_[part_].until < 1e9) press_again();
@@ -109,7 +120,10 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
       less.request.kind = static_cast<unsigned char>(Goal::Kind::goal);
       ask(less);
     }
-    if (++part_ == parts_.size()) return end(true);
+    if (++part_ == parts_.size()) {
+      if (!does(FindRoom::rule)) end(true);
+      return;
+    }
     asked_ = false;
   }
   // A finger has come down on something: no further.

@@ -41,11 +41,20 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
   parts_.clear();
   part_ = 0;
   looks_since_ = now_;
+  if (is_about_box() && r.does != &GoBack::rule && (r.does != &activity::Reverse::rule || grips_box()))
+    return begin_at_box(r);
   const std::uint8_t skill = skill_of(r.does);
   const auto here = X_WH_.origin();
   constexpr double passing = 0.06;
   if (r.does == &activity::Look::rule) return;
   if (r.does == &activity::Find::rule) return;
+  if (r.does == &FindRoom::rule) {
+    // It waits where it does not keep the other arm from the box.
+    if (!box_is_full_ || !is_near_box(here)) return;
+    const Tray feed = feed_tray(arm_);
+    add(A::skills(&activity::Put::rule), at(here, s_.carry), passing);
+    return add(A::skills(&activity::Put::rule), {feed.x, feed.y, s_.carry}, 0.2);
+  }
   if (r.does == &activity::ReachAbove::rule) {
     R_ = turned(turned_);
     const auto p = known_.objects[object_].X_WO.origin();
@@ -167,6 +176,7 @@ template <class R>
 skinctl::Xyz<double> Worker<R>::hand_at(std::uint8_t place) const {
   const auto& [mark, X_MH] = executor_.task().places[place];
   const auto p = seen_by(arm_, X_MH.origin());
+  if (mark == shelf_class) return p + shelf_place(arm_);
   if (mark == 0) return p + seen_by(arm_, {-R::stands, 0, 0});
   const Tray& tray = mark == bin_class ? found_.at[1 + arm_] : found_.at[0];
   if (s_.stay && does(skinctl::activity::Put::rule)) return {tray.x + spot_.x, tray.y + spot_.y, p.z};
@@ -216,6 +226,11 @@ void Worker<R>::look() {
   // A person was asked while it held an orange: that one first goes back to where it came from.
   if (features_.in_hand && in_vain_ <= 2 * s_.in_vain) return end(false);
   if (gives_up()) return answer_ = false, end(true);
+  if (is_about_box()) {
+    constexpr auto settled = 350ms;  // what the hand hid in the box is seen then
+    if (now_ - looks_since_ >= settled) answer_ = sees_full_box(), end(true);
+    return;
+  }
   const bool sees = now_ - last_picture_ < 300ms;
   if (!sees) looks_since_ = now_;
   const auto fits = [&](std::uint8_t k) {

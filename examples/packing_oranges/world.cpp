@@ -212,10 +212,12 @@ struct World::Bodies {
     double slide_inertia = 0;
     Gripper gripper;
     skinctl::GripperState state;
+    double feels = 0;    // force of a finger, their mean: what they hold, and walls
     double reading = 0;  // of the force sensor
     Xyz<double> wrist{0, 0, 0}, wrist_bias{0, 0, 0},
         wrist_reading{0, 0, 0};  // the wrist's: true, smoothed; ...
-    int pushed = -1;             // body
+    bool moves_trays = false;
+    int pushed = -1;  // body
     Xyz<double> push_at{0, 0, 0}, push{0, 0, 0}, push_turns{0, 0, 0};
     std::array<Xyz<double>, 4> push_tips{};  // in the world's axes
     Xyz<double> tip_velocity{0, 0, 0};       // of the first one, a millisecond ago
@@ -454,7 +456,7 @@ struct World::Bodies {
   }
   void drive_gripper(Arm& m) {
     const double opening = data->qpos[m.slide_q[0]] + data->qpos[m.slide_q[1]];
-    m.reading = std::max(0.0, m.record.force + settings.force_noise * normal(random));
+    m.reading = std::max(0.0, m.feels + settings.force_noise * normal(random));
     const double half = m.gripper.step(opening, m.reading, tick) / 2;
     constexpr double stiff = 250;
     const double most = settings.opens_gently ? m.gripper.opens_with() : 1e9;
@@ -470,6 +472,8 @@ struct World::Bodies {
     for (Arm& m : arm) m.phalanges = {};
     std::array<bool, arms> walls{}, other{}, blocked{};
     std::array<double, arms> on_wall{};
+    std::array<std::array<double, parts>, arms> on_tray{};
+    std::array<Xyz<double>, arms> push{};
     std::array<double, arms> into_other{}, into_obstacle{};  // how fast, 0 for an arm that is moved into
     for (int c = 0; c < data->ncon; ++c) {
       const mjContact& contact = data->contact[c];
@@ -496,9 +500,16 @@ struct World::Bodies {
       const auto mine = static_cast<std::size_t>(o1 >= 0 ? o1 : o2), a = mine / parts, part = mine % parts;
       const int orange = orange_of[o1 >= 0 ? g2 : g1];
       if (orange < 0) {
-        walls[a] = true;
         double f[6];
         mj_contactForce(model, data, c, f);
+        on_tray[a][part] += f[0];
+        if (arm[a].moves_trays) {
+          double F[3];
+          mju_rotVecMatT(F, f, contact.frame);
+          push[a] = push[a] + (o1 >= 0 ? -1.0 : 1.0) * Xyz<double>{F[0], F[1], F[2]};
+          continue;
+        }
+        walls[a] = true;
         on_wall[a] += f[0];
         continue;
       }
@@ -513,17 +524,20 @@ struct World::Bodies {
     for (std::size_t a = 0; a < arms; ++a) {
       Arm& m = arm[a];
       ArmRecord& r = m.record;
-      double sum = 0, fingers = 0, largest = 0;
+      double sum = 0, fingers = 0, largest = 0, walled = 0;
       int hold = 0;
       for (std::size_t f = 0; f < m.tip.size(); ++f) {
         const double F = force[a][f + 1];
         sum += m.holds[f] * F, fingers += m.holds[f];
+        walled += m.holds[f] * on_tray[a][f + 1];
         largest = std::max(largest, F);
         hold += F > 0.2;
         if (m.has_hand) m.true_tips[f] = F;
         if (m.has_hand) m.tips[f] = std::max(0.0, F + settings.force_noise * normal(random));
       }
       r.force = sum / fingers;
+      m.feels = (sum + walled) / fingers;
+      r.worst_push = std::max(r.worst_push, norm(push[a]));
       r.worst_force = std::max(r.worst_force, largest);
       if (hold > 1) r.worst_grip = std::max(r.worst_grip, largest);
       r.walls += walls[a];
@@ -585,6 +599,18 @@ struct World::Bodies {
     const double along = mju_dot3(turned, contact.frame);  // the normal points from geom1 to geom2
     return g == contact.geom1 ? along : -along;
   }
+  void load_trays() {
+    for (std::size_t k = 0; k < tray_count; ++k) {
+      if (tray_v[k] < 0) continue;
+      Tray at = first_trays[k];
+      at.x = data->xpos[3 * tray[k]], at.y = data->xpos[3 * tray[k] + 1];
+      double mass = tray_mass;
+      for (const Slot& o : slot)
+        if (o.there && at.holds({data->qpos[o.q], data->qpos[o.q + 1], data->qpos[o.q + 2]}))
+          mass += orange_mass;
+      for (int i = 0; i < 2; ++i) model->dof_frictionloss[tray_v[k] + i] = tray_friction * mass * 9.81;
+    }
+  }
   /// Oranges far from every hand rest where they are, at no cost.
   void freeze() {
     for (Slot& o : slot) {
@@ -626,6 +652,7 @@ void World::step() {
     if (b.tray_v[k] >= 0)
       b.data->qfrc_applied[b.tray_v[k]] += b.pulled[k].x,
           b.data->qfrc_applied[b.tray_v[k] + 1] += b.pulled[k].y;
+  if (b.settings.loads_trays && b.ticks % 8 == 0) b.load_trays();
   mj_step2(b.model, b.data);
   ++b.ticks;
   b.look_at_contacts();
@@ -707,6 +734,15 @@ Xyz<double> World::tray_velocity(std::size_t k) const {
 }
 void World::pull_tray(std::size_t k, const Xyz<double>& force) {
   b_->pulled[k] = force;
+}
+
+void World::put_tray(std::size_t k, const Xyz<double>& p) {
+  const int q = b_->model->jnt_qposadr[b_->model->body_jntadr[b_->tray[k]]], v = b_->tray_v[k];
+  b_->data->qpos[q] = p.x - first_trays[k].x, b_->data->qpos[q + 1] = p.y - first_trays[k].y;
+  b_->data->qvel[v] = b_->data->qvel[v + 1] = 0;
+}
+void World::moves_trays(std::size_t arm, bool on) {
+  b_->arm[arm].moves_trays = on;
 }
 
 skinctl::State<6> World::joints(std::size_t arm) const {

@@ -31,6 +31,7 @@ struct WorldSettings {
   double friction = 0.8;                ///< of an orange
   bool trays_move = false;              ///< box and bins slide on the table when they are pushed
   std::size_t room = slots_if_emptied;  ///< for oranges of each arm, at most `slots`
+  bool loads_trays = false;             ///< a tray slides the harder the more oranges it holds
   bool opens_gently = false;            ///< a gripper opens with its goal's force at most
   /// Grippers are only open or closed; wrists have force sensors, and the table is to an orange what a finger is.
   bool binary = false;
@@ -59,6 +60,7 @@ struct ArmRecord {
   double wall_force = 0;              ///< largest force between it and a wall or the table [N]
   /// Largest force of a held orange on the table, its weight included; binary grippers only [N].
   double worst_press = 0;
+  double worst_push = 0;       ///< largest force between it and trays that it moves, see `moves_trays` [N]
   std::uint64_t obstacle = 0;  ///< ... the obstacle
   /// Speed with which its own point moved into the other arm, and into the obstacle, when they began to touch last [m/s].
   double into_arm = 0, into_obstacle = 0;
@@ -95,6 +97,10 @@ class World {
   [[nodiscard]] skinctl::Xyz<double> tray_velocity(std::size_t k) const;
   /// From now on a person pulls at it with this force [N].
   void pull_tray(std::size_t k, const skinctl::Xyz<double>& force);
+  /// A person puts it there.
+  void put_tray(std::size_t k, const skinctl::Xyz<double>& p);
+  /// Whether what an arm touches of trays is meant from now on: it counts as a push, and not as walls.
+  void moves_trays(std::size_t arm, bool on);
 
   [[nodiscard]] skinctl::State<6> joints(std::size_t arm) const;
   [[nodiscard]] skinctl::GripperState gripper(std::size_t arm) const;

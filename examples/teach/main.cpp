@@ -49,7 +49,7 @@ void save(const std::string& file, const std::string& text) {
   if (!out.flush()) throw std::runtime_error("cannot write " + file);
 }
 int learn_from(const std::vector<std::string>& files, const std::string& json, const std::string& svg,
-               const std::string& xml) {
+               const std::string& xml, bool round) {
   NamedTask out;
   std::vector<Demonstration<>> shown;
   LearnSettings settings;
@@ -72,7 +72,7 @@ int learn_from(const std::vector<std::string>& files, const std::string& json, c
   out.task = learnt.task;
   std::printf("%s%d steps, %d places, %d borders; proved\n", to_text(out).c_str(), int(out.task.size),
               int(out.task.place_count), int(out.task.border_count));
-  save(json, to_json(out));
+  save(json, to_json(round ? NamedTask{one_round(out.task), out.classes} : out));
   save(svg, to_svg(out));
   save(xml, to_xml(out));
   return 0;
@@ -80,6 +80,8 @@ int learn_from(const std::vector<std::string>& files, const std::string& json, c
 int run_task(const std::string& file, int count, std::uint64_t seed, double pace, bool quiet,
              const std::atomic<bool>& stopped) {
   const NamedTask task = load(file);
+  if (task.task.begins.any())
+    throw std::runtime_error("it begins with " + to_text(task.task.begins) + ": it is a part of a process");
   const RunResult r = run(task, count, seed, pace, !quiet, stopped);
   if (stopped) return examples::job::code(examples::job::Exit::interrupted);
   std::map<std::string, int> ends;
@@ -132,6 +134,9 @@ int main(int argc, char** argv) {
   auto* learns = app.add_subcommand("learn", "the task that recordings show, or why there is none");
   learns->add_option("files", files)->required();
   learns->add_option("--task", json, "writes the task as JSON");
+  bool round = false;
+  learns->add_flag("--round", round,
+                   "one round of what is done until nothing is left, for a process of several tasks");
   learns->add_option("--svg", svg, "draws it");
   learns->add_option("--xml", xml, "writes it as a tree of BehaviorTree.CPP");
   auto* runs = app.add_subcommand("run", "runs a learnt task in a kinematic world, at other places");
@@ -154,7 +159,7 @@ int main(int argc, char** argv) {
     for (const auto& in : files)
       for (const auto& out : {json, svg, xml}) examples::refuse_own_input(out, {in});
     if (record->parsed()) write(simulated(tasks.at(task), people, seed), file);
-    if (learns->parsed()) return learn_from(files, json, svg, xml);
+    if (learns->parsed()) return learn_from(files, json, svg, xml, round);
     if (runs->parsed()) return run_task(file, count, seed, pace, quiet, signals.asked());
     if (lives->parsed())
       return live(file.empty() ? simulated(tasks.at(task), people, seed) : read(file), speed,

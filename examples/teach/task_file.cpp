@@ -81,10 +81,11 @@ Xyz<double> vector(const Json& j) {
   if (!j.is_array() || j.size() != 3) wrong("not three numbers");
   return {number(j[0]), number(j[1]), number(j[2])};
 }
-Step step(const Json& j) {
+Step step(const Json& j, Activities own) {
   Step s;
-  for (const auto* rule : rules)
-    if (j.at("does") == rule->name) s.does = rule;
+  for (const auto& known : {Activities(rules), own})
+    for (const auto* rule : known)
+      if (j.at("does") == rule->name) s.does = rule;
   if (s.does == nullptr) wrong("there is no such activity");
   s.role = small(j.at("role"), "role", 63);
   if (j.contains("place")) s.place = small(j.at("place"), "place", int(Task::max_places) - 1);
@@ -108,7 +109,7 @@ Classes classes(const Json& j) {
   }
   return out;
 }
-NamedTask parsed(const Json& j) {
+NamedTask parsed(const Json& j, Activities own) {
   NamedTask out;
   Task& t = out.task;
   t.name = "taught";
@@ -117,7 +118,8 @@ NamedTask parsed(const Json& j) {
   if (!j.at("steps").is_array() || j.at("steps").size() > Task::capacity) wrong("too many steps");
   if (!j.at("places").is_array() || j.at("places").size() > Task::max_places) wrong("too many places");
   if (!j.at("borders").is_array() || j.at("borders").size() > Task::max_borders) wrong("too many borders");
-  for (const auto& s : j.at("steps")) t.steps[t.size++] = step(s);
+  if (j.contains("begins")) t.begins = facts_named(j.at("begins"));
+  for (const auto& s : j.at("steps")) t.steps[t.size++] = step(s, own);
   for (const auto& p : j.at("places"))
     t.places[t.place_count++] = {
         small(p.at("mark"), "mark", 63),
@@ -127,7 +129,7 @@ NamedTask parsed(const Json& j) {
     wrong("step " + std::to_string(int(fault.step)) + ": " + describe(fault.error));
   for (std::size_t i = 0; i < t.size; ++i) {
     const Step& s = t.steps[i];
-    const bool anywhere = s.does == &activity::Look::rule;
+    const bool anywhere = s.does == &activity::Look::rule || !own.empty();
     if (!anywhere && s.place >= t.place_count) wrong("step " + std::to_string(i) + " has no place");
   }
   return out;
@@ -143,6 +145,7 @@ std::string to_json(const NamedTask& named) {
     j["classes"].push_back({{"class", int(kind)},
                             {"name", name},
                             {"container", ((named.classes.containers >> kind) & 1u) != 0}});
+  if (t.begins.any()) j["begins"] = names_of(t.begins);
   j["steps"] = j["places"] = j["borders"] = Json::array();
   for (std::size_t i = 0; i < t.size; ++i) {
     const Step& s = t.steps[i];
@@ -161,25 +164,40 @@ std::string to_json(const NamedTask& named) {
   return j.dump(2) + "\n";
 }
 
-NamedTask from_json(const std::string& json) {
+std::string to_text(Facts set) {
+  std::string out;
+  for (const auto& name : names_of(set)) out += (out.empty() ? "" : ", ") + name.get<std::string>();
+  return out;
+}
+
+Task one_round(Task task) {
+  for (std::size_t i = 0; i < task.size; ++i)
+    for (std::uint8_t* to : {&task.steps[i].done, &task.steps[i].failed, &task.steps[i].no})
+      if (*to == 0) *to = finish;
+  return task;
+}
+
+NamedTask from_json(const std::string& json, Activities own) {
   if (json.size() > 1'000'000) wrong("more than 1 MB");
   try {
-    return parsed(Json::parse(json, [](int level, auto, auto&) {
-      if (level > 8) wrong("nested too deeply");
-      return true;
-    }));
+    return parsed(Json::parse(json,
+                              [](int level, auto, auto&) {
+                                if (level > 8) wrong("nested too deeply");
+                                return true;
+                              }),
+                  own);
   } catch (const Json::exception& error) {
     wrong(error.what());
   }
 }
 
-NamedTask load(const std::string& file) {
+NamedTask load(const std::string& file, Activities own) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::runtime_error("cannot read " + file);
   std::string json(1'000'001, '\0');
   in.read(json.data(), static_cast<std::streamsize>(json.size()));
   json.resize(static_cast<std::size_t>(in.gcount()));
-  return from_json(json);
+  return from_json(json, own);
 }
 
 }  // namespace teach

@@ -1,6 +1,8 @@
 // A learnt task as JSON that loads again.
 #pragma once
 
+#include <span>
+
 #include "examples/teach/recording.hpp"
 
 namespace teach {
@@ -14,13 +16,23 @@ struct NamedTask {
   Classes classes;
 };
 
+/// What a robot can do besides the library's activities: their names may stand in files.
+using Activities = std::span<const skinctl::ActivityRule* const>;
+
 /// The task as JSON: steps by the names of their activities, edges by number or "finish", "ask", "nowhere";
-/// places in metres, with rotation vectors; borders [N/m].
+/// places in metres, with rotation vectors; borders [N/m]; the facts with which it begins, if it is a part of a
+/// process.
 [[nodiscard]] std::string to_json(const NamedTask& task);
 /// Reads it back. Throws `std::runtime_error` for what is no task of this form, or one that `check` refuses;
-/// at most 1 MB.
-[[nodiscard]] NamedTask from_json(const std::string& json);
+/// at most 1 MB. Without activities of its own every step but look has a place.
+[[nodiscard]] NamedTask from_json(const std::string& json, Activities own = {});
 /// From a file.
-[[nodiscard]] NamedTask load(const std::string& file);
+[[nodiscard]] NamedTask load(const std::string& file, Activities own = {});
+/// Facts by their names in files: "in_hand, good".
+[[nodiscard]] std::string to_text(skinctl::Facts set);
+
+/// One round of a task that is done until nothing is left: it ends where that one begins anew. For a process, whose
+/// tasks take turns.
+[[nodiscard]] Task one_round(Task task);
 
 }  // namespace teach

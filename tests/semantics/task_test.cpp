@@ -1,12 +1,15 @@
 // Promise: a task whose step lacks a fact, cannot be reached, has no end, or begins with what it forbids
 // does not compile
-// Tried: over done, no and failed; processes; a robot without a behaviour for an activity. Also:
+// Tried: over done, no and failed; processes of three tasks in six wrong forms, and one that is executed; a robot without a behaviour for an activity. Also:
 // `compile_fail/semantics/`
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <set>
+#include <vector>
 
+#include "skinctl/semantics/executor.hpp"
 #include "skinctl/semantics/process.hpp"
 #include "skinctl/semantics/skill_map.hpp"
 #include "skinctl/skills/behaviours.hpp"
@@ -112,23 +115,14 @@ TEST_CASE("check: says what is wrong, where, and which facts are missing") {
   CHECK(fault([](Plan& t) { t.steps[4].does = nullptr; }).error == TaskError::a_step_has_no_activity);
 }
 
-TEST_CASE(
-    "append: a process at run time is the one that is compiled; numbers of places and borders move along") {
-  TaughtTask<20> t{};
-  CHECK(append(t, packing_oranges));
-  CHECK(append(t, packing_oranges));
-  CHECK_FALSE(append(t, packing_oranges));
-  CHECK_FALSE(check(t).any());
-  constexpr auto twice = process("twice", packing_oranges, packing_oranges);
-  REQUIRE(t.size == twice.size);
-  for (std::size_t i = 0; i < t.size; ++i)
-    CHECK((t.steps[i].done == twice.steps[i].done && t.steps[i].no == twice.steps[i].no &&
-           t.steps[i].failed == twice.steps[i].failed));
+TEST_CASE("append: numbers of places and borders move along") {
   Plan taught = packing_oranges;
   taught.place_count = 2, taught.border_count = 1, taught.borders[0] = 5;
   taught.steps[packing_step::squeeze].border = 0;
   TaughtTask<20> both{};
   CHECK((append(both, taught) && append(both, taught)));
+  CHECK_FALSE(append(both, taught));
+  CHECK_FALSE(check(both).any());
   CHECK(both.steps[9 + packing_step::to_bin].place == 3);
   CHECK(both.steps[9 + packing_step::squeeze].border == 1);
   CHECK(both.borders[1] == 5);
@@ -165,20 +159,114 @@ TEST_CASE("task: the fixed point proves what holds before each step") {
   CHECK(packing_oranges.steps.size() == 9);
 }
 
-TEST_CASE("process: tasks one after the other are a task, proved again") {
-  constexpr auto one =
-      task("one", {}, step_of<activity::Look>({.done = 1}), step_of<activity::ReachAbove>({.done = 2}),
-           step_of<activity::Reach>({.done = 3}), step_of<activity::Take>({.done = finish}));
-  constexpr auto two = task("two", fact::in_hand, step_of<activity::Put>({.done = 1, .failed = ask_person}),
-                            step_of<activity::Release>({.failed = ask_person}));
-  static_assert(one.ends == fact::in_hand && two.ends == fact::placed);
-  constexpr auto both = process("both", one, two);
-  static_assert(both.steps.size() == 6 && both.ends == fact::placed);
-  static_assert(both.steps[3].done == 4 && both.steps[4].done == 5 && both.steps[5].done == finish);
-  static_assert(both.steps[4].failed == ask_person && both.steps[2].failed == 0);
-  constexpr auto three = process("three", one, two, packing_oranges);
-  static_assert(three.steps.size() == 15 && three.steps[14].done == 6);
-  CHECK(three.ends == packing_oranges.ends);
+namespace {
+using Tasks = Process<20>;
+constexpr TaughtTask<20> task_of(const char* name, Facts begins, std::initializer_list<Step> steps) {
+  TaughtTask<20> out{};
+  out.name = name;
+  out.begins = begins;
+  for (const Step& s : steps) out.steps[out.size++] = s;
+  return out;
+}
+/// A bad orange is put away, a good one stays in the hand; it is over when there is none.
+constexpr auto sort =
+    task_of("sort", {},
+            {step_of<activity::Look>({.done = 1, .no = finish}), step_of<activity::ReachAbove>({.done = 2}),
+             step_of<activity::Reach>({.done = 3}), step_of<activity::Take>({.done = 4}),
+             step_of<activity::Squeeze>({.done = finish, .no = 5}),
+             step_of<activity::Put>({.place = bin, .done = 6, .needs = fact::bad}),
+             step_of<activity::Release>({.place = bin, .done = 0})});
+constexpr auto pack = task_of("pack", fact::in_hand | fact::good,
+                              {step_of<activity::Put>({.place = box, .done = 1, .failed = finish}),
+                               step_of<activity::Release>({.place = box, .failed = finish})});
+/// What looks as if it were full is taken by a wall.
+constexpr auto away =
+    task_of("away", {},
+            {step_of<activity::Look>({.role = 4, .done = 1, .no = finish}),
+             step_of<activity::ReachAbove>({.done = 2}), step_of<activity::Reach>({.done = 3}),
+             step_of<activity::Take>({.done = 4}), step_of<activity::Carry>({.done = 5}),
+             step_of<activity::Put>({.done = 6}), step_of<activity::Release>({.done = finish})});
+constexpr Tasks process_of(bool repeats, std::initializer_list<TaughtTask<20>> tasks) {
+  Tasks out{.name = "process", .repeats = repeats};
+  for (const auto& t : tasks) out.tasks[out.size++] = t;
+  return out;
+}
+}  // namespace
+
+TEST_CASE("join: tasks one after the other are a task; what they leave each other is proved") {
+  constexpr auto once = joined(process_of(false, {away, sort}));
+  static_assert(once.size == 14 && once.steps[0].no == 7 && once.steps[6].done == 7);
+  static_assert(once.steps[7].no == finish && once.steps[11].done == finish);
+  constexpr auto whole = joined(process_of(true, {sort, pack, away}));
+  static_assert(whole.size == 16 && whole.steps[4].done == 7 && whole.steps[8].done == 9);
+  static_assert(whole.steps[0].no == finish);                          // no orange: it is over
+  static_assert(whole.steps[9].no == 0 && whole.steps[15].done == 0);  // not full, or put away: it goes on
+  static_assert(whole.steps[7].failed == 9 && whole.steps[9].failed == 9);  // it went back: the next task
+  CHECK(facts_of(whole).holds[7] == (fact::in_hand | fact::good));
+  CHECK(facts_of(whole).holds[9] == fact::none);
+  CHECK(std::is_trivially_copyable_v<Tasks>);
+}
+
+TEST_CASE("join: a process with a fault is refused; task, step and facts are named") {
+  const auto fault = [](bool repeats, std::initializer_list<TaughtTask<20>> tasks) {
+    TaughtTask<20> whole{};
+    return join(process_of(repeats, tasks), whole);
+  };
+  CHECK_FALSE(fault(true, {sort, pack, away}).any());
+  const auto is = [](const ProcessFault& f, std::uint8_t task, TaskError error, std::uint8_t step,
+                     Facts facts) {
+    CAPTURE(int(f.task));
+    CAPTURE(int(f.fault.step));
+    CAPTURE(describe(f.fault.error));
+    CHECK(f.task == task);
+    CHECK(f.fault.error == error);
+    CHECK(f.fault.step == step);
+    CHECK(f.fault.facts == facts);
+  };
+  using enum TaskError;
+  is(fault(true, {sort, away, pack}), 2, a_step_lacks_a_fact_that_it_needs, 0, fact::in_hand | fact::good);
+  is(fault(true, {pack, sort, away}), 0, a_step_lacks_a_fact_that_it_needs, 0, fact::in_hand | fact::good);
+  // Two that look: the second one would take with an orange in the hand.
+  is(fault(false, {sort, sort}), 1, a_step_may_begin_with_a_fact_that_it_forbids, 1, fact::in_hand);
+  TaughtTask<20> stays = pack;
+  stays.steps[0].failed = 0;
+  is(fault(true, {sort, stays}), 1, a_step_lacks_a_fact_that_it_needs, 0, fact::in_hand);
+  TaughtTask<20> unreached = away;
+  unreached.steps[2].done = 4;
+  is(fault(true, {sort, pack, unreached}), 2, a_step_cannot_be_reached, 3, {});
+  is(fault(false, {sort, pack, away, sort}), 3, a_task_has_no_step_or_too_many, sort.size, {});
+  is(fault(false, {}), 0, a_task_has_no_step_or_too_many, 0, {});
+  // Not repeated, the first one may leave what it began with; repeated, it begins again with what the last one leaves.
+  CHECK_FALSE(fault(false, {pack, sort}).any());
+}
+
+TEST_CASE("Executor: a process goes from task to task, and back to the first, until that has nothing to do") {
+  constexpr auto whole = joined(process_of(true, {sort, pack, away}));
+  const Executor<20> executor(whole);
+  auto memory = executor.start(1s);
+  Nanoseconds now = 1s;
+  std::vector<int> steps;
+  int oranges = 0, in_box = 0;
+  for (int i = 0; i < 10'000 && memory.phase != Executor<20>::Phase::finished; ++i, now += 8ms) {
+    SkillReport skill{memory.ticket, SkillPhase::finished, {}};
+    const bool answer = memory.step == 0   ? oranges < 5
+                        : memory.step == 4 ? oranges != 2  // the second one is bad
+                        : memory.step == 9 ? in_box == 2   // two fill the box
+                                           : true;
+    const auto was = memory.step;
+    memory = executor.step(memory, {.now = now, .skill = skill, .answer = answer}).memory;
+    if (memory.step == was && memory.phase != Executor<20>::Phase::finished) continue;
+    steps.push_back(was);
+    oranges += was == 3, in_box += was == 8;
+    if (was == 15) in_box = 0;
+  }
+  CHECK((memory.phase == Executor<20>::Phase::finished));
+  CHECK(oranges == 5);
+  const auto times = [&](int step) { return std::count(steps.begin(), steps.end(), step); };
+  CHECK(times(8) == 4);   // four good ones are packed,
+  CHECK(times(6) == 1);   // a bad one is not,
+  CHECK(times(15) == 2);  // two boxes are put away,
+  CHECK(times(9) == 4);   // and it was asked after each orange that was packed
 }
 
 namespace {
