@@ -94,7 +94,7 @@ int main() {
   const LinkContact<2> forearm{
       .region = {.force = 80, .blow = 120, .first = 100ms, .stiffness = 2e4, .mass = 4},
       .reach = 0.5,
-      .reaction = 20ms};
+      .reaction_time = 20ms};
   const Course careful = run("LinkContact", plain.with(forearm));
 
   // Energy: a tank pays for the law's work, an observer holds motion into a contact that would give more than

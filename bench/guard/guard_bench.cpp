@@ -76,7 +76,7 @@ void contact(benchmark::State& state) {
   const LinkContact<2> touched{
       .region = {.force = 100, .blow = 200, .first = 500ms, .stiffness = 5e4, .mass = 4, .power = 80},
       .reach = 0.5,
-      .reaction = 20ms};
+      .reaction_time = 20ms};
   const auto limits = contact_limits<T>(ur5::Model{}, touched);
   bench::States<6, T> states;
   ContactMemory<1, T> memory;

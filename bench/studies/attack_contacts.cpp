@@ -261,7 +261,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
         "period %.1f, delay %.1f, lag %.1f ms; body %.1f kg under %.0f N/m; %.2f times heavier: %.1f kg\n",
         1e3 * seconds<double>(d.arm.period), 1e3 * seconds<double>(d.arm.delay),
         1e3 * seconds<double>(d.arm.lag), d.declared.body, d.declared.stiffness, heavier,
-        heavier * d.declared.lightest(bare, skin_of(1)));
+        heavier * d.declared.min_felt_mass(bare, skin_of(1)));
   const End end = visited<P>(*scene, d, trace), as_it_was = visited<P>(scene_of<P>(d, 1), d, false);
   found.ring.take(end.ring, seed), found.speed.take(end.speed, seed);
   found.bare.take(as_it_was.ring, seed);

@@ -152,7 +152,7 @@ auto main_job_scene(Nanoseconds period) {
   trust.lone_force = {0.0};
   trust.noise = {{.force = 0.4f, .rest = static_cast<float>(0.004 / trust.health.step)}};
   trust.health.delta = 2;
-  trust.answer = 0.05;
+  trust.witness_share = 0.05;
   const TrustedSkin trusted(skin, trust);
   const auto arm = by_position(ur5::Model{}, {.limits = limits_of<ur5::Description>(30.0),
                                               .period = period,

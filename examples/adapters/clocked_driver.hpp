@@ -224,7 +224,7 @@ void ClockedDriver<P>::connect() {
   cycle_ = window_at_ = 0;
   velocity_ = {};
   estimator_.emplace(typename skinctl::VelocityEstimator<joints>::Settings{
-      .period = protocol_.period(), .longest = 20 * protocol_.period()});
+      .period = protocol_.period(), .max_gap = 20 * protocol_.period()});
   silent_ = 0;
   has_sample_ = false;
   running_ = true;

@@ -97,8 +97,8 @@ FoundMasses fit_masses(const FoundModel& axes, const JointRecording& joints, con
   part.joints.time.assign(joints.time.begin(), joints.time.begin() + std::ptrdiff_t(seen));
   part.joints.q = joints.q.topRows(Eigen::Index(seen)), part.torque = torque.topRows(Eigen::Index(seen));
   // Cylinders say little of bodies that are unlike them.
-  const auto fit =
-      fit_inertia(axes, {part}, cylinder_prior(axes), {.prior = InertialFitSettings::chosen, .latest = 0.03});
+  const auto fit = fit_inertia(axes, {part}, cylinder_prior(axes),
+                               {.prior = InertialFitSettings::chosen, .max_lateness = 0.03});
   FoundMasses out;
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t k = 0; k < 10; ++k) out.masses.bodies[i][k] = fit.theta.data[10 * i + k];

@@ -213,7 +213,8 @@ Json lines_step(const Options& options) {
     // Cells of one patch that move with different links lie, or a cable joins two patches.
     if (2 * most <= cells) link = -1;
     // Of a joint that never moved nobody knows what is behind it.
-    if (const auto next = std::size_t(link + 1); next < robot.joints() && !found.activation.alone[next]) {
+    if (const auto next = std::size_t(link + 1);
+        next < robot.joints() && !found.activation.moved_alone[next]) {
       unknown.push_back(
           {{"what", text("link of the patch of cell %d: joint %zu never moved alone",
                          shapes.at("patches").at(k).at("cells").at(0).at("id").get<int>(), next)},

@@ -227,7 +227,7 @@ Robot chain_of(const Urdf& urdf, const UrdfRobot& from) {
   }
   for (const UrdfFrame& frame : urdf.frames)
     if (frame.joint >= 2) out.points.push_back({std::size_t(frame.joint), {frame.p.x, frame.p.y, frame.p.z}});
-  const bool masses = urdf.assumed.empty();
+  const bool masses = urdf.assumed_masses.empty();
   move_by(out, model, l, masses);
   if (masses)
     out.torque = [model](const JointPoint& p) {

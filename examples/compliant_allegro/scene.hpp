@@ -26,8 +26,8 @@ inline auto make_scene(const Settings& s, Side side, const adapters::allegro::To
                 {.limits = adapters::allegro::limits(scale), .period = period, .delay = lag + 1ms},
                 FrictionUncompensated{});
   ImpedanceSettings<JointSpace<16>> springs;
-  springs.stiffness = springs.filled(s.stiffness);
-  springs.damping = springs.filled(s.damping);
+  springs.stiffness = springs.uniform(s.stiffness);
+  springs.damping = springs.uniform(s.damping);
   springs.space.max_velocity = JointVelocity<16>::constant(1.5);
   SkinSettings touch;
   touch.force = EventGate<>::dead_band(s.threshold);

@@ -107,9 +107,9 @@ Found identify_on(Driver& driver, const Model<Driver::joints>& model, const Sett
   if (stop) return found;
   if (driver.newest().external) take_off_springs(model, s, log);
   const auto response = identify_response(model, log);
-  found.known = response.both.known();
+  found.known = response.total_delay.known();
   found.delay = response.delay.value, found.lag = response.lag.value;
-  found.both = response.both.value, found.deviation = response.both.deviation;
+  found.both = response.total_delay.value, found.deviation = response.total_delay.deviation;
   if (driver.newest().external)
     for (const SpringFit& spring : springs) found.stiffness.push_back(spring.stiffness());
   return found;

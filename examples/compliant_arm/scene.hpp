@@ -110,7 +110,7 @@ double heavier(const Kind& kind, const Model<Kind::joints>& model, const Setting
 template <class Kind>
 double felt_mass(const Kind& kind, const Model<Kind::joints>& model, const Settings& s,
                  const Limits<Kind::joints>& limits, double heavier) {
-  return hand(s).lightest(kind.robot(model, s, limits, heavier), kind.touch(model, s, heavier));
+  return hand(s).min_felt_mass(kind.robot(model, s, limits, heavier), kind.touch(model, s, heavier));
 }
 
 template <class Kind>

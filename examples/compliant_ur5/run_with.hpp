@@ -638,9 +638,9 @@ Outcome replay_with(const Settings& given) {
   const auto scene = make_watched_scene<I, S, Clear>(s);
   const auto result = skinctl::replay(s.replay, scene, run_identity(s));
   if (!result.whole) std::printf("%s was cut: its last second may be missing\n", s.replay.c_str());
-  if (result.missing > 0)
+  if (result.missing_cycles > 0)
     std::printf("%llu cycles found no room when it was recorded: replayed up to the first of them\n",
-                static_cast<unsigned long long>(result.missing));
+                static_cast<unsigned long long>(result.missing_cycles));
   std::printf("replayed %llu cycles: ", static_cast<unsigned long long>(result.cycles));
   std::printf("%s\n", in_words(result).c_str());
   return result.different == 0 ? Outcome::fine : Outcome::broken;

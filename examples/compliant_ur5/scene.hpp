@@ -66,7 +66,7 @@ inline skinctl::TrustSettings trust_settings(const Settings& s) {
   trust.follow_rest = trust.find_faults = !s.trust_all_cells;
   trust.noise = {{.force = force_noise, .rest = static_cast<float>(s.rest_reading / trust.health.step)}};
   trust.health.delta = s.force_delta / trust.health.step;
-  trust.answer = 0.05;  // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
+  trust.witness_share = 0.05;  // a finger on the middle of a cell of 28 mm gives each neighbour 7 % of it
   return trust;
 }
 
@@ -212,8 +212,9 @@ double heavier(const Settings& s) {
 /// The felt mass of the lightest place by position or velocity [kg], `factor` being `heavier(s)`.
 template <skinctl::Interface I, Sense S = Sense::skin>
 double felt_mass(const Settings& s, double factor) {
-  return hardest_finger(s).lightest(skinctl::robot_by<I>(skinctl::ur5::Model{}, configuration<I>(s, factor)),
-                                    places_of_touch<S>(s, factor));
+  return hardest_finger(s).min_felt_mass(
+      skinctl::robot_by<I>(skinctl::ur5::Model{}, configuration<I>(s, factor)),
+      places_of_touch<S>(s, factor));
 }
 template <skinctl::Interface I, Sense S = Sense::skin>
 double felt_mass(const Settings& s) {
@@ -258,7 +259,7 @@ inline skinctl::FeltPlaces<max_cells> felt_places(const Settings& s,
           .force = s.control.force_limit,
           .stiffness = s.control.stiffest_wall,
           .deceleration = s.control.stopping,
-          .reaction = 2 * robot.period + robot.delay + robot.lag,
+          .reaction_time = 2 * robot.period + robot.delay + robot.lag,
           .newtons = s.newtons_per_reading};
 }
 template <skinctl::Interface I>

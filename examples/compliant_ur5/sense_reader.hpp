@@ -121,7 +121,7 @@ void observe(TouchObserver& observer, double t, const Reader& reader, const UrWr
   const auto& s = reader.newest();
   const Xyz<double> force = Xyz<double>{s.force[0], s.force[1], s.force[2]} - UrWrist::bias(m).force;
   const double size = std::sqrt(dot(force, force));
-  const bool touched = m.pushed && !m.watch.quiet && size > 0;
+  const bool touched = m.force_gate_open && !m.watch.quiet && size > 0;
   ObservedCell felt{.link = 5, .position = flange().origin()};
   if (touched) felt.normal = (-1 / size) * force;
   observer.cycle(t, touched ? size : 0, felt, q, target);

@@ -92,11 +92,11 @@ Row suffer(Kind kind, const char* device, const Fault& fault) {
   const auto at_rest = [](const GripperState& s) {
     return s.heard && !s.moving && s.error == GripperError::none;
   };
-  gripper.move(opened(range));
+  gripper.move(open_goal(range));
   poll(gripper, at_rest, 3000ms);
   fault.begin(bench);
   const auto from = Clock::now();
-  gripper.move(closed(range, range.min_force));
+  gripper.move(close_goal(range, range.min_force));
   const GripperState s = poll(
       gripper,
       [&](const GripperState& x) {
@@ -132,7 +132,7 @@ Row suffer(Kind kind, const char* device, const Fault& fault) {
   } else {
     try {
       gripper.connect();
-      gripper.move(closed(range, range.min_force));
+      gripper.move(close_goal(range, range.min_force));
       row.recovery = at_rest(poll(gripper, at_rest, 3000ms)) ? "connect()" : "none";
     } catch (const adapters::ConnectionError&) {
       row.recovery = "none";
@@ -192,7 +192,7 @@ Row lacquey(const char* name, bool killed) {
   auto robot = std::make_unique<Server>(config());
   line.accept(adapters::Timeout(2000));
   BinaryGripper gripper(line, {.travel = 100ms});
-  gripper.move(closed(gripper.range(), 20));
+  gripper.move(close_goal(gripper.range(), 20));
   poll(gripper, [](const GripperState& s) { return s.heard && !s.moving; }, 1000ms);
   if (killed) robot.reset();
   const auto from = Clock::now();
@@ -203,7 +203,7 @@ Row lacquey(const char* name, bool killed) {
   row.reaction = in_words(s.error);
   robot = std::make_unique<Server>(config());
   line.accept(adapters::Timeout(2000));
-  gripper.move(opened(gripper.range()));
+  gripper.move(open_goal(gripper.range()));
   const auto back = poll(gripper, [](const GripperState& x) { return x.heard && !x.moving; }, 1000ms);
   row.recovery = back.error == GripperError::none ? "accept()" : "none";
   row.expected = s.error == GripperError::lost && back.error == GripperError::none;

@@ -34,9 +34,9 @@ std::string why_unusable(const Response& found) {
     if (found.joint[i].speed > fastest)
       return text("joint %zu moves at %.4g rad/s, allowed: at most %.3g; are its angles in radians?", i,
                   found.joint[i].speed, fastest);
-  if (!found.both.known()) return "the commands hardly move the robot: nothing is known of its delay";
+  if (!found.total_delay.known()) return "the commands hardly move the robot: nothing is known of its delay";
   const std::pair<const char*, Estimate> all[] = {
-      {"delay", found.delay}, {"lag", found.lag}, {"delay and lag", found.both}};
+      {"delay", found.delay}, {"lag", found.lag}, {"delay and lag", found.total_delay}};
   for (const auto& [name, e] : all)
     if (!(e.deviation <= largest_deviation))
       return text(
@@ -50,7 +50,7 @@ std::string in_words(const Response& found) {
   std::string out;
   out += "delay            " + value(found.delay, 1e-3, "ms") + "\n";
   out += "lag              " + value(found.lag, 1e-3, "ms") + "\n";
-  out += "both             " + value(found.both, 1e-3, "ms") + "\n";
+  out += "both             " + value(found.total_delay, 1e-3, "ms") + "\n";
   out += text("measurements     every %.3f ms, jitter %.3f ms, %.1f %% skipped\n\n", 1e3 * found.period,
               1e3 * found.jitter, 100 * found.skipped);
   out +=
@@ -86,7 +86,7 @@ std::string in_words(const Response& found) {
 
 std::string as_toml(const Response& found) {
   std::string out = "# What examples/identify_robot found. Seconds, radians, newton metres.\n[control]\n";
-  if (found.both.known()) {
+  if (found.total_delay.known()) {
     out += text("delay = %.6f\nlag = %.6f\n", found.delay.value, found.lag.value);
   }
   out += "\n[robot_found]\n";
@@ -95,7 +95,7 @@ std::string as_toml(const Response& found) {
   };
   number("delay", found.delay);
   number("lag", found.lag);
-  number("delay_and_lag", found.both);
+  number("delay_and_lag", found.total_delay);
   out += text("period = %.9g\njitter = %.9g\nskipped = %.9g\n", found.period, found.jitter, found.skipped);
   const auto row = [&](const char* name, auto&& of) {
     out += std::string(name) + " = [";

@@ -33,7 +33,7 @@ struct Wish {
 
 skinctl::GripperGoal goal_of(const Wish& wish, const skinctl::GripperRange& range) {
   const double force = wish.force.value_or(range.min_force);
-  skinctl::GripperGoal goal = wish.open ? opened(range) : closed(range, force);
+  skinctl::GripperGoal goal = wish.open ? open_goal(range) : close_goal(range, force);
   if (wish.opening) goal.opening = *wish.opening;
   goal.force = force;
   goal.speed = wish.speed.value_or(range.max_speed);

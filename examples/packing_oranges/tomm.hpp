@@ -314,7 +314,7 @@ struct Arm {
             .force = 65,
             .stiffness = 3e3,
             .deceleration = 3,
-            .reaction = 2 * period + delay + lag,
+            .reaction_time = 2 * period + delay + lag,
             .newtons = 3 * newtons_per_reading};
   }
   /// The cycle of an arm among trays that stand there.

@@ -64,7 +64,7 @@ skinctl::PlaceRequest Worker<R>::place_request() const {
   skinctl::PlaceRequest out;
   out.wants = at_work && at_box && !waits_for_room() ? std::uint8_t(0) : std::uint8_t(255);
   out.leaves = 1;
-  out.failed = !at_work;
+  out.step_failed = !at_work;
   out.away = is_near_box(p) ? 0u : ~0u;
   return out;
 }

@@ -29,7 +29,7 @@ struct OwnJob {
   }
   [[nodiscard]] double felt_mass(const job::Settings& s) const {
     const double factor = heavier(s);
-    return job::hardest_finger(s).lightest(arm(s, factor), skin(s, factor));
+    return job::hardest_finger(s).min_felt_mass(arm(s, factor), skin(s, factor));
   }
   [[nodiscard]] auto scene(const job::Settings& s) const {
     using namespace skinctl;

@@ -153,7 +153,7 @@ Decode decoder_of(const std::string& type) {
 
 Table write_csv(std::span<const unsigned char> file, const std::string& topic, std::ostream& out) {
   const auto contents = read_mcap(file, [](const McapMessage&) {});
-  if (!contents.ours) refuse("skinctl_record: no MCAP file");
+  if (!contents.is_mcap) refuse("skinctl_record: no MCAP file");
   Decode decode = nullptr;
   std::string topics, type;
   for (const auto& c : contents.summary.channels) {

@@ -19,7 +19,7 @@ using namespace skinctl;
 int info(const std::string& path) {
   const MappedFile file(path);
   const auto found = read_mcap(file.bytes(), [](const McapMessage&) {});
-  if (!found.ours) refuse(path + ": no MCAP file");
+  if (!found.is_mcap) refuse(path + ": no MCAP file");
   const auto [first, last] = found.summary.times();
   std::printf("%s: profile %s, written by %s\n", path.c_str(), found.profile.c_str(), found.library.c_str());
   std::printf("%llu messages in %zu chunks, %.3f s%s\n",

@@ -184,9 +184,9 @@ std::string header(const skinctl::Urdf& urdf, const Settings& settings) {
   for (const auto& l : links)
     out += "      {{" + list(l.numbers.size(), [&](std::size_t k) { return number(l.numbers[k]); }) + "}},\n";
   out += "  }};\n";
-  if (!urdf.assumed.empty()) {
+  if (!urdf.assumed_masses.empty()) {
     out += "  // Masses that the file does not give; a robot by torque is refused with them [kg]:";
-    for (const auto& a : urdf.assumed) out += "\n  //   " + plain(a.link) + " " + number(a.mass);
+    for (const auto& a : urdf.assumed_masses) out += "\n  //   " + plain(a.link) + " " + number(a.mass);
     out += "\n  static constexpr bool masses_assumed = true;\n";
   }
   const auto limits = [&](const char* name, double skinctl::UrdfJoint::* limit, const char* unit) {

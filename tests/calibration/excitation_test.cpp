@@ -70,7 +70,7 @@ TEST_CASE("Excitation of a skin: recorded from its first instant on, each joint 
     const auto data = detail::fit::block_means({cell}, measured.start() + 0.2, measured.end() - 0.2, 0.04);
     const Activation found = find_activation(data, measured);
     CHECK((found.home - ur5_home).norm() < 1e-4);
-    CHECK(found.alone == std::vector<bool>(6, true));
+    CHECK(found.moved_alone == std::vector<bool>(6, true));
   }
 }
 

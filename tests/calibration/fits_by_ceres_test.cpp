@@ -53,7 +53,7 @@ TEST_CASE("Sightings: Ceres ends where the fit does, wrong sightings and all") {
                         seen.patch});
     }
   CHECK(oracle::ceres_sightings({arm.camera.fx, arm.camera.fy, arm.camera.cx, arm.camera.cy}, lights, s.pixel,
-                                s.wrong, poses));
+                                s.outlier_residual, poses));
   double worst = 0;
   const auto differ = [&](const FitPose& a, const oracle::PlainPose& b) {
     const oracle::PlainPose mine = plain(a);

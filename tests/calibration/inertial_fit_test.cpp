@@ -248,7 +248,7 @@ TEST_CASE("Masses from torques that come late: how late they come is found") {
   const auto late = record(motion, 0.3, 1e9, 0.0065);
   InertialFitSettings settings;
   const auto not_asked = fit_inertia(model, {late}, prior, settings);
-  settings.latest = 0.03;
+  settings.max_lateness = 0.03;
   const auto asked = fit_inertia(model, {late}, prior, settings);
   const double worse = compare(not_asked.theta, not_asked.rotor, heavier(), 50).error,
                error = compare(asked.theta, asked.rotor, heavier(), 50).error;

@@ -61,7 +61,7 @@ TEST_CASE("Response: delay, lag, gap, stiffness and encoders of a robot come out
           CAPTURE(stiffness);
           CAPTURE(found.delay.value);
           CAPTURE(found.lag.value);
-          CHECK(std::abs(found.both.value - delay - lag) < 1e-3);
+          CHECK(std::abs(found.total_delay.value - delay - lag) < 1e-3);
           CHECK(std::abs(found.delay.value - delay) < 2e-3);
           CHECK(std::abs(found.lag.value - lag) < 0.1 * lag + 1e-3);
           for (std::size_t i = 0; i < 6; ++i) {

@@ -42,7 +42,7 @@ auto scene(bool felt) {
   const auto robot = test_robot<Interface::position, double>(s);
   TrustSettings trust;
   trust.lone_force = {0};
-  trust.answer = 0.05;
+  trust.witness_share = 0.05;
   trust.noise = {{.force = 0.7f, .proximity = 0.7f, .rest = 20.48f}};
   const auto skin = ur5_skin<cells>({.force = newtons});
   auto tracking = tracking_settings(robot);

@@ -99,7 +99,7 @@ TEST_CASE("Groups: a contact on the finger above its limit stops arm and finger,
   region.force = 20, region.blow = 40, region.power = 1e3, region.mass = 1, region.stiffness = 1e4,
   region.first = 500ms;
   Run run{Cycle(robot(), skin, Pull{{5, 3, 0}, {}, {}})
-              .with(LinkContact<2>{.region = region, .reach = 0.1, .reaction = 20ms})};
+              .with(LinkContact<2>{.region = region, .reach = 0.1, .reaction_time = 20ms})};
   const auto touch = [&](float force, CycleRequest request = CycleRequest::none) {
     const CellSample sample{.time = run.measured.time + 1ms, .cell = 1, .force = {force, force, force}};
     decltype(run.scene)::Input input;

@@ -31,7 +31,7 @@ auto parts_of(const Around& around, std::index_sequence<Links...>) {
       GuardSettings<N>{.torque_rate = 7, .consent = Reason::state_stale},
       MaxToolSpeed<last>{.speed = 0.2, .reach = 1.3}, SkinWatch{.settle = 70ms},
       FeltPlaces<260>{.places = places, .force = 40, .newtons = 20},
-      LinkContact<Links>{.region = region, .reach = 0.1 * double(Links), .reaction = 20ms}..., around);
+      LinkContact<Links>{.region = region, .reach = 0.1 * double(Links), .reaction_time = 20ms}..., around);
   if constexpr (Jerk) {
     return std::tuple_cat(common, std::tuple(MaxJerk{JointJerk<N>::constant(600)}));
   } else {

@@ -81,10 +81,10 @@ TEST_CASE("Cycle::with: limits by name, the guard brakes within the same jerk, s
   const auto both = plain.with(
       LinkContact<2>{.region = {.force = 80, .blow = 120, .first = 100ms, .stiffness = 2e4, .mass = 4},
                      .reach = 0.5,
-                     .reaction = 20ms},
+                     .reaction_time = 20ms},
       LinkContact<3>{.region = {.force = 80, .blow = 120, .first = 100ms, .stiffness = 2e4, .mass = 4},
                      .reach = 0.4,
-                     .reaction = 20ms});
+                     .reaction_time = 20ms});
   CHECK(std::remove_cvref_t<decltype(both.governor().get<LinkContacts>())>::count == 2);
 }
 

@@ -196,7 +196,7 @@ TEST_CASE("Sensors: contact limits of the link with the sensor stop an arm that 
   const LinkContact<5> limit{
       .region = {.force = 60, .blow = 120, .first = 100ms, .stiffness = 3e4, .mass = 5},
       .reach = 0.3,
-      .reaction = 24ms};
+      .reaction_time = 24ms};
   const auto scene = wrist_scene<double>().with(limit);
   using Scene = std::remove_cvref_t<decltype(scene)>;
   const auto pressed = [&](double force) {

@@ -76,5 +76,5 @@ TEST_CASE("unanswered touch: not where a law, one that sees, or a limit takes it
   answered(bare.with(
       LinkContact<3>{.region = {.force = 80, .blow = 120, .first = 100ms, .stiffness = 2e4, .mass = 4},
                      .reach = 0.45,
-                     .reaction = 20ms}));
+                     .reaction_time = 20ms}));
 }

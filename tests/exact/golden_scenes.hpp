@@ -236,7 +236,7 @@ inline auto all_limits() {
   LinkContact<2> contact{
       .region = {.force = 140, .blow = 280, .first = 500ms, .stiffness = 1e4, .mass = 4, .power = 80},
       .reach = 0.5,
-      .reaction = 20ms};
+      .reaction_time = 20ms};
   contact.newton = 10;
   return std::tuple(MaxToolSpeed<5>{.speed = 0.25, .point = {0.0, 0.0, 0.1}, .reach = 1.0}, SkinWatch{},
                     contact);

@@ -169,7 +169,7 @@ TEST_CASE_TEMPLATE("extremes: allowed speeds near a person are numbers that fall
     before = v;
   }
   CHECK(before == doctest::Approx(280 / std::sqrt(40.0 * 25000)).epsilon(1e-5));
-  const Separation apart{.body_speed = 1.6, .reaction = 100ms, .deceleration = 2, .margin = 0.1};
+  const Separation apart{.body_speed = 1.6, .reaction_time = 100ms, .deceleration = 2, .margin = 0.1};
   T slower(0);
   for (const T distance : sizes<T>()) {
     const T v = speed_of_separation(apart, distance);

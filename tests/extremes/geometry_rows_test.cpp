@@ -139,12 +139,12 @@ TEST_CASE("extremes: numbers of a gripper, of a link and of a table of joints") 
   using enum Wrong;
   static constexpr GripperRange range{0.08, 5, 50, 0.01, 0.1};
   static const Row<double> rows[] = {
-      {"opened", 0, shows, shows,
+      {"open_goal", 0, shows, shows,
        [](double x) {
-         const auto g = opened({x, 0, x, 0, x});
+         const auto g = open_goal({x, 0, x, 0, x});
          return Results<double>(g.opening, g.force, g.speed);
        }},
-      {"closed", 0, shows, shows, [](double x) { return Results<double>(closed(range, x).force); }},
+      {"close_goal", 0, shows, shows, [](double x) { return Results<double>(close_goal(range, x).force); }},
       {"combined", 4, shows, shows,
        [](double x) {
          const LinkInertia a{std::abs(x), {x, 0, 0}, 1, 1, 1}, b{2, {0, x, 0}, 1, 1, 1};

@@ -130,7 +130,7 @@ TEST_CASE(
   const LinkContact<2> contact{
       .region = {.force = 100, .blow = 150, .first = 100ms, .stiffness = 3e4, .mass = 4, .power = 50},
       .reach = 0.5,
-      .reaction = 20ms};
+      .reaction_time = 20ms};
   JointControlSettings<6> settings;
   settings.dt = 2500us, settings.lambda = 25, settings.K_c = 5, settings.tb = 4s;
   settings.virtual_dynamics = shape<double>({});

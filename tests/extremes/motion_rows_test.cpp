@@ -319,7 +319,7 @@ TEST_CASE("extremes: what is set up once, of cells and their noise") {
 
   const Patch<5, 2> two({PlacedCell<5>{}, PlacedCell<5>{1, {}}}, {1, 0});
   CHECK(two.placed().size() == 2);
-  CHECK(std::isnan(PatchWeights<2>::filled(std::nanf(""))[1]));  // an input's, which the skin refuses
+  CHECK(std::isnan(PatchWeights<2>::uniform(std::nanf(""))[1]));  // an input's, which the skin refuses
 
   for (const double wrong : {std::nan(""), HUGE_VAL, 0.0, -1.0}) {
     CHECK(refused([&] { static_cast<void>(full_cover(CylinderSurface{wrong, 0.3})); }));
@@ -339,7 +339,7 @@ TEST_CASE("extremes: what is set up once, of cells and their noise") {
     }));  // Attached
     const CellPlace cell{.link = 5, .normal = {0, 0, 1}};
     for (double CellView::* member :
-         {&CellView::range, &CellView::half_angle, &CellView::error, &CellView::band}) {
+         {&CellView::range, &CellView::half_angle, &CellView::error, &CellView::fade_band}) {
       CellView view;
       view.*member = wrong;
       CHECK(refused([&] { (OwnView<ur5::Model>(ur5::Model{}, std::span(&cell, 1), {}, view)); }));

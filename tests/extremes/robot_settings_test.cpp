@@ -110,14 +110,14 @@ TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float
   check_refusals(
       "FeltPlaces", Felt{.places = {CellPlace{}}, .stiffness = 3e3, .newtons = 20},
       [](const Felt& f) { static_cast<void>(PlaceSpeed<Arm, 2, T>(Arm{}, f)); }, &Felt::force,
-      &Felt::stiffness, &Felt::speed, &Felt::deceleration, &Felt::newtons, &Felt::reaction,
+      &Felt::stiffness, &Felt::speed, &Felt::deceleration, &Felt::newtons, &Felt::reaction_time,
       &Felt::wrist_force);
   using Shape = ToolShape<5, 3, T>;
   typename Shape::Settings shape;
   shape.mass = Shape::diagonal({T(3), T(3), T(3)}), shape.damping = Shape::diagonal({T(30), T(30), T(30)});
   check_refusals(
       "ToolShape", shape, [](const typename Shape::Settings& s) { static_cast<void>(Shape(s)); },
-      &Shape::Settings::rest_decay, &Shape::Settings::lightest);
+      &Shape::Settings::rest_decay, &Shape::Settings::min_mass_ratio);
   for (const T wrong : not_numbers<T>) {
     auto other = shape;
     other.mass[1][1] = wrong;

@@ -64,7 +64,7 @@ TEST_CASE_TEMPLATE("extremes: settings of filters, tanks and time bases", T, flo
                       &Slide::noise, &Slide::drop, &Slide::max_drop, &Slide::filter, &Slide::fall,
                       &Slide::min_normal);
   using Estimator = VelocityEstimator<6, 8, 2, T>;
-  check_part<Estimator>("VelocityEstimator", &Estimator::Settings::period, &Estimator::Settings::longest,
+  check_part<Estimator>("VelocityEstimator", &Estimator::Settings::period, &Estimator::Settings::max_gap,
                         &Estimator::Settings::step);
   check_refusals(
       "TimeBase", Pair<T>{T(0.05), T(0.01)},
@@ -126,7 +126,7 @@ TEST_CASE("extremes: settings of cells, clocks and packets") {
   check_refusals(
       "RestLevel", Rest{}, [](const Rest& s) { static_cast<void>(RestLevel(s)); }, &Rest::smooth,
       &Rest::follow, &Rest::fall, &Rest::low_for, &Rest::quiet_for, &Rest::fast_within, &Rest::release,
-      &Rest::weigh, &Rest::ramp, &Rest::longest);
+      &Rest::weigh, &Rest::ramp, &Rest::max_gap);
   check_refusals(
       "NoiseSettings", NoiseSettings{}, [](const NoiseSettings& s) { s.check(); }, &NoiseSettings::step,
       &NoiseSettings::near);
@@ -157,8 +157,8 @@ TEST_CASE("extremes: settings of cells, clocks and packets") {
   check_refusals(
       "BodyRegion", region, [](const BodyRegion& r) { r.check(); }, &BodyRegion::force, &BodyRegion::first,
       &BodyRegion::stiffness);
-  const Separation apart{.body_speed = 1.6, .reaction = 100ms, .deceleration = 2, .margin = 0.1};
+  const Separation apart{.body_speed = 1.6, .reaction_time = 100ms, .deceleration = 2, .margin = 0.1};
   check_refusals(
       "Separation", apart, [](const Separation& s) { s.check(); }, &Separation::body_speed,
-      &Separation::reaction, &Separation::deceleration, &Separation::margin);
+      &Separation::reaction_time, &Separation::deceleration, &Separation::margin);
 }

@@ -10,11 +10,11 @@ TEST_CASE("TimeBudget: refuses what cannot work") {
   CHECK_THROWS_AS(TimeBudget({.cycle = 0ns}), ConfigurationError);
   CHECK_THROWS_AS(TimeBudget({.cycle = 1ms, .skip_after = 0}), ConfigurationError);
   CHECK_THROWS_AS(TimeBudget({.cycle = 1ms, .skip_after = 4, .stop_after = 3}), ConfigurationError);
-  CHECK_THROWS_AS(TimeBudget({.cycle = 1ms, .calm_after = 0}), ConfigurationError);
+  CHECK_THROWS_AS(TimeBudget({.cycle = 1ms, .resume_work_after = 0}), ConfigurationError);
 }
 
 TEST_CASE("TimeBudget: skips optional work, stops, and lets work come back after calm") {
-  const TimeBudget budget({.cycle = 1ms, .skip_after = 2, .stop_after = 4, .calm_after = 3});
+  const TimeBudget budget({.cycle = 1ms, .skip_after = 2, .stop_after = 4, .resume_work_after = 3});
   BudgetMemory m;
   const Status none, skip = Reason::work_skipped, stop = skip | Reason::budget_overrun;
   const auto late = [&] { return budget.step(m, 1ms + 1ns); };

@@ -26,6 +26,6 @@ static_assert(!GripperDriver<Binary>, "nobody hears how it went");
 
 TEST_CASE("gripper: goals to open and to close") {
   const GripperRange range = Complete{}.range();
-  CHECK(opened(range) == GripperGoal{0.1, 40, 0.2});
-  CHECK(closed(range, 15) == GripperGoal{0, 15, 0.2});
+  CHECK(open_goal(range) == GripperGoal{0.1, 40, 0.2});
+  CHECK(close_goal(range, 15) == GripperGoal{0, 15, 0.2});
 }

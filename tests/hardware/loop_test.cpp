@@ -170,7 +170,7 @@ TEST_CASE(
           last = out.status;
           for (std::size_t i = 0; i < 6; ++i) fastest = std::max(fastest, std::abs(out.planned.velocity[i]));
         });
-    CHECK(report.stood > 150);
+    CHECK(report.frozen_stamps > 150);
     CHECK(fastest > 0.05);
     CHECK(last.has(Reason::state_stale));
     for (std::size_t i = 0; i < 6; ++i) CHECK(robot.last[i] == 0);
@@ -268,7 +268,7 @@ TEST_CASE("loop: cycles over their budget skip optional work, then stop until th
   FastRobot robot;
   NoSkin skin;
   LoopOptions options{.cycles = 300};
-  options.budget = TimeBudget({.cycle = 1s, .skip_after = 2, .stop_after = 4, .calm_after = 10});
+  options.budget = TimeBudget({.cycle = 1s, .skip_after = 2, .stop_after = 4, .resume_work_after = 10});
   int cycle = 0, skipped = 0, waiting = 0;
   bool stopped_at_once = false, went_on = false;
   // No test should wait: what a slow cycle would leave is handed to the next one.
@@ -365,7 +365,7 @@ std::pair<std::vector<JointPosition<6>>, std::uint64_t> paced(Nanoseconds warm, 
       scene, *memory, robot, skin, {.cycles = 150, .period = 2ms, .warm = warm},
       [](auto&, auto&) { return true; }, [](const auto&, const auto&, const auto&) {});
   CHECK(report.cycles == 150);
-  return {robot.sent, report.warmed};
+  return {robot.sent, report.warmed_cycles};
 }
 }  // namespace
 
@@ -376,8 +376,8 @@ TEST_CASE("loop: a dry step before each state changes no command") {
   CHECK(most > 140);
   REQUIRE(cold.size() == warmed.size());
   for (std::size_t k = 0; k < cold.size(); ++k) CHECK(cold[k] == warmed[k]);
-  CHECK_FALSE(cold.front() == cold.back());           // it has been touched
-  CHECK(run({}, {.cycles = 50}).report.warmed == 0);  // nobody waits for this robot
+  CHECK_FALSE(cold.front() == cold.back());                  // it has been touched
+  CHECK(run({}, {.cycles = 50}).report.warmed_cycles == 0);  // nobody waits for this robot
 }
 
 TEST_CASE("loop: before cycles that a silent robot owes it takes no time for a dry step") {

@@ -107,11 +107,11 @@ TEST_CASE("URDF without masses: what is made of such a model is refused by torqu
 
 TEST_CASE("URDF without masses: a total mass is spread by length, or by the volume of shapes, and told") {
   const Urdf by_length = parse_urdf(massless(), "arm.urdf", {.total_mass = 30});
-  REQUIRE(by_length.assumed.size() == 2);
+  REQUIRE(by_length.assumed_masses.size() == 2);
   // Lengths 0.8 and 0.1 m, which carry 0.9 and 0.1 m.
   const double upper = 0.8 * std::cbrt(0.81), lower = 0.1 * std::cbrt(0.01);
-  CHECK(by_length.assumed[0].mass == doctest::Approx(30 * upper / (upper + lower)));
-  CHECK(by_length.assumed[0].mass + by_length.assumed[1].mass == doctest::Approx(30));
+  CHECK(by_length.assumed_masses[0].mass == doctest::Approx(30 * upper / (upper + lower)));
+  CHECK(by_length.assumed_masses[0].mass + by_length.assumed_masses[1].mass == doctest::Approx(30));
   CHECK(names(by_length.warnings[0], {"30 kg", "lengths", "upper 29.1576344 kg", "torque"}));
   CHECK(by_length.joints[0].placed.inertia.c[0] == doctest::Approx(0.4));
 
@@ -120,16 +120,17 @@ TEST_CASE("URDF without masses: a total mass is spread by length, or by the volu
                     tube = shape(R"(<cylinder radius="0.05" length="0.4"/>)", "0 0 0.2");
   const Urdf by_shape = parse_urdf(massless(box, ball), "arm.urdf", {.total_mass = 30});
   const double sphere = 4.0 / 3 * 3.14159265358979 * 1e-3;
-  CHECK(by_shape.assumed[0].mass == doctest::Approx(30 * 0.016 / (0.016 + sphere)));
+  CHECK(by_shape.assumed_masses[0].mass == doctest::Approx(30 * 0.016 / (0.016 + sphere)));
   const LinkInertia& in = by_shape.joints[0].placed.inertia;
   CHECK(in.c[0] == doctest::Approx(0.4));
   CHECK(in.xx == doctest::Approx(in.mass * (0.01 + 0.04) / 12));
   CHECK(in.yy == doctest::Approx(in.mass * (0.64 + 0.04) / 12));
   CHECK(in.zz == doctest::Approx(in.mass * (0.64 + 0.01) / 12));
-  CHECK(by_shape.joints[1].placed.inertia.xx == doctest::Approx(0.4 * by_shape.assumed[1].mass * 0.01));
+  CHECK(by_shape.joints[1].placed.inertia.xx ==
+        doctest::Approx(0.4 * by_shape.assumed_masses[1].mass * 0.01));
   CHECK(names(by_shape.warnings[0], {"volumes"}));
   const Urdf cylinder = parse_urdf(massless(tube, tube), "arm.urdf", {.total_mass = 8});
-  CHECK(cylinder.assumed[1].mass == doctest::Approx(4));
+  CHECK(cylinder.assumed_masses[1].mass == doctest::Approx(4));
   CHECK(cylinder.joints[1].placed.inertia.xx == doctest::Approx(4 * (3 * 0.0025 + 0.16) / 12));
   CHECK(cylinder.joints[1].placed.inertia.zz == doctest::Approx(4 * 0.0025 / 2));
   // A mesh's volume is not read.
@@ -142,7 +143,7 @@ TEST_CASE("URDF without masses: a total mass is spread by length, or by the volu
                 {"total_mass", "allowed"}));
   const std::string half = std::regex_replace(massless(), std::regex(R"(<link name="upper"></link>)"),
                                               body("upper", "1", "1", "1"));
-  CHECK(parse_urdf(half, "arm.urdf", {.total_mass = 5}).assumed[0].mass == doctest::Approx(3));
+  CHECK(parse_urdf(half, "arm.urdf", {.total_mass = 5}).assumed_masses[0].mass == doctest::Approx(3));
   CHECK(names(complaint_of([&] { return parse_urdf(half, "arm.urdf", {.total_mass = 2}); }),
               {"above the 2 kg"}));
   // A file that gives all masses: a number that cannot be meant is refused there, too.
@@ -151,7 +152,7 @@ TEST_CASE("URDF without masses: a total mass is spread by length, or by the volu
   for (const double total : {-1.0, 1e6, std::nan("")})
     CHECK(names(complaint_of([&] { return parse_urdf(whole, "arm.urdf", {.total_mass = total}); }),
                 {"total_mass", "allowed", "4 kg"}));
-  CHECK(parse_urdf(whole, "arm.urdf", {.total_mass = 5}).assumed.empty());
+  CHECK(parse_urdf(whole, "arm.urdf", {.total_mass = 5}).assumed_masses.empty());
   CHECK(parse_urdf(whole, "arm.urdf", {.total_mass = 5}).joints[1].placed.inertia.mass == 2);
 }
 
@@ -169,7 +170,7 @@ TEST_CASE("URDF: moments that no body has are replaced by the nearest ones, with
   CHECK(in.xx == doctest::Approx(2));
   CHECK(in.yy == doctest::Approx(3));
   CHECK(in.zz == doctest::Approx(5));
-  CHECK(urdf.assumed.empty());
+  CHECK(urdf.assumed_masses.empty());
   CHECK(complaint_of([&] { return (calibrated_from<Chain<2>>(urdf)); }).empty());
   CHECK(names(complaint_of([&] { return parse_urdf(file(body("upper", "1", "2", "-5")), "arm.urdf"); }),
               {"\"upper\"", "-5 kg m^2"}));
@@ -247,7 +248,7 @@ TEST_CASE("URDF: a UR5 whose masses are forgotten gets an inertia of the same si
   double total = 0;
   for (const UrdfJoint& j : maker.joints) total += j.placed.inertia.mass;
   const Urdf guessed = parse_urdf(text, "ur5", {.total_mass = total});
-  REQUIRE(guessed.assumed.size() == 6);
+  REQUIRE(guessed.assumed_masses.size() == 6);
   const JointPosition<6> q{0.3, -1.0, 1.2, -0.4, 0.9, 0.1};
   const auto M = mass_matrix(calibrated_from<Chain<6>>(maker), q),
              E = mass_matrix(calibrated_from<Chain<6>>(guessed), q);

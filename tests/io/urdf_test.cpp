@@ -393,15 +393,15 @@ TEST_CASE("URDF: a bad inertia that cannot matter is a warning, and so is a movi
       "iyy=\"1\" izz=\"1\"/></inertial></link>\n";
   const Urdf light =
       parse_urdf(head + weightless + link_text("lower") + shoulder + elbow + "</robot>", "arm.urdf");
-  REQUIRE(light.assumed.size() == 1);
-  CHECK(light.assumed[0].link == "upper");
+  REQUIRE(light.assumed_masses.size() == 1);
+  CHECK(light.assumed_masses[0].link == "upper");
   const std::string point =
       "<link name=\"lower\"><inertial><mass value=\"1\"/><inertia ixx=\"0\" iyy=\"0\" "
       "izz=\"0\"/></inertial></link>\n";
   const Urdf points =
       parse_urdf(head + link_text("upper") + point + shoulder + elbow + "</robot>", "arm.urdf");
-  REQUIRE(points.assumed.size() == 1);
-  CHECK(points.assumed[0].mass == 1);
+  REQUIRE(points.assumed_masses.size() == 1);
+  CHECK(points.assumed_masses[0].mass == 1);
   CHECK(names(points.warnings[0], {"\"lower\"", "no inertia about its axis"}));
 }
 

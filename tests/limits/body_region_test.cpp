@@ -16,7 +16,7 @@ BodyRegion region() {
   return {.force = 100, .blow = 200, .first = 500ms, .stiffness = 5e4, .mass = 4, .power = 30};
 }
 Separation separation() {
-  return {.body_speed = 1.6, .reaction = 100ms, .deceleration = 3, .margin = 0.15};
+  return {.body_speed = 1.6, .reaction_time = 100ms, .deceleration = 3, .margin = 0.15};
 }
 template <class Limits, class Change>
 std::string refusal(Limits limits, Change&& change) {
@@ -43,7 +43,7 @@ TEST_CASE("BodyRegion: no number is shipped") {
     CHECK_FALSE(refusal(separation(), [&](auto& s) { s.*field = missing; }).empty());
   }
   CHECK_FALSE(refusal(region(), [](auto& r) { r.first = BodyRegion{}.first; }).empty());
-  CHECK_FALSE(refusal(separation(), [](auto& s) { s.reaction = Separation{}.reaction; }).empty());
+  CHECK_FALSE(refusal(separation(), [](auto& s) { s.reaction_time = Separation{}.reaction_time; }).empty());
 }
 
 TEST_CASE("BodyRegion: what cannot be is refused, with the number and the range") {
@@ -87,11 +87,11 @@ TEST_CASE_TEMPLATE("speed_of_separation: who comes near meets a robot at rest", 
   for (const double S : {0.0, 0.2, 0.32, 0.5, 1.0, 3.0}) {
     const auto s = separation();
     const double v = double(speed_of_separation(s, T(S)));
-    if (S <= s.margin + s.body_speed * seconds<double>(s.reaction)) CHECK(v == 0);
+    if (S <= s.margin + s.body_speed * seconds<double>(s.reaction_time)) CHECK(v == 0);
     double apart = S, u = v;
     for (double t = 0; u > 0; t += 1e-5) {
       apart -= 1e-5 * (s.body_speed + u);
-      if (t >= seconds<double>(s.reaction)) u -= 1e-5 * s.deceleration;
+      if (t >= seconds<double>(s.reaction_time)) u -= 1e-5 * s.deceleration;
     }
     if (v > 0) CHECK(apart == doctest::Approx(s.margin).epsilon(1e-2));
   }

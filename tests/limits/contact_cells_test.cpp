@@ -28,7 +28,7 @@ BodyRegion region() {
   return {.force = 100, .blow = 100, .first = 500ms, .stiffness = 2e4, .mass = 4};
 }
 LinkContact<forearm> contact() {
-  return {.region = region(), .reach = 0.45, .reaction = 20ms};
+  return {.region = region(), .reach = 0.45, .reaction_time = 20ms};
 }
 const std::vector<CellPlace>& cells() {
   static const auto all = cell_places(ur5::skin_patches<60>());
@@ -110,7 +110,7 @@ TEST_CASE(
     "ContactLimits: a stiff robot that reacts as declared presses nobody harder; one that does not, does") {
   auto rng = seeded(4);
   auto given = contact();
-  given.reaction = 30ms, given.deceleration = 4, given.cells = cells();
+  given.reaction_time = 30ms, given.deceleration = 4, given.cells = cells();
   const ContactLimits limits(ur5::Model{}, given);
   struct Response {
     double delay, share;  ///< of the declared reaction and deceleration

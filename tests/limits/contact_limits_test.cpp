@@ -21,11 +21,11 @@ BodyRegion region() {
   return {.force = 100, .blow = 200, .first = 500ms, .stiffness = 5e4, .mass = 4, .power = 30};
 }
 Separation separation() {
-  return {.body_speed = 1.6, .reaction = 100ms, .deceleration = 3, .margin = 0.15};
+  return {.body_speed = 1.6, .reaction_time = 100ms, .deceleration = 3, .margin = 0.15};
 }
 template <std::size_t I>
 LinkContact<I> contact() {
-  return {.region = region(), .reach = 0.45, .reaction = 20ms};
+  return {.region = region(), .reach = 0.45, .reaction_time = 20ms};
 }
 
 struct Scene {
@@ -59,7 +59,7 @@ TEST_CASE("LinkContact: what cannot be is refused, with the number") {
   CHECK(changed([](auto& c) { c.region.mass = -1; }).find("mass") != std::string::npos);
   CHECK(changed([](auto& c) { c.region.power = 0; }).find("power") != std::string::npos);
   CHECK(changed([](auto& c) { c.reach = std::nan(""); }).find("reach") != std::string::npos);
-  CHECK(changed([](auto& c) { c.reaction = 0s; }).find("reaction") != std::string::npos);
+  CHECK(changed([](auto& c) { c.reaction_time = 0s; }).find("reaction") != std::string::npos);
   CHECK(changed([](auto& c) { c.separation = Separation{}; }).find("Separation") != std::string::npos);
   CHECK(changed([](auto& c) { c.separation = separation(); }).find("range") != std::string::npos);
 }
@@ -175,7 +175,7 @@ TEST_CASE("ContactLimits: into a contact no faster than its energy, its reaction
   };
   const auto allowed = [&](auto&& change) {
     auto c = contact<4>();
-    c.separation = separation(), c.range = 100, c.reaction = 1ms, c.region.power = 200;
+    c.separation = separation(), c.range = 100, c.reaction_time = 1ms, c.region.power = 200;
     change(c);
     const auto touch = pressed(F / c.newton);
     ContactMemory<1, double> memory;
@@ -185,7 +185,7 @@ TEST_CASE("ContactLimits: into a contact no faster than its energy, its reaction
   const double by_energy = std::sqrt((200 * 200 - F * F) * (1 / 4.0 + give) / 5e4);
   CHECK(allowed([](auto&) {}) == as_expected(by_energy));
   CHECK(allowed([](auto& c) { c.newton = 0.2; }) == as_expected(by_energy));
-  CHECK(allowed([](auto& c) { c.reaction = 10ms; }) == as_expected((100 - F) / (5e4 * 0.01)));
+  CHECK(allowed([](auto& c) { c.reaction_time = 10ms; }) == as_expected((100 - F) / (5e4 * 0.01)));
   CHECK(allowed([](auto& c) { c.region.power = 5; }) == as_expected(5 / F));
   const double reacting = allowed([](auto& c) { c.deceleration = 3; });
   CHECK(reacting * 0.001 + reacting * reacting / 6 == as_expected((100 - F) / 5e4));

@@ -77,14 +77,14 @@ Going<6, double, true, false> going(const JointPosition<6>& q, const State<6>& m
 
 TEST_CASE("FeltPlaces: at its speed a place presses a body up to the force, and no more") {
   for (const double stiffness : {300.0, 3e3, 25e3, 1e6})
-    for (const Nanoseconds reaction : {0ms, 10ms, 40ms, 100ms})
+    for (const Nanoseconds reaction_time : {0ms, 10ms, 40ms, 100ms})
       for (const double noticed : {0.0, 2.0, 28.0, 64.0}) {
         Settings s = settings();
-        s.stiffness = stiffness, s.reaction = reaction;
+        s.stiffness = stiffness, s.reaction_time = reaction_time;
         const Limit limit(ur5::Model{}, s);
         // Its flight, step by step: pressed up to `noticed`, on for the reaction, then braked.
         const double v = limit.speed(noticed), dt = 1e-6;
-        double way = noticed / stiffness + v * seconds<double>(reaction), u = v;
+        double way = noticed / stiffness + v * seconds<double>(reaction_time), u = v;
         for (; u > 0; u -= s.deceleration * dt) way += u * dt;
         CAPTURE(stiffness);
         CAPTURE(noticed);
@@ -211,7 +211,7 @@ TEST_CASE("FeltPlaces: numbers out of range are refused with the range") {
   CHECK(with([](Settings& s) { s.force = 0; }).find("force = 0, allowed: 1 to") != std::string::npos);
   CHECK(with([](Settings& s) { s.stiffness = 0.5; }).find("stiffness = 0.5") != std::string::npos);
   CHECK(with([](Settings& s) { s.deceleration = 0; }).find("deceleration = 0") != std::string::npos);
-  CHECK(with([](Settings& s) { s.reaction = 2s; }).find("reaction = 2") != std::string::npos);
+  CHECK(with([](Settings& s) { s.reaction_time = 2s; }).find("reaction_time = 2") != std::string::npos);
   CHECK(with([](Settings& s) { s.newtons = std::nan(""); }).find("newtons") != std::string::npos);
   CHECK(with([](Settings& s) { s.newtons = 0; }).find("newtons = 0") != std::string::npos);
   CHECK(with([](Settings& s) { s.wrist = 6; }).find("wrist = 6") != std::string::npos);

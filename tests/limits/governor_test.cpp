@@ -32,7 +32,7 @@ LinkContact<forearm> contact(double force, double blow) {
   LinkContact<forearm> c{
       .region = {.force = force, .blow = blow, .first = 100ms, .stiffness = 3e4, .mass = 4, .power = 50},
       .reach = 0.5,
-      .reaction = 20ms};
+      .reaction_time = 20ms};
   c.newton = 0.2;  // the scene's skin is felt five times as strong as it is
   return c;
 }

@@ -27,7 +27,7 @@ const auto limits = limits_of<ur5::Description>(20.0);
 const LinkContact<2> region{
     .region = {.force = 80, .blow = 120, .first = 100ms, .stiffness = 2e4, .mass = 4, .power = 50},
     .reach = 0.5,
-    .reaction = 20ms};
+    .reaction_time = 20ms};
 auto governing(const LinkContact<2>& contact) {
   return governor_alone<Interface::torque, Arm>(
       limits, contact_limits(Arm{}, contact), ToolSpeed<Arm, 5>(Arm{}, limits, {.speed = 0.3, .reach = 1.3}));
@@ -36,7 +36,7 @@ const auto governor = governing(region);
 const auto tool_only =
     governing({.region = {.force = 1e6, .blow = 1e6, .first = 1s, .stiffness = 1, .mass = 1},
                .reach = 0.5,
-               .reaction = 20ms});
+               .reaction_time = 20ms});
 using Governors = std::remove_const_t<decltype(governor)>;
 constexpr std::array<double, 1> nobody_near{0.0};
 

@@ -11,7 +11,7 @@ TEST_CASE("LinkContact: cells and decelerations that cannot be are refused") {
   const auto contact = [] {
     return LinkContact<2>{.region = {.force = 100, .blow = 100, .first = 500ms, .stiffness = 2e4, .mass = 4},
                           .reach = 0.45,
-                          .reaction = 20ms};
+                          .reaction_time = 20ms};
   };
   CHECK_NOTHROW(ContactLimits(ur5::Model{}, contact()));
   auto c = contact();

@@ -71,8 +71,8 @@ TEST_CASE("LinkContact: with a separation, what is seen slows an arm whose tank 
   const LinkContact<2> contact{
       .region = {.force = 40, .blow = 40, .first = 500ms, .stiffness = 2e4, .mass = 4, .power = 100},
       .reach = 0.5,
-      .reaction = 20ms,
-      .separation = Separation{.body_speed = 0, .reaction = 50ms, .deceleration = 2, .margin = 0.02},
+      .reaction_time = 20ms,
+      .separation = Separation{.body_speed = 0, .reaction_time = 50ms, .deceleration = 2, .margin = 0.02},
       .range = 1};
   const auto scene =
       yielding({.force = newtons_per_unit}, EnergyTank<>({.start = 0, .max = 0})).with(contact);

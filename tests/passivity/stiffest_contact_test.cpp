@@ -173,8 +173,9 @@ TEST_CASE(
   CHECK(hard.heavier(heavy(1.01 * needed), gained(1 / (1.01 * needed))) ==
         doctest::Approx(1 / 1.01).epsilon(0.02));
   // The mass that is felt, at the lightest cell: four times the newtons, a quarter of it.
-  CHECK(hard.lightest(robot(), gained(4)) == doctest::Approx(0.25 * hard.lightest(robot(), skin())));
-  CHECK(hard.lightest(robot(), skin()) < 5);
+  CHECK(hard.min_felt_mass(robot(), gained(4)) ==
+        doctest::Approx(0.25 * hard.min_felt_mass(robot(), skin())));
+  CHECK(hard.min_felt_mass(robot(), skin()) < 5);
   CHECK_FALSE(usual_hands.warning(robot(), skin()).empty());
   // Two hands: the check knows their mass.
   const StiffestContact hands{.stiffness = 1e4, .body = 5, .newtons = newtons_per_unit};

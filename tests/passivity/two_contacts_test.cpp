@@ -67,7 +67,7 @@ TEST_CASE("LinkContact: a link that is squeezed from both sides is touched by ea
   const LinkContact<2> contact{
       .region = {.force = 40, .blow = 60, .first = 100ms, .stiffness = 2e4, .mass = 4, .power = 100},
       .reach = 0.5,
-      .reaction = 20ms};
+      .reaction_time = 20ms};
   const auto scene = yielding().with(contact);
   for (const bool strong : {false, true}) {
     TouchedArm<2, std::remove_cv_t<decltype(scene)>> arm(scene, cells, pose, 0.008, 0.008);

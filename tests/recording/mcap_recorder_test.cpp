@@ -152,7 +152,7 @@ TEST_CASE(
 
   const auto loaded = load_run<Scene>(path, identity);
   CHECK(loaded.whole);
-  CHECK(loaded.missing == 0);
+  CHECK(loaded.missing_cycles == 0);
 
   SUBCASE("it replays, from memory and from the file; another scene does otherwise") {
     const auto again = replay(scene, loaded.recording);
@@ -161,7 +161,7 @@ TEST_CASE(
     CHECK(replay(changing_scene(41), loaded.recording).different > 0);
     const auto at_once = replay(path, scene, identity);
     CHECK(at_once.whole);
-    CHECK(at_once.missing == 0);
+    CHECK(at_once.missing_cycles == 0);
     CHECK(at_once.cycles == 600);
     CHECK(at_once.different == 0);
   }
@@ -265,7 +265,7 @@ TEST_CASE(
   }
   CHECK_FALSE(recorder.finish());
   const auto loaded = load_run<Scene>(path, identity);
-  CHECK(loaded.missing == 300 - slow.numbers.size());
+  CHECK(loaded.missing_cycles == 300 - slow.numbers.size());
   CHECK(loaded.recording.cycles() > 10);
   CHECK(loaded.recording.cycles() < 150);
   CHECK(replay(scene, loaded.recording).different == 0);

@@ -176,7 +176,7 @@ TEST_CASE("Resolver shaped at the tool: the stiffest contact is known for it too
   auto s = settings();
   s.mass = Shape::diagonal({0.5, 0.5, 0.5, 0.02, 0.02, 0.02});
   s.damping = Shape::diagonal({4000, 4000, 4000, 100, 100, 100});
-  s.lightest = 0.01;
+  s.min_mass_ratio = 0.01;
   const Shape shape(s);
   auto c = configuration(8ms);
   c.force_lead = 0ns;

@@ -138,7 +138,7 @@ TEST_CASE("ToolShape: refuses what is no mass and no friction") {
   CHECK(refused([](auto& s) { s.damping[2][2] = -1; }).find("semi-definite") != std::string::npos);
   CHECK(refused([](auto& s) { s.damping[2][2] = std::nan(""); }).find("damping") != std::string::npos);
   CHECK(refused([](auto& s) { s.rest_decay = -1; }).find("decay") != std::string::npos);
-  CHECK(refused([](auto& s) { s.lightest = 0; }).find("0.01 to 0.3") != std::string::npos);
+  CHECK(refused([](auto& s) { s.min_mass_ratio = 0; }).find("0.01 to 0.3") != std::string::npos);
 }
 
 TEST_CASE_TEMPLATE("ToolShape: the tool has the configured mass and friction, the rest is the joints' own",

@@ -164,8 +164,8 @@ TEST_CASE("VirtualMass: damping beside the yielding directions of a tool does no
 TEST_CASE("VirtualMass: a stiff damper of an impedance stops the robot that it moves") {
   Seeded random(5);
   JointImpedance<6>::Settings settings;
-  settings.stiffness = settings.filled(0);
-  settings.damping = settings.filled(1e5);
+  settings.stiffness = settings.uniform(0);
+  settings.damping = settings.uniform(1e5);
   const JointImpedance<6> law(settings);
   for_each_robot([&](const char* name, const auto& robot) {
     CAPTURE(std::string(name));

@@ -99,5 +99,5 @@ TEST_CASE("DecisionTree: one label, equal examples, numbers that are none") {
   // Levels are bounded.
   Examples stairs;
   for (int i = 0; i < 64; ++i) stairs.push_back({{double(i), 0, 0}, static_cast<std::uint8_t>(i % 2)});
-  CHECK(Tree::learn(stairs, {.confidence = 0.5, .min_leaf = 1, .deepest = 4}).nodes().size() <= 15);
+  CHECK(Tree::learn(stairs, {.confidence = 0.5, .min_leaf = 1, .max_depth = 4}).nodes().size() <= 15);
 }

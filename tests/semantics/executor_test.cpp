@@ -279,7 +279,7 @@ TEST_CASE(
   // Tickets begin anew, without 0.
   m = executor.start(0ns, 0xffff);
   CHECK(executor.step(m, {.now = 1s}).request.ticket == 1);
-  CHECK_THROWS_AS(Packing(packing_oranges, {.lost = -1ns}), ConfigurationError);
+  CHECK_THROWS_AS(Packing(packing_oranges, {.lost_after = -1ns}), ConfigurationError);
   CHECK_THROWS_AS(Packing(packing_oranges, {.confirm = 11s}), ConfigurationError);
   auto wrong = packing_oranges;
   wrong.steps[packing_step::squeeze].no = packing_step::to_box;

@@ -262,6 +262,6 @@ TEST_CASE("Features: a wrong number is refused") {
   refuses([](auto& s) { s.tool_far = 0.1; });
   refuses([](auto& s) { s.heading = 1.5; });
   refuses([](auto& s) { s.left_after = 0ns; });
-  refuses([](auto& s) { s.longest = 0ns; });
+  refuses([](auto& s) { s.max_gap = 0ns; });
   refuses([](auto& s) { s.force_filter = 0ns; });
 }

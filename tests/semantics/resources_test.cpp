@@ -50,7 +50,7 @@ TEST_CASE("Resources: a robot that fails releases what it is away from, and keep
   a[0].wants = 2;
   m = shared.step(m, 2s, a).memory;
   CHECK(shared.step(m, 2s, a).grants[0].holds == 5);
-  a[0] = {.wants = 2, .leaves = 0, .failed = true, .away = ~std::uint32_t(4)};
+  a[0] = {.wants = 2, .leaves = 0, .step_failed = true, .away = ~std::uint32_t(4)};
   const auto out = shared.step(m, 3s, a);
   CHECK(out.grants[0].holds == 4);
 }

@@ -123,12 +123,12 @@ TEST_CASE(
   CHECK(learn(none).why == Refusal::not_a_recording);
   CHECK(learn(std::vector<Demonstration<>>{}).why == Refusal::not_a_recording);
   LearnSettings s;
-  s.closer = 1;
+  s.frame_ratio = 1;
   CHECK_THROWS_WITH_AS(static_cast<void>(learn(none, s)),
-                       "skinctl: LearnSettings: closer = 1, allowed: >= unclear, <= 1000",
+                       "skinctl: LearnSettings: frame_ratio = 1, allowed: >= ask_ratio, <= 1000",
                        ConfigurationError);
   s = {};
-  s.deeds.ball = std::nan("");
+  s.deeds.use_ball = std::nan("");
   CHECK_THROWS_AS(static_cast<void>(learn(none, s)), ConfigurationError);
   // Faster than anything samples: refused, and at once.
   Demonstration<> fast;

@@ -67,5 +67,5 @@ TEST_CASE("SpeedEstimate: begins anew after a gap, and ignores what is no sample
   CHECK(m.v.x == 0);
   CHECK(estimate.noise(0.001, 0ns) == std::numeric_limits<double>::infinity());
   CHECK_THROWS_AS(SpeedEstimate<>({.time_constant = 0ns}), ConfigurationError);
-  CHECK_THROWS_AS(SpeedEstimate<>({.time_constant = 20ms, .longest = 10ms}), ConfigurationError);
+  CHECK_THROWS_AS(SpeedEstimate<>({.time_constant = 20ms, .max_gap = 10ms}), ConfigurationError);
 }

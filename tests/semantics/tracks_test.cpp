@@ -349,16 +349,16 @@ TEST_CASE("Tracks: settings out of their range are refused") {
     CHECK_THROWS_AS(Places<double>{s}, ConfigurationError);
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  refused([](auto& s) { s.wander = 0; });
+  refused([](auto& s) { s.random_walk = 0; });
   refused([&](auto& s) { s.max_deviations = nan; });
   refused([](auto& s) { s.seen_if_there = s.seen_if_not; });
   refused([](auto& s) { s.seen_if_not = 0; });
-  refused([](auto& s) { s.things = 0.5; });
-  refused([](auto& s) { s.doubted = -1s; });
-  refused([](auto& s) { s.taken = 0; });
-  refused([&](auto& s) { s.failed = nan; });
-  refused([](auto& s) { s.moved = -1; });
-  refused([](auto& s) { s.beside = 0; });
+  refused([](auto& s) { s.thing_prior = 0.5; });
+  refused([](auto& s) { s.keep_doubted = -1s; });
+  refused([](auto& s) { s.prior_successes = 0; });
+  refused([&](auto& s) { s.prior_failures = nan; });
+  refused([](auto& s) { s.min_motion = -1; });
+  refused([](auto& s) { s.bias_step = 0; });
   refused([](auto& s) { s.places = 0; });
   refused([](auto& s) { s.takes = 0; });
 }

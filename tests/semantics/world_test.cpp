@@ -109,6 +109,6 @@ TEST_CASE("ObjectWorld: the nearest object, and what is no detection") {
   refused({.object = 0, .X_WO = at(0, 0, 0), .sigma = 0, .time = 2s}, Reason::sample_not_finite);
   refused({.object = 0, .X_WO = at(0, 0, 0), .sigma = 1, .time = Nanoseconds::max()},
           Reason::sample_not_finite);
-  CHECK_THROWS_AS(ObjectWorld<1>({1}, {.wander = 0}), ConfigurationError);
-  CHECK_THROWS_AS(ObjectWorld<1>({1}, {.believed = 0}), ConfigurationError);
+  CHECK_THROWS_AS(ObjectWorld<1>({1}, {.random_walk = 0}), ConfigurationError);
+  CHECK_THROWS_AS(ObjectWorld<1>({1}, {.max_misses = 0}), ConfigurationError);
 }

@@ -348,7 +348,7 @@ TEST_CASE("RestLevel: readings that are none, and times that do not pass, change
     rest.take(a, 90.f, 4ms, e, levels), rest.take(b, 90.f, 4ms, 0.f, levels);
   CHECK(a == b);
 
-  // An hour of silence counts as `longest`: nobody knows what was read meanwhile.
+  // An hour of silence counts as `max_gap`: nobody knows what was read meanwhile.
   auto hour = before, second = before;
   rest.take(hour, 50.f, 1h, 0.f, levels);
   rest.take(second, 50.f, 1s, 0.f, levels);
@@ -396,8 +396,8 @@ TEST_CASE("RestLevel: configurations out of range are refused") {
   CHECK_THROWS_AS(RestLevel(with([](RestSettings& s) { s.smooth = 0ns; })), ConfigurationError);
   CHECK_THROWS_AS(RestLevel(with([](RestSettings& s) { s.smooth = 600ms; })), ConfigurationError);
   CHECK_THROWS_AS(RestLevel(with([](RestSettings& s) { s.follow = 4s; })), ConfigurationError);
-  CHECK_THROWS_AS(RestLevel(with([](RestSettings& s) { s.longest = 40ms; })), ConfigurationError);
-  CHECK_THROWS_AS(RestLevel(with([](RestSettings& s) { s.longest = 11s; })), ConfigurationError);
+  CHECK_THROWS_AS(RestLevel(with([](RestSettings& s) { s.max_gap = 40ms; })), ConfigurationError);
+  CHECK_THROWS_AS(RestLevel(with([](RestSettings& s) { s.max_gap = 11s; })), ConfigurationError);
   CHECK_THROWS_AS(RestLevel(with([](RestSettings& s) { s.quiet_for = 3s; })), ConfigurationError);
   CHECK_THROWS_AS(RestLevel(with([](RestSettings& s) { s.ramp = -1ms; })), ConfigurationError);
   const RestLevel rest;

@@ -174,7 +174,7 @@ TEST_CASE("VelocityEstimator: nothing that arrives makes nonsense") {
   }
   CHECK(fastest < 200);  // stamps of 1 ns to 0.1 s apart: a parabola through 0.2 mrad, bounded
   CHECK_THROWS_AS((VelocityEstimator<1>({.period = 0ns})), ConfigurationError);
-  CHECK_THROWS_AS((VelocityEstimator<1>({.longest = 1ms})), ConfigurationError);
+  CHECK_THROWS_AS((VelocityEstimator<1>({.max_gap = 1ms})), ConfigurationError);
   CHECK_THROWS_AS((VelocityEstimator<1>({.step = std::nan("")})), ConfigurationError);
 }
 

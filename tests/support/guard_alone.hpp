@@ -12,7 +12,7 @@ struct GuardAlone : JointGuard<I, N, T, Smooth> {
   using Base::Base;
   struct Memory : GuardMemory<N, T> {
     Nanoseconds time{};
-    Nanoseconds odd = detail::no_time;
+    Nanoseconds odd_time = detail::no_time;
     Nanoseconds carried{};
   };
 
@@ -21,13 +21,14 @@ struct GuardAlone : JointGuard<I, N, T, Smooth> {
   }
   Guarded<N, T> step(Memory& m, const JointCommand<N, T>& wish, const State<N, T>& measured, Nanoseconds now,
                      const JointTorque<N, T>& fallback = {}, Status found = {}) const noexcept {
-    Interval interval = detail::interval_since(true, m.time, m.odd, now, this->longest_interval());
+    Interval interval = detail::interval_since(true, m.time, m.odd_time, now, this->longest_interval());
     interval.carried = m.carried;
     const auto out = Base::step(m, wish, measured, interval, fallback, found);
     if (!m.begun) return out;
-    m.odd = detail::odd_time_of(interval);
+    m.odd_time = detail::odd_time_of(interval);
     m.time = interval.to;
-    const Nanoseconds left = interval.to - interval.from + m.carried - interval.given(this->period());
+    const Nanoseconds left =
+        interval.to - interval.from + m.carried - interval.command_duration(this->period());
     m.carried = left < this->period() ? left : this->period();
     return out;
   }

@@ -129,7 +129,7 @@ TEST_CASE("ContactSkin: limits of a scene see each side of a squeezed arm, and e
           .with(LinkContact<forearm>{
               .region = {.force = 60, .blow = 100, .first = 500ms, .stiffness = 5e4, .mass = 4},
               .reach = 0.45,
-              .reaction = 20ms,
+              .reaction_time = 20ms,
               .cells = skin.places()});
   const auto stops = [&](const std::vector<Pressing>& bodies) {
     const auto m = std::make_unique<decltype(scene)::Memory>();

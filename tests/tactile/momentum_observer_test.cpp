@@ -143,7 +143,7 @@ TEST_CASE("MomentumObserver: noise of dq gives the stated noise") {
 }
 
 TEST_CASE("MomentumObserver: refuses what cannot be, and bridges or begins anew") {
-  const Observer observer(model, {.longest = 20ms});
+  const Observer observer(model, {.max_gap = 20ms});
   const JointPosition<6> q{0.0, -1.2, 1.4, -1.8, -1.57, 0.3};
   const auto motor = gravity_torque(model, q);
   Observer::Memory memory;
@@ -175,5 +175,5 @@ TEST_CASE("MomentumObserver: refuses what cannot be, and bridges or begins anew"
   CHECK(memory.residual[1] == 0);  // longer than 20 ms: anew
   CHECK_THROWS_AS(Observer(model, {.rate = 0}), ConfigurationError);
   CHECK_THROWS_AS(Observer(model, {.rate = std::nan("")}), ConfigurationError);
-  CHECK_THROWS_AS(Observer(model, {.longest = 0ns}), ConfigurationError);
+  CHECK_THROWS_AS(Observer(model, {.max_gap = 0ns}), ConfigurationError);
 }

@@ -241,7 +241,7 @@ TEST_CASE("ContactFinder: a contact that hops to the next cell is the same one")
   find(*m, push);
   CHECK(m->list[0].id == id);
   // The number of the frame starts over: cells of long ago are not taken for pressed ones.
-  m->frame = ~std::uint32_t(0) - 1;
+  m->frame_number = ~std::uint32_t(0) - 1;
   push[b] = 0, push[a] = 1;
   for (int k = 0; k < 4; ++k) {
     find(*m, push);

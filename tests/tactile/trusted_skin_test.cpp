@@ -506,7 +506,7 @@ TEST_CASE("TrustedSkin: wrong settings are refused with number and range") {
   refused([](auto& t) { t.lone_force = std::vector<double>(7, 1.0); });
   refused([](auto& t) { t.noise = {}; });
   refused([](auto& t) { t.period = 0ns; });
-  refused([](auto& t) { t.answer = 1.5; });
+  refused([](auto& t) { t.witness_share = 1.5; });
   refused([](auto& t) { t.health.step = 0; });
   CHECK_THROWS_AS(Trusted(base, trusting(), FillIn(CellGraph(3))), ConfigurationError);
 }
@@ -516,7 +516,7 @@ TEST_CASE("TrustedSkin: the skin of a cycle with contact limits, and one summand
   const LinkContact<2> contact{
       .region = {.force = 140, .blow = 280, .first = 500ms, .stiffness = 75e3, .mass = 40},
       .reach = 0.45,
-      .reaction = 60ms};
+      .reaction_time = 60ms};
   const Cycle scene = Cycle(friction_arm(), trusted, SkinJointControl{} + GravityControl{}).with(contact);
   const Cycle sum(friction_arm(), trusted + wrist_sensor<5>(ur5::Model{}, {}),
                   SkinJointControl{} + GravityControl{});
@@ -574,7 +574,7 @@ TEST_CASE("TrustedSkin: what is said to be noticed is noticed, by a push that ri
     const bool felt = given.felt;
     TrustSettings settings = trusting();
     settings.lone_force = {lone};
-    settings.answer = 0.05;
+    settings.witness_share = 0.05;
     settings.noise = {{.force = 0.7f, .rest = 0.02f * 1024}};
     const Trusted trusted(base, settings);
     SkinSignals signals(places, {}, 3);

@@ -271,7 +271,7 @@ TEST_CASE("OperationalSpace: the branch is kept across half a turn, and a reset 
     CHECK(e.e.z == doctest::Approx(angle));
     CHECK(e.slope.z == doctest::Approx(1.0));
     CHECK(e.e.z - last < 0.011);
-    last = e.e.z, near = e.near;
+    last = e.e.z, near = e.branch;
   }
   CHECK(RotationVectorError::errors(exp_so3(Xyz<double>{0, 0, 4}), {}, target, {0, 0, 0}).e.z < 0);
 }

@@ -35,7 +35,7 @@ TEST_CASE_TEMPLATE("OrientationErrors: slope is the derivative of e, and the map
     CHECK(distance((1 / (2 * h)) * (ahead.v_d - behind.v_d), now.a_d) < 2e-7);
 
     // de = x - v_d, where x is what the map turns into omega.
-    const auto map = E::map(R0, w, now.near);
+    const auto map = E::map(R0, w, now.branch);
     const auto x = now.de + now.v_d;
     CHECK(distance(map.omega(x), w) < 1e-12);
     const auto x_at = [&](double t) {

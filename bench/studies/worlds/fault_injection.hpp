@@ -103,7 +103,7 @@ auto faulty_scene() {
   LinkContact<2> contact{
       .region = {.force = 280, .blow = 300, .first = 10s, .stiffness = 1e5, .mass = 4, .power = 500},
       .reach = 0.5,
-      .reaction = 20ms};
+      .reaction_time = 20ms};
   contact.newton = 10;
   const Cycle scene(robot, cells, law);
   if constexpr (I == Interface::torque) {

@@ -34,7 +34,7 @@ class Driver {
         hand_(hand),
         options_(options),
         period_(std::chrono::milliseconds(hand.period())),
-        estimator_({.period = period_, .longest = 20 * period_, .step = encoder_step(hand.generation)}) {
+        estimator_({.period = period_, .max_gap = 20 * period_, .step = encoder_step(hand.generation)}) {
     hand.check();
     using skinctl::require;
     require(options.give_up >= 4 * period_ && options.give_up.count() <= 60000, "time to give up",

@@ -67,19 +67,19 @@ OnRobot onrobot_at(const Server& server) {
 template <class G>
 void work(G& gripper, Server& server, double resolution) {
   const auto range = gripper.range();
-  CHECK(gripper.move(closed(range, 30)));
+  CHECK(gripper.move(close_goal(range, 30)));
   GripperState s = settled(gripper);
   CHECK(s.error == GripperError::none);
   CHECK(s.measured);
   CHECK_FALSE(s.holding);
   CHECK(s.opening == doctest::Approx(0).epsilon(1e-9 + resolution));
 
-  CHECK(gripper.move(opened(range)));
+  CHECK(gripper.move(open_goal(range)));
   s = settled(gripper);
   CHECK(std::abs(s.opening - range.opening) <= resolution);
 
   server.put({0.05, 3000});
-  CHECK(gripper.move(closed(range, 30)));
+  CHECK(gripper.move(close_goal(range, 30)));
   s = settled(gripper);
   CHECK(s.holding);
   CHECK(s.force == doctest::Approx(30));
@@ -90,25 +90,25 @@ void work(G& gripper, Server& server, double resolution) {
   s = poll(gripper, [](const GripperState& x) { return !x.holding && !x.moving; });
   CHECK(s.opening <= resolution);
 
-  CHECK(gripper.move(opened(range)));
+  CHECK(gripper.move(open_goal(range)));
   CHECK(settled(gripper).opening > 0.9 * range.opening);
   server.put({0.03});
-  CHECK(gripper.move(closed(range, 25)));
+  CHECK(gripper.move(close_goal(range, 25)));
   s = settled(gripper);
   CHECK(s.holding);
   CHECK(std::abs(s.opening - 0.03) <= resolution);
 
   // The newest goal counts, and an old one's arrival is not taken for its own.
   server.put({});
-  CHECK(gripper.move(opened(range)));
+  CHECK(gripper.move(open_goal(range)));
   settled(gripper);
-  CHECK(gripper.move(closed(range, 25)));
+  CHECK(gripper.move(close_goal(range, 25)));
   poll(gripper, [&](const GripperState& x) { return x.opening < 0.8 * range.opening; });
   CHECK(gripper.move({0.9 * range.opening, 25, range.max_speed}));
   s = settled(gripper);
   CHECK(std::abs(s.opening - 0.9 * range.opening) <= 2 * resolution);
 
-  CHECK(gripper.move(closed(range, 25)));
+  CHECK(gripper.move(close_goal(range, 25)));
   poll(gripper, [&](const GripperState& x) { return x.opening < 0.7 * range.opening; });
   gripper.stop();
   s = settled(gripper);
@@ -338,7 +338,7 @@ TEST_CASE("Lacquey: words go out, and time tells the opening") {
   BinaryGripper gripper(line, {.travel = 100ms});
   static_assert(skinctl::GripperDriver<decltype(gripper)>);
   CHECK_FALSE(gripper.poll(0ns).heard);
-  CHECK(gripper.move(closed(gripper.range(), 20)));
+  CHECK(gripper.move(close_goal(gripper.range(), 20)));
   GripperState s = settled(gripper);
   CHECK(s.opening == 0);
   CHECK_FALSE(s.measured);
@@ -346,10 +346,10 @@ TEST_CASE("Lacquey: words go out, and time tells the opening") {
   CHECK(robot->seen().opening == doctest::Approx(0).epsilon(1e-9));
 
   // While it is deaf the word waits; of two the newer counts.
-  CHECK(gripper.move(opened(gripper.range())));
+  CHECK(gripper.move(open_goal(gripper.range())));
   poll(gripper, [](const GripperState& x) { return x.opening > 0.02; });
-  CHECK(gripper.move(closed(gripper.range(), 20)));
-  CHECK(gripper.move(opened(gripper.range())));
+  CHECK(gripper.move(close_goal(gripper.range(), 20)));
+  CHECK(gripper.move(open_goal(gripper.range())));
   s = settled(gripper);
   CHECK(s.opening == doctest::Approx(0.08));
   std::this_thread::sleep_for(20ms);
@@ -358,21 +358,21 @@ TEST_CASE("Lacquey: words go out, and time tells the opening") {
   robot.reset();  // its program ends
   s = poll(gripper, [](const GripperState& x) { return x.error == GripperError::lost; });
   CHECK(s.error == GripperError::lost);
-  CHECK_FALSE(gripper.move(opened(gripper.range())));
+  CHECK_FALSE(gripper.move(open_goal(gripper.range())));
 }
 
 TEST_CASE("Lacquey by CAN, and digital outputs") {
   auto [here, there] = adapters::can::FrameSocket::pair();
   LacqueyCan can(here, LacqueySide::left);
   BinaryGripper by_can(can, {.travel = 10ms});
-  by_can.move(closed(by_can.range(), 20));
+  by_can.move(close_goal(by_can.range(), 20));
   CHECK(by_can.poll(1s).moving);
   adapters::can::Frame frame;
   REQUIRE(there.read(frame, std::chrono::steady_clock::now() + 1s) == adapters::Read::some);
   CHECK(frame == lacquey_frame(LacqueySide::left, true));
   CHECK_FALSE(by_can.poll(2s).moving);
   there.close();
-  by_can.move(opened(by_can.range()));
+  by_can.move(open_goal(by_can.range()));
   by_can.poll(3s);
   CHECK(by_can.poll(4s).error == GripperError::lost);
 
@@ -390,16 +390,16 @@ TEST_CASE("Lacquey by CAN, and digital outputs") {
   } outputs;
   DigitalLine valve(outputs, 0, 1);
   BinaryGripper gripper(valve, {.travel = 100ms});
-  gripper.move(closed(gripper.range(), 0));
+  gripper.move(close_goal(gripper.range(), 0));
   CHECK(gripper.poll(0ns).error == GripperError::none);
   CHECK(outputs.set == 1);
   CHECK(gripper.poll(2s).error == GripperError::none);
-  gripper.move(opened(gripper.range()));
+  gripper.move(open_goal(gripper.range()));
   gripper.poll(3s);
   CHECK(outputs.set == 2);
   CHECK_FALSE(outputs.both);  // never both coils at once
   outputs.working = 0;        // the relay does not follow
-  gripper.move(closed(gripper.range(), 0));
+  gripper.move(close_goal(gripper.range(), 0));
   CHECK(gripper.poll(4s).error == GripperError::none);
   CHECK(gripper.poll(4400ms).error == GripperError::none);
   CHECK(gripper.poll(4600ms).error == GripperError::fault);

@@ -42,9 +42,9 @@ struct ActivationSettings {
 
 /// The joints that move each cell.
 struct Activation {
-  Eigen::VectorXd home;     ///< position of the joints at the first stamp of the recording [rad]
-  std::vector<bool> alone;  ///< joints that moved alone, from home, for a second or more
-  double lateness = 0;      ///< lateness of the cells' time stamps, to 10 ms [s]
+  Eigen::VectorXd home;           ///< position of the joints at the first stamp of the recording [rad]
+  std::vector<bool> moved_alone;  ///< joints that moved alone, from home, for a second or more
+  double lateness = 0;            ///< lateness of the cells' time stamps, to 10 ms [s]
   std::vector<std::vector<JointSignature>> cells;  ///< signatures by cell, then by joint
   /// Index of the last joint that moves a cell, whose link carries it; -1: none does.
   [[nodiscard]] int link(std::size_t cell) const noexcept {
@@ -180,7 +180,7 @@ inline double signature(const BlockMeans& data, const AloneBlocks& alone, Eigen:
   out.cells.assign(std::size_t(cells), std::vector<JointSignature>(std::size_t(joints)));
   for (int j = 0; j < joints; ++j) {
     const auto alone = detail::fit::alone_blocks(data, motion, out.home, j, out.lateness, settings);
-    out.alone.push_back(double(alone.blocks.size()) * data.length >= 1);
+    out.moved_alone.push_back(double(alone.blocks.size()) * data.length >= 1);
     for (Eigen::Index c = 0; c < cells; ++c)
       detail::fit::signature(data, alone, c, settings, out.cells[std::size_t(c)][std::size_t(j)]);
   }

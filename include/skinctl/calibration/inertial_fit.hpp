@@ -21,10 +21,10 @@ SKINCTL_BEGIN_NAMESPACE
 struct InertialFitSettings {
   /// Weight lambda of the prior, 0.01 to 1000: its masses are off by 1/sqrt(lambda), relative. Or `chosen`.
   double prior = 4;
-  double reach = 0.15;  ///< size of a link, for the prior's first and second moments [m]
-  bool rotors = true;   ///< whether rotor inertias I_a are fitted
-  double latest = 0;    ///< largest lateness of the torques behind the positions [s], 0 to 0.1; 0: none
-  int steps = 200;      ///< most Newton steps of each of the three rounds
+  double reach = 0.15;      ///< size of a link, for the prior's first and second moments [m]
+  bool rotors = true;       ///< whether rotor inertias I_a are fitted
+  double max_lateness = 0;  ///< largest lateness of the torques behind the positions [s], 0 to 0.1; 0: none
+  int steps = 200;          ///< most Newton steps of each of the three rounds
   /// As `prior`: that of 0.01, 0.1, 1, 10 with which the first four fifths of each recording tell the most of
   /// the last fifth, where nobody knows how good the prior is.
   static constexpr double chosen = 0;
@@ -205,11 +205,11 @@ template <RobotModel M>
   require(s.prior == InertialFitSettings::chosen || (s.prior >= 0.01 && s.prior <= 1000),
           "lambda of the prior", s.prior, "0.01 to 1000, or chosen");
   require(s.reach > 0.01 && s.reach < 10, "reach of the prior", s.reach, "0.01 to 10 m");
-  require(s.latest >= 0 && s.latest <= 0.1, "lateness of torques", s.latest, "0 to 0.1 s");
+  require(s.max_lateness >= 0 && s.max_lateness <= 0.1, "lateness of torques", s.max_lateness, "0 to 0.1 s");
   InertialFit<N> out;
   out.base = base_parameters(model);
-  if (s.latest > 0)
-    out.lateness = detail::fit::torque_lateness(model, recordings, out.base, s.rotors, s.latest);
+  if (s.max_lateness > 0)
+    out.lateness = detail::fit::torque_lateness(model, recordings, out.base, s.rotors, s.max_lateness);
   detail::fit::TorqueEquations<M> equations(model, recordings, out.lateness);
 
   out.prior = s.prior;

@@ -145,8 +145,8 @@ class ResponseFit {
     if (moved > 1e-3) {
       out.delay = {delay_, deviation(0)};
       out.lag = {lag_, deviation(1)};
-      out.both = {delay_ + lag_,
-                  std::sqrt(std::max(0.0, covariance(0, 0) + 2 * covariance(0, 1) + covariance(1, 1)))};
+      out.total_delay = {delay_ + lag_, std::sqrt(std::max(0.0, covariance(0, 0) + 2 * covariance(0, 1) +
+                                                                    covariance(1, 1)))};
     }
     for (std::size_t i = 0; i < N; ++i) {
       auto& j = out.joint[i];

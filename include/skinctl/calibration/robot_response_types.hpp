@@ -25,9 +25,9 @@ struct ResponseLog {
 /// hysteresis sign(dq)` H is a pure delay and a lag of first order.
 template <std::size_t N>
 struct RobotResponse {
-  Estimate delay;  ///< delay from a command to the begin of the motion [s]
-  Estimate lag;    ///< time constant of the lag [s]
-  Estimate both;   ///< delay plus lag, which is known better than each [s]
+  Estimate delay;        ///< delay from a command to the begin of the motion [s]
+  Estimate lag;          ///< time constant of the lag [s]
+  Estimate total_delay;  ///< delay plus lag, which is known better than each [s]
   struct Joint {
     /// Measured minus true position [rad], for a joint that goes where it is told but for its load.
     Estimate gap;

@@ -90,7 +90,8 @@ struct SightingProblem {
   require(names.size() == patches.size() && placed.size() == patches.size(), "sightings: patches",
           double(placed.size()), "as many names and poses as patches");
   require(s.pixel > 0 && s.pixel < 100, "sightings: pixel", s.pixel, "0 to 100");
-  require(s.polished >= 1 && s.polished <= 100, "sightings: polished", double(s.polished), "1 to 100");
+  require(s.refined_hypotheses >= 1 && s.refined_hypotheses <= 100, "sightings: refined_hypotheses",
+          double(s.refined_hypotheses), "1 to 100");
   for (const auto& v : views) {
     require(v.X_BaseLink.size() == patches.size(), "sightings: links of a view", double(v.X_BaseLink.size()),
             "one for each patch");
@@ -123,13 +124,13 @@ struct SightingProblem {
   }
   require(!trials.empty(), "sightings: hypotheses of the camera that are finite", 0, ">= 1");
   std::sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
-  trials.resize(std::min(trials.size(), s.polished));
+  trials.resize(std::min(trials.size(), s.refined_hypotheses));
   Fit<State, DenseNormal> best{{}, {}};
   SightingFit out;
   for (auto& trial : trials) {
     State x = fitted(std::move(trial.state), 20 * s.pixel, 1, 30).state;
     for (const double pixel : {8.0, 3.0}) x = fitted(std::move(x), pixel * s.pixel, 1, 30).state;
-    auto fit = fitted(std::move(x), s.pixel, s.wrong, 60);
+    auto fit = fitted(std::move(x), s.pixel, s.outlier_residual, 60);
     if (best.state.empty() || fit.cost < best.cost) best = std::move(fit), out.hypothesis = trial.hypothesis;
   }
 
@@ -139,7 +140,7 @@ struct SightingProblem {
     for (const auto& seen : v.seen) {
       const Eigen::Vector3d p = problem.in_camera(best.state, v, seen);
       const double off = p.z() > 0.02 ? (problem.on_image(p) - seen.pixel).norm() / s.pixel : 1e9;
-      if (off > std::sqrt(2.0) * s.wrong) {
+      if (off > std::sqrt(2.0) * s.outlier_residual) {
         ++out.disagreeing;
         continue;
       }

@@ -39,11 +39,11 @@ struct CameraView {
 };
 
 struct SightingSettings {
-  double pixel = 0.5;             ///< standard deviation of a light's place in the image [pixels]
-  double wrong = 3;               ///< residual from which a sighting counts less [standard deviations]
-  std::size_t polished = 4;       ///< hypotheses of the camera that are fitted to the end, 1 to 100
-  double place_limit = 0.010;     ///< standard deviation above which a position is not observed [m]
-  double turn_limit = 0.05;       ///< standard deviation above which a turn is not observed [rad]
+  double pixel = 0.5;                  ///< standard deviation of a light's place in the image [pixels]
+  double outlier_residual = 3;         ///< residual from which a sighting counts less [standard deviations]
+  std::size_t refined_hypotheses = 4;  ///< hypotheses of the camera that are fitted to the end, 1 to 100
+  double place_limit = 0.010;          ///< standard deviation above which a position is not observed [m]
+  double turn_limit = 0.05;            ///< standard deviation above which a turn is not observed [rad]
   std::size_t min_sightings = 8;  ///< number of agreeing sightings below which a patch's pose is not observed
 };
 
@@ -52,10 +52,10 @@ struct SightingSettings {
 struct SightingFit {
   EstimateOf<FitPose, 6> X_BaseCam;
   std::vector<EstimateOf<FitPose, 6>> X_LinkRoot;  ///< pose of each patch on its link
-  std::vector<std::size_t> agreeing;               ///< agreeing sightings per patch: within `sqrt(2) wrong`
-  std::size_t disagreeing = 0;                     ///< number of all other sightings
-  double residual = 0;         ///< rms residual of the agreeing sightings along an image axis [pixels]
-  std::size_t hypothesis = 0;  ///< index of the hypothesis with the lowest cost
+  std::vector<std::size_t> agreeing;  ///< agreeing sightings per patch: within `sqrt(2) outlier_residual`
+  std::size_t disagreeing = 0;        ///< number of all other sightings
+  double residual = 0;                ///< rms residual of the agreeing sightings along an image axis [pixels]
+  std::size_t hypothesis = 0;         ///< index of the hypothesis with the lowest cost
 };
 
 SKINCTL_END_NAMESPACE

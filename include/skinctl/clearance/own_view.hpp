@@ -19,15 +19,15 @@ struct CellView {
   double range = 0.2;      ///< largest distance that a cell sees [m]
   double half_angle = 25;  ///< half opening angle of the cell's cone [degrees]
   double error = 0.01;     ///< error of capsules and places of cells [m]
-  double band = 0.1;       ///< rise above the predicted reading over which a reading fades in
+  double fade_band = 0.1;  ///< rise above the predicted reading over which a reading fades in
 };
 
 /// The proximity that each cell can at most owe to the robot's other links and to known objects, by capsules.
 ///
 /// Four balls along its normal cover a cell's view. If one of them, larger by `error`, meets a capsule at the
 /// distance d of the cell, the cell's reading is up to `1 - (d - error)/range` that capsule's. A reading up
-/// to there counts as nothing; from `band` above it on, something is nearer, and it counts fully. The cell's
-/// own link is not looked at, and forces are never taken away. Immutable.
+/// to there counts as nothing; from `fade_band` above it on, something is nearer, and it counts fully. The
+/// cell's own link is not looked at, and forces are never taken away. Immutable.
 template <RobotModel M, Real T = double>
 class OwnView {
  public:
@@ -42,7 +42,7 @@ class OwnView {
     require(view.half_angle > 0 && view.half_angle <= 60, "CellView: half angle", view.half_angle,
             "> 0, <= 60 degrees");
     require(view.error >= 0 && view.error <= 1, "CellView: error", view.error, "0 to 1 m");
-    require(view.band > 0 && view.band <= 1, "CellView: band", view.band, "> 0, <= 1");
+    require(view.fade_band > 0 && view.fade_band <= 1, "CellView: fade_band", view.fade_band, "> 0, <= 1");
     require(capsules.size() <= max_capsules, "OwnView: capsules", double(capsules.size()), "at most 32");
     const auto convert = [](const Xyz<double>& x) { return Xyz<T>{T(x.x), T(x.y), T(x.z)}; };
     for (const LinkCapsule& c : capsules) {
@@ -96,7 +96,7 @@ class OwnView {
   [[nodiscard]] SKINCTL_INLINE std::uint16_t foreign(std::uint16_t reading,
                                                      std::uint16_t own) const noexcept {
     if (own == 0) return reading;
-    const double above = (double(reading) - double(own)) / (65536 * view_.band);
+    const double above = (double(reading) - double(own)) / (65536 * view_.fade_band);
     return above >= 1 ? reading : above > 0 ? static_cast<std::uint16_t>(above * reading) : std::uint16_t(0);
   }
 

@@ -17,11 +17,11 @@ template <class Space>
 struct ImpedanceSettings {
   using T = typename Space::scalar;
   typename Space::Settings space = {};  ///< settings of goals and of the tool; their gains are not read
-  std::array<T, Space::coordinates> stiffness = filled(T(100));  ///< stiffness, >= 0 [N m/rad], [N/m]
-  std::array<T, Space::coordinates> damping = filled(T(20));     ///< damping, >= 0 [N m s/rad], [N s/m]
+  std::array<T, Space::coordinates> stiffness = uniform(T(100));  ///< stiffness, >= 0 [N m/rad], [N/m]
+  std::array<T, Space::coordinates> damping = uniform(T(20));     ///< damping, >= 0 [N m s/rad], [N s/m]
   JointTorque<Space::joints, T> joint_damping;  ///< joint damping for the null space [N m s/rad]
 
-  static constexpr std::array<T, Space::coordinates> filled(const T& value) {
+  static constexpr std::array<T, Space::coordinates> uniform(const T& value) {
     std::array<T, Space::coordinates> a{};
     for (T& x : a) x = value;
     return a;

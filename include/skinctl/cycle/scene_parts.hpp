@@ -85,7 +85,7 @@ using GovernorOf = decltype(governor_of(std::declval<const Robot&>(), std::declv
 
 /// The limit that decides how the joints of a scene move, or `Abrupt`: a guard brakes by it.
 template <class Governor>
-[[nodiscard]] auto mover_of(const Governor& governor) {
+[[nodiscard]] auto motion_limit_of(const Governor& governor) {
   if constexpr (Governor::smooth) {
     return governor.mover();
   } else {
@@ -98,7 +98,7 @@ template <class Robot, class... Parts, class Governor>
   using Settings = GuardSettings<Robot::joints, typename Robot::scalar>;
   static_assert(((!GivenGuardSettings<Parts> || std::is_same_v<Parts, Settings>) && ...),
                 "GuardSettings: of another robot or scalar");
-  const auto mover = mover_of(governor);
+  const auto mover = motion_limit_of(governor);
   using Made = Guard<Robot, std::remove_const_t<decltype(mover)>>;
   if constexpr ((std::is_same_v<Parts, Settings> || ...)) {
     return Made(r, std::get<Settings>(parts), mover);

@@ -10,18 +10,18 @@ SKINCTL_BEGIN_NAMESPACE
 
 /// Settings of a `TimeBudget`.
 struct BudgetSettings {
-  Nanoseconds cycle;          ///< largest time from the receipt of a state until all work is done
-  unsigned skip_after = 1;    ///< overruns in a row after which optional work is left out
-  unsigned stop_after = 5;    ///< overruns in a row after which the guard stops until the user's consent
-  unsigned calm_after = 100;  ///< cycles within the budget in a row after which optional work resumes
+  Nanoseconds cycle;        ///< largest time from the receipt of a state until all work is done
+  unsigned skip_after = 1;  ///< overruns in a row after which optional work is left out
+  unsigned stop_after = 5;  ///< overruns in a row after which the guard stops until the user's consent
+  unsigned resume_work_after = 100;  ///< cycles within the budget in a row after which optional work resumes
 };
 
 /// The memory of a budget. Trivially copyable.
 struct BudgetMemory {
-  unsigned over = 0;           ///< overruns in a row
-  unsigned within = 0;         ///< cycles within the budget since the last overrun
-  bool light = false;          ///< optional work is left out
-  std::uint64_t overruns = 0;  ///< number of all overruns
+  unsigned overruns_in_a_row = 0;  ///< overruns in a row
+  unsigned cycles_within = 0;      ///< cycles within the budget since the last overrun
+  bool skips_work = false;         ///< optional work is left out
+  std::uint64_t overruns = 0;      ///< number of all overruns
 };
 
 /// A budget of time for a cycle. It reads no clock: from the duration of a cycle it computes the status for
@@ -29,7 +29,7 @@ struct BudgetMemory {
 ///
 /// - A single overrun changes nothing: the next cycle integrates the longer interval.
 /// - `skip_after` in a row: `work_skipped`. Optional work (logs, pictures, plans) reads `input.observed` and
-///   is left out, until `calm_after` cycles in a row were within the budget.
+///   is left out, until `resume_work_after` cycles in a row were within the budget.
 /// - `stop_after` in a row: `budget_overrun`, at each further overrun. The guard stops and waits for the
 ///   user's consent.
 class TimeBudget {
@@ -41,7 +41,7 @@ class TimeBudget {
     require(s.cycle > 0ns && s.cycle <= 10s, "TimeBudget: cycle", milliseconds(s.cycle), "> 0, <= 10 000 ms");
     require(s.skip_after >= 1, "TimeBudget: skip after", s.skip_after, ">= 1 overrun");
     require(s.stop_after >= s.skip_after, "TimeBudget: stop after", s.stop_after, ">= skip after");
-    require(s.calm_after >= 1, "TimeBudget: calm after", s.calm_after, ">= 1 cycle");
+    require(s.resume_work_after >= 1, "TimeBudget: calm after", s.resume_work_after, ">= 1 cycle");
   }
 
   /// The status for the next cycle after one that took `duration`.
@@ -49,16 +49,16 @@ class TimeBudget {
     Status out;
     if (duration > settings_.cycle) {
       ++m.overruns;
-      if (m.over < settings_.stop_after) ++m.over;
-      m.within = 0;
-      m.light = m.light || m.over >= settings_.skip_after;
-      if (m.over >= settings_.stop_after) out |= Reason::budget_overrun;
+      if (m.overruns_in_a_row < settings_.stop_after) ++m.overruns_in_a_row;
+      m.cycles_within = 0;
+      m.skips_work = m.skips_work || m.overruns_in_a_row >= settings_.skip_after;
+      if (m.overruns_in_a_row >= settings_.stop_after) out |= Reason::budget_overrun;
     } else {
-      m.over = 0;
-      if (m.within < settings_.calm_after) ++m.within;
-      m.light = m.light && m.within < settings_.calm_after;
+      m.overruns_in_a_row = 0;
+      if (m.cycles_within < settings_.resume_work_after) ++m.cycles_within;
+      m.skips_work = m.skips_work && m.cycles_within < settings_.resume_work_after;
     }
-    if (m.light) out |= Reason::work_skipped;
+    if (m.skips_work) out |= Reason::work_skipped;
     return out;
   }
 

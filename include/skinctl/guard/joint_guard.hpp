@@ -134,7 +134,8 @@ class JointGuard : public detail::GuardReach<Ix, N, T> {
     if constexpr (Ix == Interface::torque) {
       return let_out(m, interval.to, turn_torque(m, wish, measured, good && finite, fallback, dt, status));
     } else {
-      const T given = seconds<T>(status.has(Reason::time_backwards) ? period_ : interval.given(period_));
+      const T given =
+          seconds<T>(status.has(Reason::time_backwards) ? period_ : interval.command_duration(period_));
       if (good && finite && wish.time == interval.to &&
           this->can_reach(m.command, wish, measured, given, status)) [[likely]] {
         if constexpr (beside_motion) {

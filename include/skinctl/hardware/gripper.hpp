@@ -25,11 +25,11 @@ concept GripperDriver = requires(G& gripper, const G& same, const GripperGoal& g
 };
 
 /// The goal of open fingers.
-[[nodiscard]] constexpr GripperGoal opened(const GripperRange& range) noexcept {
+[[nodiscard]] constexpr GripperGoal open_goal(const GripperRange& range) noexcept {
   return {range.opening, range.max_force, range.max_speed};
 }
 /// The goal of closed fingers: an object between them is held with `force` [N].
-[[nodiscard]] constexpr GripperGoal closed(const GripperRange& range, double force) noexcept {
+[[nodiscard]] constexpr GripperGoal close_goal(const GripperRange& range, double force) noexcept {
   return {0, force, range.max_speed};
 }
 

@@ -37,10 +37,11 @@ struct LoopReport {
   LoopEnd ended = LoopEnd::finished;
   std::uint64_t cycles = 0;
   std::uint64_t silent = 0;  ///< cycles without a new state
-  std::uint64_t stood = 0;   ///< cycles whose state came, but brought no later time for more than 1.5 periods
+  std::uint64_t frozen_stamps =
+      0;                     ///< cycles whose state came, but brought no later time for more than 1.5 periods
   std::uint64_t missed = 0;  ///< cycles that began more than 1.5 periods after the one before
-  std::uint64_t samples = 0;  ///< number of samples from the skin
-  std::uint64_t warmed = 0;   ///< cycles before which the caches were warmed
+  std::uint64_t samples = 0;        ///< number of samples from the skin
+  std::uint64_t warmed_cycles = 0;  ///< cycles before which the caches were warmed
   std::array<Histogram, stage_count> stages;
   Histogram whole;
   Histogram period;  ///< times between the beginnings of cycles, by this computer's clock
@@ -151,7 +152,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
       const auto samples = std::exchange(input.samples, rehearsed);
       cycle.warm(*rehearsal, memory, input, pace, unseen);
       input.samples = samples;
-      ++report.warmed;
+      ++report.warmed_cycles;
     }
     heard = robot.wait(input.measured);
     if (heard == Heard::lost) {
@@ -173,7 +174,7 @@ LoopReport<C> run_loop(const C& cycle, typename C::Memory& memory, Robot& robot,
       clock_moved_at = now;
     } else if (2 * (now - clock_moved_at) > 3 * options.period) {
       // Its clock stands or went back: by this computer's, so that the state grows old and the guard brakes.
-      ++report.stood;
+      ++report.frozen_stamps;
       input.now += options.period;
       clock_moved_at += options.period;
     }

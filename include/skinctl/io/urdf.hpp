@@ -48,7 +48,7 @@ template <Topology Tree, Scalar T = double>
   typename CalibratedModel<Tree, T>::Links links;
   for (std::size_t i = 0; i < Tree::joints; ++i) links[i] = found.links[i].template cast<T>();
   CalibratedModel<Tree, T> model(links, {T(gravity.x), T(gravity.y), T(gravity.z)}, makers_density);
-  if (!urdf.assumed.empty()) model.assume_masses();
+  if (!urdf.assumed_masses.empty()) model.assume_masses();
   return model;
 }
 

@@ -79,9 +79,9 @@ struct Urdf {
   std::string name;
   std::string base;  ///< the link whose frame is `Base` of the model
   std::vector<UrdfJoint> joints;
-  std::vector<UrdfFrame> frames;         ///< every link of the model's part of the file
-  std::vector<UrdfLock> locked;          ///< joints that are locked though the file lets them move
-  std::vector<UrdfAssumedMass> assumed;  ///< not empty: a robot by torque is refused with this model
+  std::vector<UrdfFrame> frames;                ///< every link of the model's part of the file
+  std::vector<UrdfLock> locked;                 ///< joints that are locked though the file lets them move
+  std::vector<UrdfAssumedMass> assumed_masses;  ///< not empty: a robot by torque is refused with this model
   /// Faults for which the file is not refused: bodies that no density makes, bad inertias of links that do
   /// not move or have very little weight, one line each; limits that look like degrees, soft limits, links
   /// without mass, one line a file.

@@ -111,7 +111,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
         v.linear = v.linear + tau[i.value] * c.linear;
         v.angular = v.angular + tau[i.value] * c.angular;
       });
-      const Velocity F = outer(v);
+      const Velocity F = solve_outer(v);
       return {F.linear, F.angular};
     }
   }
@@ -171,7 +171,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
       J_.for_each([&](auto i, const auto&) { ddq[i.value] = x[k++]; });
     } else {
       // The same with `(J'J + l^2)^-1 = (1 - J^+ J) / l^2` inserted, which avoids the division by l^2.
-      const Velocity y = outer(dx_r);
+      const Velocity y = solve_outer(dx_r);
       JointVelocity<joints, T> turned;
       J_.for_each([&](auto i, const auto&) {
         const auto& d = dJ.template column<i.value>();
@@ -252,7 +252,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
     return damping_.squared_rate(w_squared_, detail::determinant(a, da).rate);
   }
   /// The product `(J J' + l^2)^-1 v`.
-  Velocity outer(const Velocity& v) const noexcept {
+  Velocity solve_outer(const Velocity& v) const noexcept {
     T x[6] = {};
     store(v, x);
     factors_->solve(x, x);
@@ -278,7 +278,7 @@ class DampedInverse<Jacobian<M, Columns, Body, Body, Base, T>, What> {
       factors_->solve(b, x);
       J_.for_each([&](auto i, const auto&) { out[i.value] = x[k++]; });
     } else {
-      const Velocity y = outer(v);
+      const Velocity y = solve_outer(v);
       J_.for_each([&](auto i, const auto& c) { out[i.value] = along(c, y); });
     }
   }

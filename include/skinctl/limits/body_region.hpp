@@ -57,15 +57,15 @@ template <Real T>
 
 /// Speed and separation: the speed of a person, and how the robot stops.
 struct Separation {
-  double body_speed = BodyRegion::unset;          ///< v_H: speed of the person towards the robot [m/s]
-  Nanoseconds reaction = BodyRegion::unset_time;  ///< T_R: time until the robot begins to brake
+  double body_speed = BodyRegion::unset;               ///< v_H: speed of the person towards the robot [m/s]
+  Nanoseconds reaction_time = BodyRegion::unset_time;  ///< T_R: time until the robot begins to brake
   double deceleration = BodyRegion::unset;  ///< a: smallest deceleration of any point of the robot [m/s^2]
   double margin = BodyRegion::unset;        ///< C + Z: distance to keep, with all uncertainties [m]
 
   SKINCTL_COLD void check() const {
     require(body_speed >= 0 && body_speed <= 100, "Separation: body speed", body_speed, "0 to 100 m/s");
-    require(reaction >= 0ns && reaction <= 10s, "Separation: reaction", seconds<double>(reaction),
-            "0 to 10 s");
+    require(reaction_time >= 0ns && reaction_time <= 10s, "Separation: reaction_time",
+            seconds<double>(reaction_time), "0 to 10 s");
     require(deceleration > 0 && deceleration <= 1e4, "Separation: deceleration", deceleration,
             "> 0, <= 1e4 m/s^2");
     require(margin >= 0 && margin <= 100, "Separation: margin", margin, "0 to 100 m");
@@ -76,7 +76,7 @@ struct Separation {
 /// margin: `S = v_H (T_R + v/a) + v T_R + v^2/(2 a) + C`. 0 if there is no such speed.
 template <Real T>
 [[nodiscard]] SKINCTL_INLINE T speed_of_separation(const Separation& s, const T& distance) noexcept {
-  const T a = T(s.deceleration), v = T(s.body_speed), t = seconds<T>(s.reaction);
+  const T a = T(s.deceleration), v = T(s.body_speed), t = seconds<T>(s.reaction_time);
   return speed_to_stop(T(distance - T(s.margin) - v * t), T(t + v / a), a);
 }
 

@@ -19,7 +19,7 @@ SKINCTL_BEGIN_NAMESPACE
 ///
 /// A velocity is kept only if the robot can stop from it with all clearances above the margin, either along
 /// the way on which all joints brake alike, at the rate of the weakest, if they stop before their ends, or
-/// along the one on which each joint brakes as it likes. The distances are computed at `looks` positions of
+/// along the one on which each joint brakes as it likes. Distances are computed at `stop_checks` positions of
 /// it, and must exceed the margin there by what they can fall short in between: `SummedMotion::bend` of the
 /// joints between the two bodies. A pair nearer than the margin may only get farther.
 ///
@@ -41,7 +41,7 @@ class ClearanceLimits {
   static constexpr std::size_t joints = M::joints, around = Around;
   using scalar = T;
   static constexpr std::size_t max_pairs = Clearances<M, T, Around>::max_pairs;
-  static constexpr int looks = 6;  ///< positions that are checked along a way to stop; fewer: less speed
+  static constexpr int stop_checks = 6;  ///< positions checked along a way to stop; fewer: less speed
   using Kind = Clearance;
   static constexpr Precedence precedence = Precedence::clearance;
   static constexpr Reason reason = Reason::clearance_kept;

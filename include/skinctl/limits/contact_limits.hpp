@@ -180,7 +180,7 @@ class ContactLimits {
     explicit Link(const LinkContact<L>& c)
         : region(c.region),
           reach(T(c.reach)),
-          reaction(seconds<T>(c.reaction)),
+          reaction(seconds<T>(c.reaction_time)),
           newton(T(c.newton)),
           range(T(c.range)),
           deceleration(T(c.deceleration)),
@@ -189,8 +189,8 @@ class ContactLimits {
           cells(c.cells, L) {
       c.region.check();
       require(c.reach >= 0 && c.reach <= 100, "LinkContact: reach", c.reach, "0 to 100 m");
-      require(c.reaction > 0ns && c.reaction <= 10s, "LinkContact: reaction", seconds<double>(c.reaction),
-              "> 0, <= 10 s");
+      require(c.reaction_time > 0ns && c.reaction_time <= 10s, "LinkContact: reaction_time",
+              seconds<double>(c.reaction_time), "> 0, <= 10 s");
       require(c.newton > 0 && c.newton <= 1e6, "LinkContact: newton", c.newton, "> 0, <= 1e6");
       require(c.range >= 0 && c.range <= 100, "LinkContact: range", c.range, "0 to 100 m");
       if (reacts)

@@ -46,7 +46,7 @@ struct FeltPlaces {
   /// a, deceleration of a place along its normal [m/s^2]. 5: of 0.5 m from its joint, at 10 rad/s^2.
   double deceleration = 5;
   /// T, time from the push to the beginning of braking. 40 ms: three cycles at 125 Hz, and a skin's samples.
-  Nanoseconds reaction = 40ms;
+  Nanoseconds reaction_time = 40ms;
   double newtons = 0;            ///< force per unit of a cell's reading [N]; required, > 0
   std::vector<double> motors{};  ///< torque of each joint that its motor notices [N m]; empty: none
   std::size_t wrist = no_wrist;  ///< link behind a wrist sensor, which senses for all links that it carries
@@ -87,7 +87,7 @@ class PlaceSpeed {
             s.stiffness, "1 to 1e8 N/m, or 0: not declared");
     within(s.speed, 1e-3, 10, "FeltPlaces: speed", "0.001 to 10 m/s");
     within(s.deceleration, 1e-2, 1e3, "FeltPlaces: deceleration", "0.01 to 1000 m/s^2");
-    within(seconds<double>(s.reaction), 0, 1, "FeltPlaces: reaction", "0 to 1 s");
+    within(seconds<double>(s.reaction_time), 0, 1, "FeltPlaces: reaction_time", "0 to 1 s");
     within(s.newtons, 1e-6, 1e6, "FeltPlaces: newtons", "1e-6 to 1e6 N");
     within(s.wrist_force, 1e-3, 1e4, "FeltPlaces: wrist_force", "0.001 to 1e4 N");
     require(s.motors.empty() || s.motors.size() == joints, "FeltPlaces: motors", double(s.motors.size()),
@@ -108,7 +108,7 @@ class PlaceSpeed {
   /// The largest speed along its normal of a place where a push is noticed from `noticed` newtons on [m/s].
   [[nodiscard]] double speed(double noticed) const noexcept {
     if (!(noticed < s_.force)) return 0;
-    const double left = s_.force - noticed, time = seconds<double>(s_.reaction);
+    const double left = s_.force - noticed, time = seconds<double>(s_.reaction_time);
     if (!(s_.stiffness > 0)) return s_.speed * left / s_.force;
     const double braking = 2 * left / (s_.stiffness * s_.deceleration);
     return s_.deceleration * braking / (time + std::sqrt(time * time + braking));

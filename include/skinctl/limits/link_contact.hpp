@@ -21,7 +21,7 @@ struct LinkContact {
   BodyRegion region;                 ///< the most sensitive region that can be touched
   double reach = BodyRegion::unset;  ///< largest distance of the link's surface from the link's origin [m]
   /// Time from a change of force until the robot's speed changes.
-  Nanoseconds reaction = BodyRegion::unset_time;
+  Nanoseconds reaction_time = BodyRegion::unset_time;
   double newton = 1;  ///< calibration: newtons of the contact per newton of the skin's wrench
   /// Speed and separation: while the skin detects nobody, it may allow more speed than the force limit. A
   /// limit of speed: it holds whatever an energy tank holds, where the torque of proximity readings ends.

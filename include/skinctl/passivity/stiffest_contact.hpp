@@ -71,7 +71,7 @@ struct StiffestContact {
   /// The least felt mass of all contacts [kg]: of the virtual robot along a contact, over the newtons that a
   /// law gets for one.
   template <DescribedRobot R, class Skin>
-  [[nodiscard]] SKINCTL_COLD double lightest(const R& robot, const Skin& skin) const {
+  [[nodiscard]] SKINCTL_COLD double min_felt_mass(const R& robot, const Skin& skin) const {
     double mobility = 0;
     for (const auto& pose : contacts(robot, skin).poses)
       for (std::size_t i = 0; i < pose.rows.size(); ++i) {

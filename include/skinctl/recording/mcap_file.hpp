@@ -105,7 +105,7 @@ inline Recovered recover(const std::string& path) {
     const MappedFile file(path);
     const View bytes = file.bytes();
     McapContents contents = read_mcap(bytes, [](const McapMessage&) {});
-    if (!contents.ours) refuse("skinctl: " + path + ": no MCAP file");
+    if (!contents.is_mcap) refuse("skinctl: " + path + ": no MCAP file");
     out = {contents.whole, contents.summary.messages(), 0, contents.left_out()};
     if (contents.whole) return out;
     if (contents.compressed > 0) refuse("skinctl: " + path + ": not touched: " + out.left_out);

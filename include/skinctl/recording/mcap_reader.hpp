@@ -21,8 +21,8 @@ struct McapMessage {
 
 /// The contents that a reader found in a file.
 struct McapContents {
-  bool ours = false;   ///< the file begins as an MCAP file does
-  bool whole = false;  ///< the file ends as an MCAP file does: its summary can be trusted
+  bool is_mcap = false;  ///< the file begins as an MCAP file does
+  bool whole = false;    ///< the file ends as an MCAP file does: its summary can be trusted
   std::string profile, library;
   detail::mcap::Summary summary;  ///< summary of the records that were read, not the file's own
   std::map<std::string, detail::mcap::Texts> metadata;
@@ -124,8 +124,8 @@ class FrontToBack {
   void run(std::span<const unsigned char> file) {
     Cursor cursor(file);
     const View begin = cursor.take(magic.size());
-    out_.ours = !cursor.broken() && std::equal(begin.begin(), begin.end(), magic.begin());
-    if (!out_.ours) return;
+    out_.is_mcap = !cursor.broken() && std::equal(begin.begin(), begin.end(), magic.begin());
+    if (!out_.is_mcap) return;
     out_.data_end = out_.last_unit_end = cursor.at();
     for (bool data = true;;) {
       const std::uint64_t start = cursor.at();

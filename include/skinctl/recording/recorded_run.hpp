@@ -15,8 +15,8 @@ SKINCTL_BEGIN_NAMESPACE
 template <class C>
 struct LoadedRun {
   Recording<C> recording;
-  bool whole = true;          ///< whether the file is whole; a cut one replays up to the cut
-  std::uint64_t missing = 0;  ///< cycles that the file skips: a recorder that had no room
+  bool whole = true;                 ///< whether the file is whole; a cut one replays up to the cut
+  std::uint64_t missing_cycles = 0;  ///< cycles that the file skips: a recorder that had no room
 };
 
 /// Reads the run of a file. Cycles after one that is missing cannot be replayed, so they are left out and
@@ -29,7 +29,7 @@ template <class C>
   const auto contents = read_mcap(file.bytes(), [&](const McapMessage& m) {
     if (m.channel.topic == CycleTopic::start || m.channel.topic == CycleTopic::cycle) size += m.bytes.size();
   });
-  if (!contents.ours) refuse("skinctl: " + path + ": no MCAP file");
+  if (!contents.is_mcap) refuse("skinctl: " + path + ": no MCAP file");
   const auto facts = contents.metadata.find(RunIdentity::name);
   if (facts == contents.metadata.end()) refuse("skinctl: " + path + ": no run that replays");
   identity.check<C>(path, facts->second);
@@ -45,9 +45,9 @@ template <class C>
       fits = fits && out.recording.start(m.bytes);
     } else if (m.channel.encoding == CycleTopic::cycle_encoding && fits) {
       // Sequence numbers count what the loop handed over; a gap is what found no room.
-      out.missing += m.sequence - expected;
+      out.missing_cycles += m.sequence - expected;
       expected = m.sequence + 1;
-      fits = out.missing > 0 || (began && out.recording.add(m.bytes));
+      fits = out.missing_cycles > 0 || (began && out.recording.add(m.bytes));
     }
   }));
   if (!began || !fits) refuse("skinctl: " + path + ": the run is damaged, or has no start");
@@ -56,15 +56,15 @@ template <class C>
 
 /// The result of a file's replay.
 struct ReplayedRun : Replayed {
-  bool whole = true;          ///< whether the file is whole; a cut one was replayed up to the cut
-  std::uint64_t missing = 0;  ///< cycles that the file skips: replayed up to the first of them
+  bool whole = true;                 ///< whether the file is whole; a cut one was replayed up to the cut
+  std::uint64_t missing_cycles = 0;  ///< cycles that the file skips: replayed up to the first of them
 };
 
 /// Runs `cycle` once more on the inputs of a file, and compares every command. Throws where `load_run` does.
 template <class C>
 [[nodiscard]] ReplayedRun replay(const std::string& path, const C& cycle, const RunIdentity& identity) {
   const auto run = load_run<C>(path, identity);
-  return {replay(cycle, run.recording), run.whole, run.missing};
+  return {replay(cycle, run.recording), run.whole, run.missing_cycles};
 }
 
 /// Writes a recording as a file of its own. Throws `ConfigurationError` where it cannot be written.

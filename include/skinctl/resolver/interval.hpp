@@ -23,7 +23,7 @@ struct Interval {
 
   /// The time in which a robot with this period carries the cycle's command out: at most a period, however
   /// late the cycle is.
-  [[nodiscard]] constexpr Nanoseconds given(Nanoseconds period) const noexcept {
+  [[nodiscard]] constexpr Nanoseconds command_duration(Nanoseconds period) const noexcept {
     const Nanoseconds all = to - from + carried;
     return all < period ? all : period;
   }

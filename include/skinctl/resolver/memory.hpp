@@ -94,11 +94,11 @@ struct ResolverMemory {
   /// Whether one group of virtual joints is the whole robot.
   static constexpr bool one_group = std::tuple_size_v<Groups> == 1 && Sets::Driven::count == 0;
   bool started = false;
-  bool stop = false;                  ///< a stop was requested
-  std::uint8_t short_intervals = 0;   ///< intervals that were too short, in a row, up to 255
-  Nanoseconds time{};                 ///< the end of the last interval
-  Nanoseconds odd = detail::no_time;  ///< the last cycle's time, if the clock had gone back
-  Nanoseconds carried{};              ///< time by which cycles came too soon, up to a period
+  bool stop = false;                       ///< a stop was requested
+  std::uint8_t short_intervals = 0;        ///< intervals that were too short, in a row, up to 255
+  Nanoseconds time{};                      ///< the end of the last interval
+  Nanoseconds odd_time = detail::no_time;  ///< the last cycle's time, if the clock had gone back
+  Nanoseconds carried{};                   ///< time by which cycles came too soon, up to a period
   typename detail::VirtualGroups<T, History, Groups>::Memory stiff;
   [[no_unique_address]] detail::DrivenMemory<Sets::Driven::count, T,
                                              PassivityParts::template has<EnergyTank<T>>> driven;

@@ -9,11 +9,11 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// Stand-in for a governor's movers where there is none: joints move within their own limits alone.
-struct AllAbrupt {
+/// Stand-in for a governor's limits of jerk where there are none: joints move within their own limits alone.
+struct NoJerkLimits {
   static constexpr bool smooth = false;
   template <std::size_t>
-  [[nodiscard]] static constexpr Abrupt mover_of() noexcept {
+  [[nodiscard]] static constexpr Abrupt motion_limit_of() noexcept {
     return {};
   }
 };
@@ -128,16 +128,16 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
 
   using Sent = typename Base::Sent;
   /// The command of the stiff joints, which take positions or velocities.
-  [[nodiscard]] static auto stiff(const Sent& c) noexcept {
+  [[nodiscard]] static auto stiff(const Sent& command) noexcept {
     typename detail::CommandOf<Stiff::count, T, typename Sets::StiffGroups>::type out;
-    detail::take_part<Stiff>(c, out);
+    detail::take_part<Stiff>(command, out);
     return out;
   }
   /// The commanded torques of the joints by torque [N m].
-  [[nodiscard]] static JointTorque<Driven::count, T> torque(const Sent& c) noexcept
+  [[nodiscard]] static JointTorque<Driven::count, T> torque(const Sent& command) noexcept
     requires has_driven
   {
-    return Driven::of(c.torque);
+    return Driven::of(command.torque);
   }
 
   /// One cycle: integrates `interval` and gives the command for its end.
@@ -151,10 +151,9 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
   ///                         they are unknown, one for each link, from the last touch.
   /// @param changes           of the touches from sub-step to sub-step, by which laws get them ahead: see
   ///                         `TouchChange`. Empty: not ahead.
-  /// @param movers            of the groups: limits of jerk, or `Abrupt`, by `mover_of<K>()`; a governor has
-  ///               them.
+  /// @param movers            limits of jerk of each group, or `Abrupt`: a governor's `motion_limit_of<K>()`.
   template <class L, class Touch, class Check = AnyState, class Pressed = PressedUnknown,
-            class Movers = AllAbrupt>
+            class Movers = NoJerkLimits>
   SKINCTL_INLINE Resolved<joints, T, terms_of<L>> step(
       Memory& m, const L& law, typename L::Memory& law_memory, const State<joints, T>& measured,
       const Interval& interval, std::span<const Touch> touches, const Check& check = {},
@@ -162,13 +161,13 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
       const Movers& movers = {}) const noexcept {
     Resolved<joints, T, terms_of<L>> out{m.command(), interval.status, {}};
     if (!m.started || interval.substeps == 0) [[unlikely]] {
-      m.odd = detail::odd_time_of(interval);
+      m.odd_time = detail::odd_time_of(interval);
       // Even if the clock is wrong, gravity is compensated at the measured position.
       if (m.started) out.fallback = this->held(m, detail::believed(measured, m.measured(), check));
       return out;
     }
     SKINCTL_EXPECTS(touches.size() >= interval.substeps, "one touch per sub-step");
-    m.odd = detail::no_time;
+    m.odd_time = detail::no_time;
     const Touch& newest = touches[interval.substeps - 1];
     const T dt = seconds<T>(interval.to - interval.from);
     const auto begun = this->begin(m, measured, interval, check, dt, this->pushed(m, newest));
@@ -182,7 +181,8 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
         move(m, law, law_memory, begun, interval.at(j), seconds<T>(interval.at(j + 1) - interval.at(j)),
              touches[j], changes.empty() ? nullptr : &changes[j], movers, torque, out);
     m.time = interval.to;
-    const Nanoseconds left = interval.to - interval.from + interval.carried - interval.given(this->period_);
+    const Nanoseconds left =
+        interval.to - interval.from + interval.carried - interval.command_duration(this->period_);
     m.carried = left < this->period_ ? left : this->period_;
     out.status |= detail::note_length(m.short_intervals, interval, this->period_);
     each([&](auto k) {

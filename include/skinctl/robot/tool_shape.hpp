@@ -55,9 +55,9 @@ struct NoWeight {
 /// **Singularities.** In a direction in which the tool hardly moves, `J' Lambda J` is almost zero: to feel as
 /// configured, the joints would need extreme speeds. Each direction has a ratio rho of the configured mass to
 /// the mass that M_0 has at the tool. The shaped ratio is `rho + 1/(1 + (rho/a)^2)`,
-/// `a = (lightest/1.8)^1.5`: as configured to 5 % for rho >= 1.5 `lightest`, never less than `lightest`, and
-/// smoothly 1, the joint-space inertia, where the tool cannot move at all. So M_v is positive definite and
-/// smooth everywhere, without a branch: `Re (rho + i a)^-1` in one elimination.
+/// `a = (min_mass_ratio/1.8)^1.5`: as configured to 5 % for rho >= 1.5 `min_mass_ratio`, never less than
+/// `min_mass_ratio`, and smoothly 1, the joint-space inertia, where the tool cannot move at all. So M_v is
+/// positive definite and smooth everywhere, without a branch: `Re (rho + i a)^-1` in one elimination.
 ///
 /// A law with a model of the masses (`Y_r Theta`) uses M, not M_v: the shape is for reactive laws and for
 /// springs. The matrices are constant in base axes: a rotational inertia has no gyroscopic torque.
@@ -75,7 +75,7 @@ class ToolShape {
     Matrix mass = {};                       ///< Lambda: symmetric, positive definite [kg], [kg m^2]
     Matrix damping = {};                    ///< D: symmetric, positive semi-definite [N s/m], [N m s/rad]
     T rest_decay = T(4);                    ///< decay of joint motion that does not move the tool [1/s], >= 0
-    T lightest = T(0.15);                   ///< minimum ratio of M_v to M_0 in any direction, 0.01 to 0.3
+    T min_mass_ratio = T(0.15);             ///< minimum ratio of M_v to M_0 in any direction, 0.01 to 0.3
   };
 
   /// The diagonal matrix of `values`, for `Settings`.
@@ -99,8 +99,9 @@ class ToolShape {
       }
     require(s.rest_decay >= T(0) && s.rest_decay <= T(1e4), "decay of the rest", number(s.rest_decay),
             "0 to 1e4 1/s");
-    require(s.lightest >= T(0.01) && s.lightest <= T(0.3), "lightest", number(s.lightest), "0.01 to 0.3");
-    a_ = T(pow(s.lightest / T(1.8), T(1.5)));
+    require(s.min_mass_ratio >= T(0.01) && s.min_mass_ratio <= T(0.3), "min_mass_ratio",
+            number(s.min_mass_ratio), "0.01 to 0.3");
+    a_ = T(pow(s.min_mass_ratio / T(1.8), T(1.5)));
     require(factorise(s.mass, root_), "mass at the tool", number(s.mass[0][0]), "a positive definite matrix");
     Matrix above = s.damping, unused;
     T size(0);

@@ -23,9 +23,9 @@ struct Example {
 
 /// Settings of the learning of a tree.
 struct TreeSettings {
-  double confidence = 0.25;  ///< confidence of the pessimistic pruning; smaller: prunes more
-  std::size_t min_leaf = 0;  ///< fewest examples on a side of a split; 0: max(5, all / 400)
-  std::size_t deepest = 24;  ///< largest number of levels; `classify` visits no more nodes
+  double confidence = 0.25;    ///< confidence of the pessimistic pruning; smaller: prunes more
+  std::size_t min_leaf = 0;    ///< fewest examples on a side of a split; 0: max(5, all / 400)
+  std::size_t max_depth = 24;  ///< largest number of levels; `classify` visits no more nodes
 };
 
 /// A decision tree over numbers, learnt by C4.5 (Quinlan 1993): a node splits at the threshold with the
@@ -34,7 +34,7 @@ struct TreeSettings {
 /// `confidence`) is not below that of a leaf becomes one.
 ///
 /// Learning allocates, and throws `ConfigurationError` for settings out of range, no examples, a label that
-/// is no class or a number that is not finite. Classifying does neither, and visits at most `deepest` nodes;
+/// is no class or a number that is not finite. Classifying does neither; it visits at most `max_depth` nodes;
 /// a NaN goes where small numbers go.
 ///
 /// @tparam A  how many numbers an example has. @tparam Classes how many labels there are, 0 to `Classes - 1`.
@@ -62,8 +62,8 @@ class DecisionTree {
                                                        const TreeSettings& settings = {}) {
     require(settings.confidence > 0 && settings.confidence <= 0.5, "DecisionTree: confidence",
             settings.confidence, "> 0, <= 0.5");
-    require(settings.deepest >= 1 && settings.deepest <= 64, "DecisionTree: deepest",
-            static_cast<double>(settings.deepest), "1 to 64");
+    require(settings.max_depth >= 1 && settings.max_depth <= 64, "DecisionTree: max_depth",
+            static_cast<double>(settings.max_depth), "1 to 64");
     require(!examples.empty() && examples.size() < 1u << 31, "DecisionTree: examples",
             static_cast<double>(examples.size()), "1 to 2^31");
     for (const auto& e : examples) {
@@ -172,7 +172,7 @@ class DecisionTree {
       const std::size_t here = nodes.size();
       nodes.push_back(leaf);
       const double wrong = pessimistic(n, n - *most);
-      if (*most == n || last - first < 2 * settings.min_leaf || depth + 1 >= settings.deepest) return wrong;
+      if (*most == n || last - first < 2 * settings.min_leaf || depth + 1 >= settings.max_depth) return wrong;
 
       std::array<Split, A> splits;
       double sum = 0;

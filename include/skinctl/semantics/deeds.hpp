@@ -89,8 +89,8 @@ struct DeedSettings {
   double reach = 0.15;           ///< greatest distance from the hand of a thing that is taken [m]
   double near_container = 0.15;  ///< largest distance from the hand of the container of a release [m]
   double near_used = 0.25;       ///< largest distance from the hand of a thing on which a tool is used [m]
-  double ball = 0.25;            ///< radius of the ball of a use, as a share of how far the tool was carried
-  double used = 3.5;             ///< shortest path of a use inside that ball, in radii; straight through: 2
+  double use_ball = 0.25;        ///< radius of the ball of a use, as a share of how far the tool was carried
+  double min_use_path = 3.5;     ///< shortest path of a use inside that ball, in radii; straight through: 2
 };
 
 /// Throws `ConfigurationError` for a number out of its range.
@@ -101,8 +101,8 @@ inline void check(const DeedSettings& s) {
   within(s.reach, 10, "DeedSettings: reach", "> 0, <= 10 m");
   within(s.near_container, 10, "DeedSettings: near_container", "> 0, <= 10 m");
   within(s.near_used, 10, "DeedSettings: near_used", "> 0, <= 10 m");
-  within(s.ball, 1, "DeedSettings: ball", "> 0, <= 1");
-  within(s.used, 1000, "DeedSettings: used", "> 0, <= 1000 radii");
+  within(s.use_ball, 1, "DeedSettings: use_ball", "> 0, <= 1");
+  within(s.min_use_path, 1000, "DeedSettings: min_use_path", "> 0, <= 1000 radii");
 }
 
 /// The episodes of a demonstration, or why there are none.
@@ -135,7 +135,7 @@ class DeedReader {
   }
 
  private:
-  static constexpr std::size_t looks = 30;  ///< number of newest detections whose middle is a thing's place
+  static constexpr std::size_t place_detections = 30;  ///< newest detections, whose middle is a place
   static constexpr Nanoseconds longest_stand = 500ms;  ///< longest stand that counts, to each side of a deed
   static constexpr Nanoseconds let_go_time = 100ms;    ///< time after which a thing lies where it was put
 
@@ -154,7 +154,7 @@ class DeedReader {
     std::vector<ObjectPose<W>> seen;
     for (auto d = std::upper_bound(d_.seen.begin(), d_.seen.end(), at,
                                    [](Nanoseconds t, const Detection<W>& x) { return t < x.time; });
-         d != d_.seen.begin() && seen.size() < looks;) {
+         d != d_.seen.begin() && seen.size() < place_detections;) {
       --d;
       if (d->time <= known_[thing].free) break;
       if (d->object == thing) seen.push_back(d->X_WO);
@@ -242,7 +242,7 @@ class DeedReader {
     double carried = 0;
     for (std::size_t i = in.begin; i < in.end; ++i)
       carried = std::max(carried, norm(Xyz<double>(p[i] - p[in.begin])));
-    const double radius = s_.ball * carried;
+    const double radius = s_.use_ball * carried;
     const auto inside = [&](std::size_t i, std::size_t c) { return norm(Xyz<double>(p[i] - p[c])) < radius; };
     double longest = 0;
     std::size_t centre = in.begin;
@@ -253,7 +253,7 @@ class DeedReader {
         if (inside(i, c)) way += norm(Xyz<double>(p[i] - p[i - 1]));
       if (way > longest) longest = way, centre = c;
     }
-    if (!(longest > s_.used * radius)) return;
+    if (!(longest > s_.min_use_path * radius)) return;
     std::vector<Transform<W, Tool>> at;
     for (std::size_t i = in.begin; i < in.end; ++i)
       if (inside(i, centre)) at.push_back(d_.hand[i].X_WH);
@@ -290,7 +290,7 @@ template <Frame W>
 /// - The pose of a deed is the middle of its stand, in the world and in the frame of every thing seen. Its
 ///   landmark is the nearest container within `near_container`, of a use any thing within `near_used`, else
 ///   the world. Things that are carried lie where they were put until they are seen again.
-/// - A tool is used where its path in a ball, of `ball` times how far it was carried, exceeds `used` radii.
+/// - A tool is used where its path in a ball, with radius `use_ball` of the carry, exceeds `min_use_path`.
 template <Frame W = World>
 [[nodiscard]] Deeds<W> deeds_of(const Demonstration<W>& shown, const DeedSettings& settings = {}) {
   check(settings);

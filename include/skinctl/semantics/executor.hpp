@@ -61,22 +61,22 @@ struct StepInput {
 
 /// Settings of an executor.
 struct ExecutorSettings {
-  Nanoseconds lost = 50ms;  ///< time without being seen to hold after which a needed fact is lost
+  Nanoseconds lost_after = 50ms;  ///< time without being seen to hold after which a needed fact is lost
   Nanoseconds confirm =
       300ms;  ///< longest time after the end of a skill until its added and removed facts are seen
   Nanoseconds max_place_wait = 30s;  ///< longest wait for a place
-  std::uint8_t reverses = 3;         ///< number of times that a task goes back before it asks a person
+  std::uint8_t max_reverses = 3;     ///< number of times that a task goes back before it asks a person
 };
 
 /// Executes a task. Immutable; `step` is a pure function from a memory of 24 bytes to a request and the next
 /// memory.
 ///
 /// A step begins when the facts that it needs are proved (by the task) and, where sensors tell them, seen.
-/// They are watched while it runs: one that is gone for `lost` is a failure, whatever the skill reports. When
+/// They are watched while it runs: one gone for `lost_after` is a failure, whatever the skill reports. When
 /// the skill has ended, what the step adds and removes is confirmed by what is seen.
 ///
 /// A step that fails begins anew `retries` times if its needs are still seen; then the robot goes back (the
-/// activity `Reverse`), and the task goes on with the step's `failed`. A task that has gone back `reverses`
+/// activity `Reverse`), and the task goes on with the step's `failed`. A task that went back `max_reverses`
 /// times, or that fails to go back, asks a person, and so does one whose `failed` is `ask_person`.
 template <std::size_t N>
 class Executor {
@@ -104,7 +104,8 @@ class Executor {
     const TaskFault fault = check(task_);
     require(!fault.any(), describe(fault.error), fault.step,
             "a task that check() proves; the number is the step's");
-    require(s.lost >= 0ns && s.lost <= 10s, "Executor: lost", milliseconds(s.lost), "0 to 1e4 ms");
+    require(s.lost_after >= 0ns && s.lost_after <= 10s, "Executor: lost_after", milliseconds(s.lost_after),
+            "0 to 1e4 ms");
     require(s.confirm >= 0ns && s.confirm <= 10s, "Executor: confirm", milliseconds(s.confirm),
             "0 to 1e4 ms");
     require(s.max_place_wait >= 0ns && s.max_place_wait <= 1000s, "Executor: max_place_wait",
@@ -207,7 +208,7 @@ class Executor {
       ++m.tries;
       return to(m, in.now, Phase::begin);
     }
-    if (m.reverses >= s_.reverses) return to(m, in.now, Phase::ask);
+    if (m.reverses >= s_.max_reverses) return to(m, in.now, Phase::ask);
     ++m.reverses;
     to(m, in.now, Phase::begin_reverse);
   }
@@ -217,7 +218,7 @@ class Executor {
     const bool needed = in.seen.hold.has(needs(m) & in.seen.told);
     const bool forbidden = (in.seen.hold & rule.forbids).any();
     if (!needed || forbidden) {
-      if (unseen_for(m, in, false, s_.lost))
+      if (unseen_for(m, in, false, s_.lost_after))
         fail(m, in, needed ? StepFailure::fact_present : StepFailure::fact_missing, false);
       return;
     }
@@ -230,7 +231,7 @@ class Executor {
   }
   void run(Memory& m, const StepInput& in, const ActivityRule& rule) const noexcept {
     const Facts watched = (needs(m) - rule.removes) & in.seen.told;
-    if (unseen_for(m, in, in.seen.hold.has(watched), s_.lost))
+    if (unseen_for(m, in, in.seen.hold.has(watched), s_.lost_after))
       return fail(m, in, StepFailure::fact_lost, true);
     if (in.skill.ticket == m.ticket && in.skill.phase == SkillPhase::failed)
       return fail(m, in, StepFailure::skill, true);

@@ -58,7 +58,7 @@ struct FeatureSettings {
   double left_heading = 0.06;  ///< distance at which a hand heading for another object has left it [m]
   double heading = 0.95;  ///< cosine between velocity and direction from which a hand heads for an object
   Nanoseconds left_after = 1500ms;  ///< time after a release at which a hand has left it in any case
-  Nanoseconds longest = 100ms;      ///< time without a sample after which the hand is unknown
+  Nanoseconds max_gap = 100ms;      ///< time without a sample after which the hand is unknown
 };
 
 /// Features from samples of a hand and a world of objects.
@@ -118,7 +118,7 @@ class FeatureExtractor {
     require(s.heading > 0 && s.heading <= 1, "Features: heading", s.heading, "> 0, <= 1");
     require(s.left_after > 0ns && s.left_after <= 1000s, "Features: left_after", milliseconds(s.left_after),
             "> 0, <= 1e6 ms");
-    require(s.longest > 0ns && s.longest <= 10s, "Features: longest", milliseconds(s.longest),
+    require(s.max_gap > 0ns && s.max_gap <= 10s, "Features: max_gap", milliseconds(s.max_gap),
             "> 0, <= 1e4 ms");
   }
   [[nodiscard]] const FeatureSettings& settings() const noexcept { return s_; }
@@ -149,7 +149,7 @@ class FeatureExtractor {
     f.time = hand.time;
     const bool feels = hand.force - hand.force == 0;
     if (feels) static_cast<void>(force_.sample(m.force, hand.time, hand.force));
-    f.known = feels && m.started && seconds<double>(s_.longest) >= dt && hand.sigma >= 0 &&
+    f.known = feels && m.started && seconds<double>(s_.max_gap) >= dt && hand.sigma >= 0 &&
               suffices(hand.sigma, Nanoseconds(static_cast<std::int64_t>(m.period * 1e9)));
     m.started = true;
     m.p = p;

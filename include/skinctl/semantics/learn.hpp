@@ -11,11 +11,11 @@ SKINCTL_BEGIN_NAMESPACE
 /// Settings of `learn`.
 struct LearnSettings {
   DeedSettings deeds{};
-  double min_gap = 1.25;     ///< smallest ratio of the stiffnesses that were felt on both sides of a border
-  double same_place = 0.15;  ///< distance below which two places in the world are one [m]
-  double closer = 3;         ///< least factor by which places spread less in a frame that is preferred
-  double unclear = 1.5;      ///< smallest `closer` at which the person is asked for the frame
-  double exact = 0.005;      ///< spread of places below which frames do not differ [m]
+  double min_gap = 1.25;      ///< smallest ratio of the stiffnesses that were felt on both sides of a border
+  double same_place = 0.15;   ///< distance below which two places in the world are one [m]
+  double frame_ratio = 3;     ///< least factor by which places spread less in a frame that is preferred
+  double ask_ratio = 1.5;     ///< smallest `frame_ratio` at which the person is asked for the frame
+  double min_spread = 0.005;  ///< spread of places below which frames do not differ [m]
 };
 
 /// Throws `ConfigurationError` for a number out of its range.
@@ -23,10 +23,10 @@ inline void check(const LearnSettings& s) {
   check(s.deeds);
   require(s.min_gap >= 1 && s.min_gap <= 100, "LearnSettings: min_gap", s.min_gap, "1 to 100");
   require(s.same_place > 0 && s.same_place <= 10, "LearnSettings: same_place", s.same_place, "> 0, <= 10 m");
-  require(s.unclear >= 1 && s.unclear <= 1000, "LearnSettings: unclear", s.unclear, "1 to 1000");
-  require(s.closer >= s.unclear && s.closer <= 1000, "LearnSettings: closer", s.closer,
-          ">= unclear, <= 1000");
-  require(s.exact > 0 && s.exact <= 1, "LearnSettings: exact", s.exact, "> 0, <= 1 m");
+  require(s.ask_ratio >= 1 && s.ask_ratio <= 1000, "LearnSettings: ask_ratio", s.ask_ratio, "1 to 1000");
+  require(s.frame_ratio >= s.ask_ratio && s.frame_ratio <= 1000, "LearnSettings: frame_ratio", s.frame_ratio,
+          ">= ask_ratio, <= 1000");
+  require(s.min_spread > 0 && s.min_spread <= 1, "LearnSettings: min_spread", s.min_spread, "> 0, <= 1 m");
 }
 
 /// A task of at most `C` steps, or why there is none.
@@ -229,7 +229,7 @@ class Learner {
       const auto mean = middle(poses);
       double square = 0;
       for (const auto& X : poses) square += std::pow(norm(Xyz<double>(X.origin() - mean.origin())), 2);
-      return std::max(s_.exact, std::sqrt(square / static_cast<double>(poses.size())));
+      return std::max(s_.min_spread, std::sqrt(square / static_cast<double>(poses.size())));
     };
     ObjectClass mark = first.verb == Verb::squeeze ? ObjectClass(0) : first.mark;
     if (shown_ > 1 && first.verb == Verb::release) {
@@ -240,9 +240,9 @@ class Learner {
         const bool may = p.mark == 0 || (p.mark < 64 && ((s_.deeds.containers >> p.mark) & 1u) != 0);
         if (may && spread(p.mark) < closest) best = p.mark, closest = spread(p.mark);
       }
-      if (s_.closer * closest < usual)
+      if (s_.frame_ratio * closest < usual)
         mark = best;
-      else if (s_.unclear * closest < usual && out_.why == Refusal::none)
+      else if (s_.ask_ratio * closest < usual && out_.why == Refusal::none)
         out_.why = Refusal::frame_unclear;
     }
     return {mark, middle(all(mark))};

@@ -16,7 +16,8 @@ SKINCTL_BEGIN_NAMESPACE
 struct PlaceRequest {
   std::uint8_t wants = 255;  ///< place that the robot needs next; 255: none
   std::uint32_t leaves = 0;  ///< bit k: the robot does not need place k any more; it leaves once it is away
-  bool failed = false;  ///< the step failed or asks a person: places that the robot is away from become free
+  bool step_failed =
+      false;  ///< the step failed or asks a person: places that the robot is away from become free
   std::uint32_t away = ~std::uint32_t(0);  ///< bit k: the robot is away from place k
 };
 
@@ -71,12 +72,12 @@ class Resources {
     Memory& next = out.memory;
     for (std::size_t r = 0; r < Robots; ++r) {
       const PlaceRequest& a = asked[r];
-      const std::uint32_t leaves = (a.failed ? a.away : a.leaves & a.away);
+      const std::uint32_t leaves = (a.step_failed ? a.away : a.leaves & a.away);
       for (std::size_t k = 0; k < Places; ++k)
-        if (next.holder[k] == r && ((leaves >> k) & 1u) != 0 && (a.failed || a.wants != k))
+        if (next.holder[k] == r && ((leaves >> k) & 1u) != 0 && (a.step_failed || a.wants != k))
           next.holder[k] = nobody;
-      const bool allowed = a.wants < Places && !a.failed && !holds_from(next, r, a.wants + 1u);
-      out.grants[r].refused = a.wants != 255 && !a.failed && !allowed;
+      const bool allowed = a.wants < Places && !a.step_failed && !holds_from(next, r, a.wants + 1u);
+      out.grants[r].refused = a.wants != 255 && !a.step_failed && !allowed;
       const std::uint8_t wants = allowed ? a.wants : std::uint8_t(255);
       if (wants != next.wants[r]) next.waits_since[r] = now;
       next.wants[r] = wants;

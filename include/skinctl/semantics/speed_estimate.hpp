@@ -24,7 +24,7 @@ class SpeedEstimate {
   struct Settings {
     Nanoseconds time_constant = 20ms;  ///< T_v, time constant of the fading memory
     /// Longest gap between samples; after a longer one the velocity begins anew at 0.
-    Nanoseconds longest = 200ms;
+    Nanoseconds max_gap = 200ms;
   };
   /// Trivially copyable; `Memory{}` has seen no sample.
   struct Memory {
@@ -39,8 +39,8 @@ class SpeedEstimate {
       : s_(s), per_(T(1) / seconds<T>(s.time_constant)) {
     require(s.time_constant >= 1us && s.time_constant <= 10s, "SpeedEstimate: time constant",
             milliseconds(s.time_constant), "1e-3 to 1e4 ms");
-    require(s.longest >= s.time_constant && s.longest <= 100s, "SpeedEstimate: longest",
-            milliseconds(s.longest), ">= time constant, <= 1e5 ms");
+    require(s.max_gap >= s.time_constant && s.max_gap <= 100s, "SpeedEstimate: max_gap",
+            milliseconds(s.max_gap), ">= time constant, <= 1e5 ms");
   }
   [[nodiscard]] const Settings& settings() const noexcept { return s_; }
 
@@ -50,7 +50,7 @@ class SpeedEstimate {
     const T square = dot(measured, measured);
     if (!(square - square == T(0))) return Reason::sample_not_finite;
     if (m.started && time <= m.time) return time == m.time ? Status{} : Status(Reason::time_backwards);
-    if (!m.started || time - m.time > s_.longest) {
+    if (!m.started || time - m.time > s_.max_gap) {
       m = {time, measured, {T(0), T(0), T(0)}, true};
       return {};
     }

@@ -32,18 +32,21 @@ struct Track {
 /// Settings of `Tracks`. Their values for a certain detector and gripper are measured with these.
 template <Real T = double>
 struct TrackSettings {
-  T wander = T(0.002);        ///< random walk of things that nobody moves [m/sqrt(s)]; as ObjectWorld's
+  T random_walk = T(0.002);   ///< random walk of things that nobody moves [m/sqrt(s)]; as ObjectWorld's
   T max_deviations = T(4);    ///< radius of the association, in deviations; 1 detection in 900 is further off
   T seen_if_there = T(0.95);  ///< share of the pictures in which a thing that is there is detected
   T seen_if_not = T(0.2);     ///< share of the pictures in which a ghost is detected; large, as a ghost stays
-  T things = T(0.05);  ///< prior probability of a thing at a new place; by pictures alone at most 1 less it
-  Nanoseconds doubted = 2s;       ///< time for which an unseen track with failed takes stays: 60 pictures
-  T taken = T(9), failed = T(1);  ///< prior counts of takes of real things, Beta(9, 1): 9 of 10 takes succeed
-  T moved = T(0.02);              ///< smallest motion of a thing that is no ghost [m]: 4 sigma of a detection
-  T beside = T(0.018);      ///< step of the search for the bias [m]: fingers open 17 mm wider on each side
+  T thing_prior =
+      T(0.05);  ///< prior probability of a thing at a new place; by pictures alone at most 1 less it
+  Nanoseconds keep_doubted = 2s;  ///< time for which an unseen track with failed takes stays: 60 pictures
+  T prior_successes = T(9),
+    prior_failures = T(1);  ///< prior counts of takes of real things, Beta(9, 1): 9 of 10 takes succeed
+  T min_motion = T(0.02);   ///< smallest motion of a thing that is no ghost [m]: 4 sigma of a detection
+  T bias_step = T(0.018);   ///< step of the search for the bias [m]: fingers open 17 mm wider on each side
   std::uint8_t places = 2;  ///< number of places with missed real things from which on camera or hand errs
   std::uint8_t takes = 3;   ///< number of successes in a row that set the count for `places` to 0
-  std::uint8_t empty = 6;   ///< number of takes without contact that decide a try: more than there are ghosts
+  std::uint8_t max_empty_takes =
+      6;  ///< number of takes without contact that decide a try: more than there are ghosts
 };
 
 SKINCTL_END_NAMESPACE

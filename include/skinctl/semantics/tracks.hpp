@@ -20,8 +20,8 @@ SKINCTL_BEGIN_NAMESPACE
 ///     sight <- min(sight + log(d / n), c)                 if detected, d = seen_if_there, n = seen_if_not
 ///     sight <- max(sight + log((1 - d) / (1 - n)), -c)    if a picture should show it, and does not
 ///     touch <- touch + log P(fail | real)                 after a take that failed
-///     P(fail | real) = (failed + f) / (taken + failed + f + s), at least that of no take
-///     c = log((1 - things) / things) = 2.94
+///     P(fail | real) = (b + f) / (a + b + f + s), at least that of no take: prior counts a, b
+///     c = log((1 - thing_prior) / thing_prior) = 2.94
 ///
 /// with `s` takes that succeeded and `f` that failed, each of these weighted by the belief that was left. A
 /// new track starts with -c + log(d / n) = -1.39: a single flash is not believed. The cap `c` keeps any
@@ -31,11 +31,11 @@ SKINCTL_BEGIN_NAMESPACE
 /// A take of a ghost fails without contact, and its detections stay in place: two such takes end the belief.
 /// A take that misses a real thing touches it, or moves it. Where that happens at `places` places, with fewer
 /// than `takes` successes in between, the cause is the camera or the hand: `touch` of real things does not
-/// count, and the next takes go to where things are seen, then `beside` of there along +x, -x, +y, -y, these
-/// twice. Of takes without contact only `empty` decide a try: a ghost says nothing. The offset of the first
-/// success is added to `bias` (without offset: it was the places, and `touch` counts again); where fewer than
-/// `takes` successes confirm it before places fail again, it is taken back, and the search goes on with the
-/// next try. Without success `asks` is set once; takes that failed before the answer do not count after it.
+/// count, and the next takes go to where things are seen, then `bias_step` off along +x, -x, +y, -y, these
+/// twice. Of takes without contact only `max_empty_takes` decide a try: a ghost says nothing. The offset of
+/// the first success is added to `bias` (without offset: it was the places, and `touch` counts again); where
+/// fewer than `takes` successes confirm it before places fail again, it is taken back, and the search goes on
+/// with the next try. Without success `asks` is set once; failures before the answer do not count after it.
 ///
 /// Immutable; what changes is a `Memory`, trivially copyable: `Memory{}` has seen nothing. Nothing allocates.
 template <std::size_t Capacity, Real T = double>
@@ -68,20 +68,20 @@ class Tracks {
       const auto x = static_cast<double>(value);
       require(x > low && x <= high, name, x, range);
     };
-    within(s.wander, "Tracks: wander", 0, 10, "> 0, <= 10 m/sqrt(s)");
+    within(s.random_walk, "Tracks: random_walk", 0, 10, "> 0, <= 10 m/sqrt(s)");
     within(s.max_deviations, "Tracks: max_deviations", 0.999, 100, "1 to 100 deviations");
     within(s.seen_if_not, "Tracks: seen_if_not", 0, 0.99, "> 0, <= 0.99");
     within(s.seen_if_there, "Tracks: seen_if_there", static_cast<double>(s.seen_if_not), 0.9999,
            "> seen_if_not, <= 0.9999");
-    within(s.things, "Tracks: things", 1e-6, 0.4, "> 1e-6, <= 0.4");
-    require(s.doubted >= 0ns && s.doubted <= 9s, "Tracks: doubted", milliseconds(s.doubted), "0 to 9e3 ms");
-    within(s.taken, "Tracks: taken", 0, 1e6, "> 0, <= 1e6 takes");
-    within(s.failed, "Tracks: failed", 0, 1e6, "> 0, <= 1e6 takes");
-    for (const T& x : {s.moved, s.beside}) within(x, "Tracks: moved, beside", 0, 10, "> 0, <= 10 m");
-    require(s.places >= 1 && s.takes >= 1 && s.empty >= 1, "Tracks: places, takes, empty", s.places,
-            "1 to 255");
+    within(s.thing_prior, "Tracks: thing_prior", 1e-6, 0.4, "> 1e-6, <= 0.4");
+    require(s.keep_doubted >= 0ns && s.keep_doubted <= 9s, "Tracks: keep_doubted",
+            milliseconds(s.keep_doubted), "0 to 9e3 ms");
+    within(s.prior_successes, "Tracks: prior_successes", 0, 1e6, "> 0, <= 1e6 takes");
+    within(s.prior_failures, "Tracks: prior_failures", 0, 1e6, "> 0, <= 1e6 takes");
+    for (const T& x : {s.min_motion, s.bias_step}) within(x, "Tracks: motion, step", 0, 10, "> 0, <= 10 m");
+    require(s.places >= 1 && s.takes >= 1 && s.max_empty_takes >= 1, "Tracks: counts", s.places, "1 to 255");
     using std::log;
-    cap_ = log((T(1) - s.things) / s.things);
+    cap_ = log((T(1) - s.thing_prior) / s.thing_prior);
     hit_ = log(s.seen_if_there / s.seen_if_not);
     miss_ = log((T(1) - s.seen_if_there) / (T(1) - s.seen_if_not));
   }
@@ -98,7 +98,7 @@ class Tracks {
     const T dt = m.started ? seconds<T>(time - m.time) : T(0);
     m.time = time, m.started = true;
     using std::sqrt;
-    for (Track<T>& t : m.tracks) t.sigma = sqrt(t.sigma * t.sigma + s_.wander * s_.wander * dt);
+    for (Track<T>& t : m.tracks) t.sigma = sqrt(t.sigma * t.sigma + s_.random_walk * s_.random_walk * dt);
     Status out = seen.size() > Capacity ? Status(Reason::sample_out_of_range) : Status{};
     const std::size_t count = seen.size() < Capacity ? seen.size() : Capacity;
     Matched done;
@@ -167,11 +167,11 @@ class Tracks {
     if (t.fails < 255) ++t.fails;
     t.touched = t.p;
     t.real = t.real || felt;
-    if (m.trial != no_trial && (t.real || ++m.empty == s_.empty)) return try_next(m);
+    if (m.trial != no_trial && (t.real || ++m.empty == s_.max_empty_takes)) return try_next(m);
     using std::exp, std::log;
     // Takes fail at one place for one reason: that hands are good does not make a single failure tell more.
-    const T rate = (s_.failed + m.failures) / (s_.taken + s_.failed + m.failures + m.successes);
-    const T least = s_.failed / (s_.taken + s_.failed);
+    const T a = s_.prior_successes, b = s_.prior_failures, least = b / (a + b);
+    const T rate = (b + m.failures) / (a + b + m.failures + m.successes);
     t.touch += log(rate > least ? rate : least);
     m.failures += T(1) / (T(1) + exp(-t.sight - t.touch));
     bool fresh = false;  // where takes succeeded, only a place that is still to try can tell
@@ -196,11 +196,11 @@ class Tracks {
     std::array<bool, Capacity> tracks{}, detections{};
   };
   [[nodiscard]] bool is_at(const Track<T>& t, const Xyz<T>& p) const noexcept {
-    return dot(t.p - p, t.p - p) <= s_.moved * s_.moved;
+    return dot(t.p - p, t.p - p) <= s_.min_motion * s_.min_motion;
   }
   /// Counts that a take missed a real thing at `p`, and begins the search for the bias if it is due.
   void missed(Memory& m, const Xyz<T>& p, bool fresh) const noexcept {
-    const bool elsewhere = m.places == 0 || dot(p - m.failed, p - m.failed) > s_.moved * s_.moved;
+    const bool elsewhere = m.places == 0 || dot(p - m.failed, p - m.failed) > s_.min_motion * s_.min_motion;
     m.failed = p;
     if (!elsewhere || m.searches == max_searches) return;
     m.since = 0;
@@ -231,7 +231,7 @@ class Tracks {
   }
   /// Offset of a try [m]: along +x, -x, +y, -y from the second one on.
   [[nodiscard]] Xyz<T> tried(std::uint8_t trial) const noexcept {
-    const T a = trial % 2 == 0 ? s_.beside : -s_.beside;
+    const T a = trial % 2 == 0 ? s_.bias_step : -s_.bias_step;
     if (trial < 2 || trial > trials) return {T(0), T(0), T(0)};
     return trial < 4 ? Xyz<T>{a, T(0), T(0)} : Xyz<T>{T(0), a, T(0)};
   }
@@ -274,7 +274,7 @@ class Tracks {
     t.sight += miss_;
     if (t.sight >= -cap_) return;
     t.sight = -cap_;
-    if (t.fails > 0 && m.time - t.seen <= s_.doubted) return;
+    if (t.fails > 0 && m.time - t.seen <= s_.keep_doubted) return;
     if (t.fails > 0) moved(m, t);
     t = {};
   }

@@ -48,16 +48,16 @@ struct Object {
 
 /// Settings of a world of objects.
 struct ObjectWorldSettings {
-  double wander = 0.002;      ///< random walk of objects that nobody holds [m/sqrt(s)]
-  double max_deviations = 4;  ///< number of deviations, along any axis, beyond which a detection is a miss
-  std::uint8_t believed = 3;  ///< misses in a row after which the object's place is that of the newest one
-  double lost = 0.10;  ///< distance from its place in the hand beyond which a held object is missed [m]
+  double random_walk = 0.002;   ///< random walk of objects that nobody holds [m/sqrt(s)]
+  double max_deviations = 4;    ///< number of deviations, along any axis, beyond which a detection is a miss
+  std::uint8_t max_misses = 3;  ///< misses in a row after which the object's place is that of the newest one
+  double lost_distance = 0.10;  ///< distance from its place in the hand at which a held object is missed [m]
 };
 
 /// Objects of the world `W`, at most `Capacity` of them, numbered from 0.
 ///
 /// Each has the weighted mean of its detections (a Kalman filter of a place that wanders slowly). An object
-/// that is moved is found at its new place after `believed` detections. An object that is not seen keeps its
+/// that is moved is found at its new place after `max_misses` detections. An object not seen keeps its
 /// place. One that is held moves with the hand; the camera, late and half blind then, only decides whether it
 /// is still there.
 ///
@@ -79,11 +79,13 @@ class ObjectWorld {
   SKINCTL_COLD explicit ObjectWorld(const std::array<ObjectClass, Capacity>& kinds,
                                     const ObjectWorldSettings& settings = {})
       : kinds_(kinds), s_(settings) {
-    require(s_.wander > 0 && s_.wander <= 10, "ObjectWorld: wander", s_.wander, "> 0, <= 10 m/sqrt(s)");
+    require(s_.random_walk > 0 && s_.random_walk <= 10, "ObjectWorld: random_walk", s_.random_walk,
+            "> 0, <= 10 m/sqrt(s)");
     require(s_.max_deviations >= 1 && s_.max_deviations <= 100, "ObjectWorld: max_deviations",
             s_.max_deviations, "1 to 100 deviations");
-    require(s_.believed >= 1 && s_.believed <= 100, "ObjectWorld: believed", s_.believed, "1 to 100");
-    require(s_.lost > 0 && s_.lost <= 10, "ObjectWorld: lost", s_.lost, "> 0, <= 10 m");
+    require(s_.max_misses >= 1 && s_.max_misses <= 100, "ObjectWorld: max_misses", s_.max_misses, "1 to 100");
+    require(s_.lost_distance > 0 && s_.lost_distance <= 10, "ObjectWorld: lost_distance", s_.lost_distance,
+            "> 0, <= 10 m");
   }
   [[nodiscard]] Memory start() const noexcept {
     Memory m{};
@@ -101,10 +103,10 @@ class ObjectWorld {
     if (o.known && d.time <= o.time) return Reason::time_backwards;
     const Xyz<double> off = d.X_WO.origin() - o.X_WO.origin();
     if (m.held == d.object) {
-      const bool elsewhere = norm(off) > s_.lost + s_.max_deviations * d.sigma;
+      const bool elsewhere = norm(off) > s_.lost_distance + s_.max_deviations * d.sigma;
       o.time = d.time;
       o.misses = elsewhere ? static_cast<std::uint8_t>(o.misses + 1) : std::uint8_t(0);
-      if (o.misses < s_.believed) return {};
+      if (o.misses < s_.max_misses) return {};
       m.held = no_object;
       m.slipped = d.object;
       place(o, d);
@@ -114,12 +116,13 @@ class ObjectWorld {
       place(o, d);
       return {};
     }
-    const double older = o.sigma * o.sigma + s_.wander * s_.wander * seconds<double>(d.time - o.time);
+    const double older =
+        o.sigma * o.sigma + s_.random_walk * s_.random_walk * seconds<double>(d.time - o.time);
     const double theirs = d.sigma * d.sigma, far = s_.max_deviations * s_.max_deviations * (older + theirs);
     o.time = d.time;
     if (off.x * off.x > far || off.y * off.y > far || off.z * off.z > far) {
       o.misses = static_cast<std::uint8_t>(o.misses + 1);
-      if (o.misses >= s_.believed) place(o, d);
+      if (o.misses >= s_.max_misses) place(o, d);
       return {};
     }
     o.misses = 0;

@@ -25,7 +25,7 @@ struct RestSettings {
   Nanoseconds release = 5s;         ///< time constant of the rest level of a frozen cell that drifts
   Nanoseconds weigh = 2s;           ///< time constant of the evidence
   Nanoseconds ramp = 6ms;           ///< longest time before a sample in which its change of reading happened
-  Nanoseconds longest = 1s;         ///< longest time between two readings; longer ones count as it
+  Nanoseconds max_gap = 1s;         ///< longest time between two readings; longer ones count as it
 };
 
 /// Distances from the rest level of a cell that count as drift and as touch, in steps of its sensor.
@@ -94,7 +94,7 @@ class RestLevel {
   template <Real T>
   using Step = detail::RestStep<T>;
 
-  /// Throws `ConfigurationError` for a time outside (0 s, 1 h], `longest` outside [50 ms, 10 s], `low_for` or
+  /// Throws `ConfigurationError` for a time outside (0 s, 1 h], `max_gap` outside [50 ms, 10 s], `low_for` or
   /// `quiet_for` above 2 s, and unless `smooth <= fall <= release <= follow`.
   SKINCTL_COLD explicit RestLevel(const RestSettings& settings = {}) : s_(settings) {
     const auto time = [](Nanoseconds t, const char* name) {
@@ -105,7 +105,7 @@ class RestLevel {
     time(s_.quiet_for, "RestLevel: quiet_for"), time(s_.fast_within, "RestLevel: fast_within");
     time(s_.release, "RestLevel: release"), time(s_.weigh, "RestLevel: weigh"),
         time(s_.ramp, "RestLevel: ramp");
-    require(s_.longest >= 50ms && s_.longest <= 10s, "RestLevel: longest", milliseconds(s_.longest),
+    require(s_.max_gap >= 50ms && s_.max_gap <= 10s, "RestLevel: max_gap", milliseconds(s_.max_gap),
             "50 ms to 10 s [ms]");
     require(s_.low_for <= 2s, "RestLevel: low_for", milliseconds(s_.low_for), "<= 2000 ms");
     require(s_.quiet_for <= 2s, "RestLevel: quiet_for", milliseconds(s_.quiet_for), "<= 2000 ms");
@@ -119,8 +119,8 @@ class RestLevel {
   /// several rates take the slowest one's.
   [[nodiscard]] double freeze_level(double sigma, Nanoseconds period) const {
     require(sigma >= 0 && sigma <= 1e4, "RestLevel: sigma", sigma, "0 to 1e4 steps");
-    require(period > 0ns && period <= s_.longest, "RestLevel: period", milliseconds(period),
-            "> 0 ms, <= longest");
+    require(period > 0ns && period <= s_.max_gap, "RestLevel: period", milliseconds(period),
+            "> 0 ms, <= max_gap");
     // Independent readings, linear in between, behind a first-order filter.
     const Smoothed m = smoothed(seconds<double>(period));
     const double a = m.begin, b = m.end, e = 1 - a - b;
@@ -148,14 +148,14 @@ class RestLevel {
   void take(Memory<T>& memory, const T& x, Nanoseconds dt, const T& evidence,
             const RestLevels& levels) const noexcept {
     if (!(dt > 0ns) || !(detail::magnitude(x) <= T(detail::max_steps))) return;
-    const Nanoseconds whole = dt < s_.longest ? dt : s_.longest,
+    const Nanoseconds whole = dt < s_.max_gap ? dt : s_.max_gap,
                       held = whole > s_.ramp ? whole - s_.ramp : 0ns;
     move(memory.cell, memory.last, memory.last, held, evidence, levels);
     move(memory.cell, memory.last, x, whole - held, evidence, levels);
     memory.last = x;
   }
 
-  /// A step for `scan`, computed once for all rows: nothing for `dt` <= 0, at most `longest`. One longer than
+  /// A step for `scan`, computed once for all rows: nothing for `dt` <= 0, at most `max_gap`. One longer than
   /// 10 ms is done in pieces.
   template <Real T = float>
   [[nodiscard]] Step<T> step(Nanoseconds dt) const noexcept {
@@ -163,7 +163,7 @@ class RestLevel {
     k.low_for = seconds<T>(s_.low_for), k.quiet_for = seconds<T>(s_.quiet_for);
     k.fast_within = seconds<T>(s_.fast_within);
     if (!(dt > 0ns)) return k;
-    const Nanoseconds whole = dt < s_.longest ? dt : s_.longest;
+    const Nanoseconds whole = dt < s_.max_gap ? dt : s_.max_gap;
     k.pieces = static_cast<int>((whole + longest_piece - 1ns) / longest_piece);
     k.per_piece = T(1) / static_cast<T>(k.pieces);
     const double t = seconds<double>(whole) / k.pieces;

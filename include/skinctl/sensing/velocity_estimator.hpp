@@ -40,7 +40,7 @@ class VelocityEstimator {
   struct Settings {
     Nanoseconds period = 3ms;  ///< planned time between two samples
     /// Longest gap between samples; after a longer one the velocity begins anew at 0.
-    Nanoseconds longest = 50ms;
+    Nanoseconds max_gap = 50ms;
     T step = T(0);  ///< step of the encoders [rad], for `noise`; 0: none
   };
   struct Memory {
@@ -59,8 +59,8 @@ class VelocityEstimator {
   SKINCTL_COLD explicit VelocityEstimator(const Settings& settings = {}) : s_(settings) {
     require(s_.period > 0ns && s_.period <= 1s, "VelocityEstimator: period", milliseconds(s_.period),
             "> 0 ms, <= 1 s");
-    require(s_.longest >= s_.period && s_.longest <= 10s, "VelocityEstimator: longest",
-            milliseconds(s_.longest), ">= period, <= 10 s [ms]");
+    require(s_.max_gap >= s_.period && s_.max_gap <= 10s, "VelocityEstimator: max_gap",
+            milliseconds(s_.max_gap), ">= period, <= 10 s [ms]");
     require(s_.step >= T(0) && s_.step <= T(1), "VelocityEstimator: step", double(s_.step), "0 to 1 rad");
     for (std::size_t i = 0; i < K; ++i)
       planned_[i] = -seconds<T>(s_.period) * static_cast<T>(static_cast<int>(i));
@@ -73,7 +73,7 @@ class VelocityEstimator {
   ///
   /// - A position that is not finite or absurd: `state_not_finite`, nothing changes.
   /// - A stamp before the last one: `time_backwards`, nothing changes; one that goes back by more than
-  ///   `longest` is a clock that was set back, and the window begins anew.
+  ///   `max_gap` is a clock that was set back, and the window begins anew.
   /// - The same stamp again: a repeated message, nothing changes and nothing is wrong.
   /// - Samples closer than a quarter of a period together leave the velocity as it is until the window is
   ///   longer than that.
@@ -83,8 +83,8 @@ class VelocityEstimator {
     if (memory.count > 0) {
       const Nanoseconds since = stamp - memory.state.time;
       if (since == 0ns) return {};
-      if (since < 0ns && since >= -s_.longest) return Reason::time_backwards;
-      if (since < 0ns || since > s_.longest) memory = Memory{};
+      if (since < 0ns && since >= -s_.max_gap) return Reason::time_backwards;
+      if (since < 0ns || since > s_.max_gap) memory = Memory{};
     }
     memory.stamp[memory.next] = stamp;
     memory.q[memory.next] = q;

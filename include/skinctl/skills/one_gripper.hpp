@@ -27,9 +27,9 @@ class OneGripper {
   struct Memory {
     GripperCommand command{};
     GripperState state{};
-    Nanoseconds goal_time{};  ///< time of the first cycle with the newest goal
-    bool answered = false;    ///< the state is newer than the goal
-    bool dated = false;       ///< `goal_time` is known
+    Nanoseconds goal_time{};       ///< time of the first cycle with the newest goal
+    bool answered = false;         ///< the state is newer than the goal
+    bool goal_time_known = false;  ///< `goal_time` is known
   };
 
   /// Throws `ConfigurationError` for a range that no gripper can have.
@@ -47,13 +47,13 @@ class OneGripper {
     if (!finite(goal)) return;
     m.command.goal = limited(goal, range_);
     ++m.command.count;
-    m.answered = m.dated = false;
+    m.answered = m.goal_time_known = false;
   }
   /// Takes the state heard at `now`. One from before the goal says nothing about it.
   static void hear(Memory& m, const GripperState& state, Nanoseconds now) noexcept {
-    if (!m.dated) {
+    if (!m.goal_time_known) {
       m.goal_time = now;
-      m.dated = true;
+      m.goal_time_known = true;
     }
     m.state = state;
     m.answered = state.heard && state.time > m.goal_time;

@@ -47,7 +47,7 @@ class MomentumObserver {
     RotorInertia<joints, T> rotors = {};    ///< reflected inertia of the motors
     std::optional<Friction> friction = {};  ///< friction that is taken off the motor torques
     MotorSampling motors = MotorSampling::instant;
-    Nanoseconds longest = 100ms;  ///< longest gap between samples; after a longer one r starts anew at 0
+    Nanoseconds max_gap = 100ms;  ///< longest gap between samples; after a longer one r starts anew at 0
   };
   struct Memory {
     bool started = false;
@@ -63,7 +63,7 @@ class MomentumObserver {
       : model_(model), s_(settings) {
     require(s_.rate > T(0) && s_.rate <= T(1e4), "MomentumObserver: rate", double(s_.rate),
             "> 0, <= 1e4 1/s");
-    require(s_.longest > 0ns && s_.longest <= 10s, "MomentumObserver: longest", milliseconds(s_.longest),
+    require(s_.max_gap > 0ns && s_.max_gap <= 10s, "MomentumObserver: max_gap", milliseconds(s_.max_gap),
             "> 0 ms, <= 10 s");
   }
   [[nodiscard]] const M& model() const noexcept { return model_; }
@@ -95,7 +95,7 @@ class MomentumObserver {
       if (s_.motors == MotorSampling::instant) now.drift[i] = now.drift[i] + motor[i];
     }
     if (s_.friction) now.drift = now.drift - s_.friction->torque(measured.dq);
-    if (!memory.started || measured.time - memory.stamp > s_.longest) {
+    if (!memory.started || measured.time - memory.stamp > s_.max_gap) {
       memory.residual = {};
     } else {
       const T dt = seconds<T>(measured.time - memory.stamp), share = T(1) - exp(-s_.rate * dt);

@@ -31,10 +31,10 @@ struct SkinContact : PressedArea<T> {
 /// A cell's part of the memory of a `ContactFinder`.
 struct ContactRow {
   static constexpr std::uint32_t none = ~std::uint32_t(0);
-  std::uint32_t frame = 0;  ///< frame in which the cell was last pressed; one more once it has been visited
-  std::uint32_t label = none;  ///< label of its contact in the frame `frame`
-  std::uint32_t next = none;   ///< index of the cell below this one on the stack
-  float push = 0;              ///< push in the frame `frame` [N]
+  std::uint32_t frame_number = 0;  ///< frame that last pressed the cell; one more once it has been visited
+  std::uint32_t label = none;      ///< label of its contact in the frame `frame_number`
+  std::uint32_t next = none;       ///< index of the cell below this one on the stack
+  float push = 0;                  ///< push in the frame `frame_number` [N]
 };
 
 /// The memory of a `ContactFinder` for `Cells` cells and up to `Most` contacts: 16 bytes a cell. Trivially
@@ -47,7 +47,7 @@ struct SkinContactMemory {
   std::array<T, Regions::most> region_push{};  ///< sum of the pushes on each region's cells [N]
   std::size_t count = 0;
   std::size_t left_out = 0;  ///< contacts beyond `Most`: the weakest
-  std::uint32_t frame = 0, last_id = 0;
+  std::uint32_t frame_number = 0, last_id = 0;
 
   [[nodiscard]] std::span<const SkinContact<T>> contacts() const noexcept { return {list.data(), count}; }
 };
@@ -105,18 +105,18 @@ class ContactFinder {
   ///               pushes from several sides.
   template <class Memory, class Each, class Areas>
   void find(Memory& m, Nanoseconds now, const Each& each, Areas& areas) const noexcept {
-    if ((m.frame += 2) == 0) m.rows = {}, m.frame = 2;
+    if ((m.frame_number += 2) == 0) m.rows = {}, m.frame_number = 2;
     m.region_push = {};
     m.left_out = 0;
     each([&](std::size_t i, const T& push) SKINCTL_INLINE_LAMBDA {
       ContactRow& row = m.rows[i];
-      if (row.frame + 1 != m.frame) row.label = ContactRow::none;
-      row.frame = m.frame, row.push = static_cast<float>(push);
+      if (row.frame_number + 1 != m.frame_number) row.label = ContactRow::none;
+      row.frame_number = m.frame_number, row.push = static_cast<float>(push);
     });
     Found<std::tuple_size_v<decltype(m.list)>> found;
     std::uint32_t label = 0;
     each([&](std::size_t i, const T&) SKINCTL_INLINE_LAMBDA {
-      if (m.rows[i].frame != m.frame) return;
+      if (m.rows[i].frame_number != m.frame_number) return;
       const std::size_t k = found.place_for(m.left_out);
       auto& f = found.list[k];
       f.label = label;
@@ -190,8 +190,8 @@ class ContactFinder {
     c.link = cells_[seed].link, c.strongest = seed;
     out.heir = ContactRow::none;
     float inherits = 0;
-    m.rows[seed].next = bottom, m.rows[seed].frame = m.frame + 1;
-    const std::uint32_t frame = m.frame;
+    m.rows[seed].next = bottom, m.rows[seed].frame_number = m.frame_number + 1;
+    const std::uint32_t frame = m.frame_number;
     for (std::uint32_t top = seed; top != bottom;) {
       const std::uint32_t i = top;
       ContactRow& row = m.rows[i];
@@ -199,8 +199,8 @@ class ContactFinder {
       top = row.next;
       for (const std::uint32_t j : graph_.neighbours(i)) {
         ContactRow& other = m.rows[j];
-        if (other.frame != frame) continue;
-        other.frame = frame + 1, other.next = top;
+        if (other.frame_number != frame) continue;
+        other.frame_number = frame + 1, other.next = top;
         top = j;
       }
       if (row.label != ContactRow::none && row.push > inherits) inherits = row.push, out.heir = row.label;
@@ -233,7 +233,7 @@ class ContactFinder {
     c.normal = size > T(0.5) * c.pushed ? T(T(-1) / size) * c.force : -vector(cells_[c.strongest].force);
     if (out.heir == ContactRow::none)  // it moved on by a whole cell
       for (const std::uint32_t j : graph_.neighbours(c.strongest))
-        if (m.rows[j].frame + 1 == m.frame && m.rows[j].push > inherits)
+        if (m.rows[j].frame_number + 1 == m.frame_number && m.rows[j].push > inherits)
           inherits = m.rows[j].push, out.heir = m.rows[j].label;
   }
 

@@ -52,8 +52,9 @@ class Slip {
     T unrest = T(0);                                    ///< u^2, mean square of `peak` less `shear` [N^2]
     T peak = T(0), peak_demand = T(0), highest = T(0);  ///< peaks of shear [N], demand; highest demand
     T friction = T(0);                                  ///< learnt mu; 0: that of the settings
-    T from = T(0), pressed = T(0), before = T(0);       ///< shear [N], normal force [N] and mu before a slip
-    T slide = T(0);                                     ///< shear at `pressed` while it slid [N]
+    T shear_before = T(0), normal_before = T(0);        ///< shear and normal force before a slip [N]
+    T friction_before = T(0);                           ///< mu before a slip
+    T slide = T(0);                                     ///< shear at `normal_before` while it slid [N]
     T since = T(1e9);                                   ///< time since the last drop [s]
     bool touches = false, slipped = false;              ///< a contact is there; its friction was found
   };
@@ -116,19 +117,21 @@ class Slip {
                        square > T(calmly * calmly) * m.unrest &&
                        m.peak_demand >= T(near_highest) * m.highest && m.shear >= s_.max_drop * m.peak;
     m.unrest = m.unrest + part(square > m.unrest ? T(unrest_rises) : T(unrest_falls)) * (square - m.unrest);
-    const T mu = friction(m), full = m.slide * m.normal / (m.pressed > T(0) ? m.pressed : T(1));
-    if (drops && !slipping) m.from = m.peak, m.pressed = m.normal, m.before = mu;
+    const T mu = friction(m), full = m.slide * m.normal / (m.normal_before > T(0) ? m.normal_before : T(1));
+    if (drops && !slipping) m.shear_before = m.peak, m.normal_before = m.normal, m.friction_before = mu;
     m.since = drops ? T(0) : m.since < T(1e8) ? T(m.since + dt) : m.since;
     if (drops || slipping) {
-      const bool released = m.shear < s_.max_drop * m.from;
-      const bool slides = m.normal <= T(tightens) * m.pressed && demand < mu;  // a tightened grip sticks
-      m.friction = released ? m.before : slides ? demand : mu;
+      const bool released = m.shear < s_.max_drop * m.shear_before;
+      const bool slides =
+          m.normal <= T(tightens) * m.normal_before && demand < mu;  // a tightened grip sticks
+      m.friction = released ? m.friction_before : slides ? demand : mu;
       m.slipped = m.slipped || !released;
-      m.slide = m.friction * m.pressed;
+      m.slide = m.friction * m.normal_before;
       if (released) m.since = T(1e9);
-    } else if (m.since <= T(judged) && m.since + dt > T(judged) && m.normal > T(has_tightened) * m.pressed &&
-               T(2) * (m.shear - m.slide) < (m.from < full ? m.from : full) - m.slide) {
-      m.friction = m.before;
+    } else if (m.since <= T(judged) && m.since + dt > T(judged) &&
+               m.normal > T(has_tightened) * m.normal_before &&
+               T(2) * (m.shear - m.slide) < (m.shear_before < full ? m.shear_before : full) - m.slide) {
+      m.friction = m.friction_before;
     } else if (s_.reserve * demand >= T(tried) * mu) {
       const T grown = mu + (m.slipped ? T(after_slip) : T(1)) * s_.probe * dt * mu;
       m.friction = grown < s_.max_friction ? grown : s_.max_friction;

@@ -95,107 +95,110 @@ struct TouchTable {
 
   /// See `Skin::receive`; `front` are front ends.
   template <class Given, class Means, class... Front>
-  static SKINCTL_INLINE Status receive(const S& s, Memory& m, const Given& in, Means* means,
+  static SKINCTL_INLINE Status receive(const S& source, Memory& m, const Given& in, Means* means,
                                        Front&&... front) noexcept {
     if constexpr (detail::HasSensed<S>) {
-      return s.receive(m, in.samples, detail::part_of<Sensed>(in.sensed), in.measured, in.from, in.to,
-                       in.parts, means, std::forward<Front>(front)...);
+      return source.receive(m, in.samples, detail::part_of<Sensed>(in.sensed), in.measured, in.from, in.to,
+                            in.parts, means, std::forward<Front>(front)...);
     } else {
-      return s.receive(m, in.samples, in.from, in.to, in.parts, means, std::forward<Front>(front)...);
+      return source.receive(m, in.samples, in.from, in.to, in.parts, means, std::forward<Front>(front)...);
     }
   }
   template <class M, class State>
-  static SKINCTL_INLINE void follow_robot(const S& s, Memory& m, const M& model,
+  static SKINCTL_INLINE void follow_robot(const S& source, Memory& m, const M& model,
                                           const State& state) noexcept {
-    if constexpr (detail::HasFollowRobot<S, M, State>) s.follow_robot(m, model, state);
+    if constexpr (detail::HasFollowRobot<S, M, State>) source.follow_robot(m, model, state);
   }
-  [[nodiscard]] static SKINCTL_INLINE Touch touch(const S& s, const Memory& m) noexcept {
+  [[nodiscard]] static SKINCTL_INLINE Touch touch(const S& source, const Memory& m) noexcept {
     if constexpr (tells_apart) {
-      return s.touch(m);
+      return source.touch(m);
     } else {
-      return s.wrenches(m);
+      return source.wrenches(m);
     }
   }
   template <class T>
-  [[nodiscard]] static SKINCTL_INLINE auto pressed(const S& s, const Memory& m, const T& touch) noexcept {
+  [[nodiscard]] static SKINCTL_INLINE auto pressed(const S& source, const Memory& m,
+                                                   const T& touch) noexcept {
     if constexpr (knows_pressed<T>) {
-      return s.pressed(m, touch);
+      return source.pressed(m, touch);
     } else {
       return contact_part(touch);
     }
   }
-  [[nodiscard]] static SKINCTL_INLINE auto contacts(const S& s, const Memory& m) noexcept {
+  [[nodiscard]] static SKINCTL_INLINE auto contacts(const S& source, const Memory& m) noexcept {
     if constexpr (finds_contacts) {
-      return s.contacts(m);
+      return source.contacts(m);
     } else {
       return std::span<const detail::NothingFound>();
     }
   }
-  [[nodiscard]] static SKINCTL_INLINE Coverage coverage(const S& s, const Memory& m) noexcept {
+  [[nodiscard]] static SKINCTL_INLINE Coverage coverage(const S& source, const Memory& m) noexcept {
     if constexpr (detail::HasCoverage<S>) {
-      return s.coverage(m);
+      return source.coverage(m);
     } else {
       return {};
     }
   }
-  [[nodiscard]] static SKINCTL_INLINE double noticed(const S& s, const Memory& m, std::size_t i) noexcept {
+  [[nodiscard]] static SKINCTL_INLINE double noticed(const S& source, const Memory& m,
+                                                     std::size_t i) noexcept {
     if constexpr (has_noticed) {
-      return s.noticed(m, i);
+      return source.noticed(m, i);
     } else {
       return std::numeric_limits<double>::infinity();
     }
   }
   template <std::size_t Ix, class W = typename S::Wrenches>
-  [[nodiscard]] static SKINCTL_INLINE typename W::scalar max_proximity(const S& s, const Memory& m) noexcept {
+  [[nodiscard]] static SKINCTL_INLINE typename W::scalar max_proximity(const S& source,
+                                                                       const Memory& m) noexcept {
     if constexpr (tells_max_proximity<Ix>) {
-      return s.template max_proximity<Ix>(m);
+      return source.template max_proximity<Ix>(m);
     } else {
       return typename W::scalar(1);
     }
   }
-  [[nodiscard]] static std::size_t size(const S& s) noexcept {
+  [[nodiscard]] static std::size_t size(const S& source) noexcept {
     if constexpr (has_cells) {
-      return s.size();
+      return source.size();
     } else {
       return 0;
     }
   }
-  [[nodiscard]] static std::size_t index(const S& s, std::uint32_t id) noexcept {
+  [[nodiscard]] static std::size_t index(const S& source, std::uint32_t id) noexcept {
     if constexpr (has_cells) {
-      return s.index(id);
+      return source.index(id);
     } else {
       return 0;
     }
   }
   /// Whether a cell whose samples are in a cycle's input has this id.
-  [[nodiscard]] static bool has_hexagon(const S& s, std::uint32_t id) noexcept {
+  [[nodiscard]] static bool has_hexagon(const S& source, std::uint32_t id) noexcept {
     if constexpr (!takes_hexagons) {
       return false;
     } else if constexpr (detail::HasHexagon<S>) {
-      return s.has_hexagon(id);
+      return source.has_hexagon(id);
     } else {
-      return s.index(id) < s.size();
+      return source.index(id) < source.size();
     }
   }
   template <class F>
-  static void each_cell(const S& s, F&& f, std::size_t most) {
-    if constexpr (has_cell_list) s.each_cell(f, most);
+  static void each_cell(const S& source, F&& f, std::size_t most) {
+    if constexpr (has_cell_list) source.each_cell(f, most);
   }
   template <class F>
-  static void each_point(const S& s, F&& f) {
-    if constexpr (has_points) s.each_point(f);
+  static void each_point(const S& source, F&& f) {
+    if constexpr (has_points) source.each_point(f);
   }
   /// Newtons that laws see per newton anywhere on the robot; 0 for a touch that does not feel everywhere.
-  [[nodiscard]] static double gain_everywhere(const S& s) noexcept {
+  [[nodiscard]] static double gain_everywhere(const S& source) noexcept {
     if constexpr (feels_everywhere) {
-      return s.gain_everywhere();
+      return source.gain_everywhere();
     } else {
       return 0;
     }
   }
-  [[nodiscard]] static bool understands(const S& s, const S& other) noexcept {
+  [[nodiscard]] static bool understands(const S& source, const S& other) noexcept {
     if constexpr (detail::HasUnderstands<S>) {
-      return s.understands(other);
+      return source.understands(other);
     } else {
       return true;
     }
@@ -203,10 +206,10 @@ struct TouchTable {
   /// The part of `found` that `contact`, felt by another source, does not explain; all without `S::beyond`.
   /// @param measured  newest good state of the robot.
   template <class Found, class State, class Contact>
-  [[nodiscard]] static SKINCTL_INLINE Found beyond(const S& s, const Found& found, const State& measured,
+  [[nodiscard]] static SKINCTL_INLINE Found beyond(const S& source, const Found& found, const State& measured,
                                                    const Contact& contact) noexcept {
     if constexpr (detail::HasBeyond<S, Found, State, Contact>) {
-      return s.beyond(found, measured.q, contact);
+      return source.beyond(found, measured.q, contact);
     } else {
       return found;
     }

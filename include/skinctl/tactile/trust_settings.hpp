@@ -24,10 +24,12 @@ struct TrustSettings {
   /// False: its readings count, but say nothing of forces.
   bool proximity = true;
   Nanoseconds seen_for = 25ms;   ///< time of a proximity above 0.1, without a jump, that makes a witness
-  double answer = 0.1;           ///< share of a cell's force that a neighbour has to feel to be its witness
+  double witness_share = 0.1;    ///< share of a cell's force that a neighbour has to feel to be its witness
   double other_proximity = 0.3;  ///< proximity of a neighbour from which on it is a witness
-  double explained = 0.05;       ///< largest share of a cell's changes that its cross-talk leaves unexplained
-  double explained_far = 0.25;   ///< value of `explained` for a cell whose own proximity is below 0.05
+  double max_unexplained =
+      0.05;  ///< largest share of a cell's changes that its cross-talk leaves unexplained
+  double max_unexplained_far =
+      0.25;  ///< value of `max_unexplained` for a cell whose own proximity is below 0.05
   CellHealthSettings health;
   LifeSettings life;
   RestSettings rest;
@@ -49,8 +51,10 @@ struct TrustSettings {
             "0 to 1000 ms");
     require(spread > 0 && spread <= 1, "TrustSettings: spread", spread, "> 0, <= 1");
     const auto share = [](double x, const char* name) { require(x >= 0 && x <= 1, name, x, "0 to 1"); };
-    share(answer, "TrustSettings: answer"), share(other_proximity, "TrustSettings: other_proximity");
-    share(explained, "TrustSettings: explained"), share(explained_far, "TrustSettings: explained_far");
+    share(witness_share, "TrustSettings: witness_share"),
+        share(other_proximity, "TrustSettings: other_proximity");
+    share(max_unexplained, "TrustSettings: max_unexplained"),
+        share(max_unexplained_far, "TrustSettings: max_unexplained_far");
   }
 };
 

@@ -14,10 +14,10 @@ SKINCTL_BEGIN_NAMESPACE
 /// - **Reading.** What counts of a cell is its reading above its rest level, times 1 minus its mask.
 /// - **One cell alone.** A cell that no witness is touched with counts up to its `lone_force`: found or not,
 ///   one faulty cell does not move an arm whose dry friction holds that force. Witnesses are its own
-///   proximity, if it has come up without a jump, and a neighbour that is not masked and feels `answer` of
-///   its force, or sees something. A cell that has lost its witness fades to `lone_force` within 0.1 s,
-///   unless it lives (`CellLife`): a finger that slides to a rim of the skin is the finger that was
-///   witnessed.
+///   proximity, if it has come up without a jump, and a neighbour that is not masked and feels a
+///   `witness_share` of its force, or sees something. A cell that has lost its witness fades to `lone_force`
+///   within 0.1 s, unless it lives (`CellLife`): a finger that slides to a rim of the skin is the finger that
+///   was witnessed.
 /// - **Many at once.** All cells without a witness share one lone force: the sum of their pushes, each as a
 ///   share of its own F_1, is at most 1, so that however many there are give no joint more than one alone
 ///   may.

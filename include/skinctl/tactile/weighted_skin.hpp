@@ -13,9 +13,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// not.
 template <std::size_t Count>
 struct PatchWeights {
-  std::array<float, Count> force = filled(1), proximity = filled(1);
+  std::array<float, Count> force = uniform(1), proximity = uniform(1);
 
-  [[nodiscard]] static constexpr std::array<float, Count> filled(float w) noexcept {
+  [[nodiscard]] static constexpr std::array<float, Count> uniform(float w) noexcept {
     std::array<float, Count> all{};
     for (float& x : all) x = w;
     return all;

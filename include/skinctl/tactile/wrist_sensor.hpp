@@ -65,11 +65,11 @@ class WristSensor : public sensor_sums::Summand {
   using OnBase = detail::BaseSeen<M, T>;
   /// Trivially copyable; only the sensor reads and writes its members.
   struct Memory {
-    detail::SampledRow<6, T> row;         ///< wrench on the link, about the link's origin [N], [N m]
-    bool pushed = false, turned = false;  ///< whether the gates of force and moment are open
-    typename Watch::Memory watch;         ///< watch for pushes without life, along the sensor's axes
-    State<M::joints, T> followed;         ///< robot's state when the way given to a push was last counted
-    [[no_unique_address]] OnBase base;    ///< motion of a base that moves
+    detail::SampledRow<6, T> row;  ///< wrench on the link, about the link's origin [N], [N m]
+    bool force_gate_open = false, moment_gate_open = false;  ///< whether the gates let a reading pass
+    typename Watch::Memory watch;       ///< watch for pushes without life, along the sensor's axes
+    State<M::joints, T> followed;       ///< robot's state when the way given to a push was last counted
+    [[no_unique_address]] OnBase base;  ///< motion of a base that moves
     friend bool operator==(const Memory&, const Memory&) noexcept = default;
   };
 
@@ -163,7 +163,7 @@ class WristSensor : public sensor_sums::Summand {
   void follow_robot(Memory& m, const Model& model, const State& state) const noexcept {
     m.base.take(model);
     watch_.follow_robot(m.watch, m.followed, state, [&] {
-      if (!m.pushed && !m.turned) return 0.0;
+      if (!m.force_gate_open && !m.moment_gate_open) return 0.0;
       const T* w = m.row.held;
       const double force = std::sqrt(double(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])),
                    moment = std::sqrt(double(w[3] * w[3] + w[4] * w[4] + w[5] * w[5]));
@@ -204,7 +204,7 @@ class WristSensor : public sensor_sums::Summand {
       }
     }
     if (interval.end()) {
-      memory.pushed = memory.turned = false;
+      memory.force_gate_open = memory.moment_gate_open = false;
       status |= Reason::sample_stale;
     }
     return status | watch_.settle(memory.watch, to);
@@ -265,12 +265,12 @@ class WristSensor : public sensor_sums::Summand {
     Wrench<ForceSensor> F;
     const auto rest = s_.bias + weight + bias(memory);
     const Xyz<double> df = f - rest.force, dm = m - rest.moment;
-    F.force = gated(s_.force, df, memory.pushed);
-    F.moment = gated(s_.moment, dm, memory.turned);
+    F.force = gated(s_.force, df, memory.force_gate_open);
+    F.moment = gated(s_.moment, dm, memory.moment_gate_open);
     const double force = std::sqrt(dot(F.force, F.force)), moment = std::sqrt(dot(F.moment, F.moment));
-    watch_.take(memory.watch, {df.x, df.y, df.z, dm.x, dm.y, dm.z},
-                {std::sqrt(dot(df, df)), std::sqrt(dot(dm, dm))},
-                static_cast<std::uint16_t>((memory.pushed ? 1 : 0) | (memory.turned ? 2 : 0)));
+    watch_.take(
+        memory.watch, {df.x, df.y, df.z, dm.x, dm.y, dm.z}, {std::sqrt(dot(df, df)), std::sqrt(dot(dm, dm))},
+        static_cast<std::uint16_t>((memory.force_gate_open ? 1 : 0) | (memory.moment_gate_open ? 2 : 0)));
     const double share =
         s_.gain * watch_.share(memory.watch, std::max(force, moment / std::max(s_.reach, 0.01)));
     F.force = share * F.force;

@@ -45,11 +45,11 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   using Inputs = SurfaceInputs<coordinates, T, Reference>;
 
   struct Memory {
-    Xyz<T> near{T(0), T(0), T(0)};  ///< branch of the orientation error, see `OrientationErrors` [rad]
-    SingularEscape<N, T> escape;    ///< motion out of a singularity that the damped inverse does not find
-    SingularRest<N, T> rest;        ///< rest at a goal next to a singularity
-    JointVelocity<N, T> drift;      ///< joint velocity at the start beyond that of the tool's course [rad/s]
-    bool slowed = false;            ///< slowed next to a singularity, or at the largest speed of a joint
+    Xyz<T> branch{T(0), T(0), T(0)};  ///< branch of the orientation error, see `OrientationErrors` [rad]
+    SingularEscape<N, T> escape;      ///< motion out of a singularity that the damped inverse does not find
+    SingularRest<N, T> rest;          ///< rest at a goal next to a singularity
+    JointVelocity<N, T> drift;  ///< joint velocity at the start beyond that of the tool's course [rad/s]
+    bool slowed = false;        ///< slowed next to a singularity, or at the largest speed of a joint
   };
   struct Surface {
     JointVelocity<coordinates, T> S_delta;  ///< difference to the sliding surface, eq. (19) [m/s], [rad/s]
@@ -62,7 +62,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     JointVelocity<N, T> way_out;  ///< joint velocity that `escape` goes over to [rad/s]
     JointPosition<N, T> q;        ///< joint positions, set only next to a singularity [rad]
     bool rests;                   ///< the goal is reached next to a singularity: see `SingularRest`
-    Xyz<T> near;                  ///< `Memory::near` for the next cycle [rad]
+    Xyz<T> branch;                ///< `Memory::branch` for the next cycle [rad]
     bool slowed;
   };
   struct Course {
@@ -127,7 +127,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
                                                  const Memory& memory) const noexcept {
     Surface s;
     const auto error = task_errors(in.target, at, memory);
-    s.near = error.near;
+    s.branch = error.branch;
     const auto x = sliding_surface(gains, in, error.in_lanes,
                                    [](const auto&) { return JointVelocity<coordinates, T>(); });
     s.S_delta = x.S_delta, s.dI1 = x.dI1, s.dI2 = x.dI2, s.dx_r = x.dq_r, s.ddx_r = x.ddq_r;
@@ -135,7 +135,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
     Twist<P, Base, P, Base, T> v{get(x.dq_r.data), {}};
     Acceleration<P, Base, P, Base, T> a{get(x.ddq_r.data), {}};
     if constexpr (What == TaskSpace::pose) {
-      const auto map = Orientation::map(at.X_BP.axes(), at.V.angular, memory.near);
+      const auto map = Orientation::map(at.X_BP.axes(), at.V.angular, memory.branch);
       v.angular = map.omega(get(x.dq_r.data + 3));
       a.angular = map.domega(get(x.dq_r.data + 3), get(x.ddq_r.data + 3));
     }
@@ -181,7 +181,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
                                                                  const Memory& memory) const noexcept {
     Twist<P, Base, P, Base, T> v{get(x.data), {}};
     if constexpr (What == TaskSpace::pose)
-      v.angular = Orientation::map(at.X_BP.axes(), at.V.angular, memory.near).omega(get(x.data + 3));
+      v.angular = Orientation::map(at.X_BP.axes(), at.V.angular, memory.branch).omega(get(x.data + 3));
     return DampedInverse<J, What>(at.jacobian, singularities_).solve(v);
   }
   template <class J>
@@ -196,15 +196,15 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   }
   template <class J>
   static void follow_branch(Memory& memory, const Reference& target, const Site<J>& at) noexcept {
-    const Xyz<T> near = task_errors(target, at, memory).near;
-    const T sum = dot(near, near);
-    if (sum - sum == T(0)) memory.near = near;
+    const Xyz<T> branch = task_errors(target, at, memory).branch;
+    const T sum = dot(branch, branch);
+    if (sum - sum == T(0)) memory.branch = branch;
   }
   [[nodiscard]] static SKINCTL_INLINE Course course(const Surface& s) noexcept { return {s.dx_r, s.ddx_r}; }
   [[nodiscard]] Memory advanced(const Memory& memory, const Surface& s, const T& dt) const noexcept {
     Memory next = memory;
-    const T sum = dot(s.near, s.near);
-    if (sum - sum == T(0)) next.near = s.near;
+    const T sum = dot(s.branch, s.branch);
+    if (sum - sum == T(0)) next.branch = s.branch;
     next.slowed = s.slowed;
     const T stays = T(1) / (T(1) + kappa_ * dt);
     const detail::Row<N, T> drift = next.drift;
@@ -220,7 +220,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   }
   /// The memory after a reset: the orientation error is the shortest rotation.
   [[nodiscard]] static SKINCTL_INLINE Memory renewed(Memory memory) noexcept {
-    memory.near = {T(0), T(0), T(0)};
+    memory.branch = {T(0), T(0), T(0)};
     return memory;
   }
   [[nodiscard]] static SKINCTL_INLINE Status status(const Memory& memory) noexcept {
@@ -261,7 +261,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   /// The errors, and the branch of the orientation error.
   struct TaskErrors {
     SurfaceErrorRows<coordinates, T> in_lanes;
-    Xyz<T> near;
+    Xyz<T> branch;
   };
   /// A row of coordinates: linear, then angular.
   static SKINCTL_INLINE Row row(const Xyz<T>& linear, const Xyz<T>& angular) noexcept {
@@ -274,14 +274,14 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
   static SKINCTL_INLINE TaskErrors task_errors(const Reference& target, const Site<J>& at,
                                                const Memory& memory) noexcept {
     const Xyz<T> de = at.V.linear - target.V.linear;
-    OrientationErrors<T> turned{{}, {}, {}, {}, {}, memory.near};
+    OrientationErrors<T> turned{{}, {}, {}, {}, {}, memory.branch};
     if constexpr (What == TaskSpace::pose)
       turned = Orientation::errors(
           at.X_BP.axes(), at.V.angular,
-          RotationReference<T>{target.X_BP.axes(), target.V.angular, target.A.angular}, memory.near);
+          RotationReference<T>{target.X_BP.axes(), target.V.angular, target.A.angular}, memory.branch);
     return {{row(at.X_BP.origin() - target.X_BP.origin(), turned.e), row(de, turned.de),
              row(de, turned.slope), row(target.V.linear, turned.v_d), row(target.A.linear, turned.a_d)},
-            turned.near};
+            turned.branch};
   }
 
   Transform<Link<Ix>, P, T> X_LP_;

@@ -11,7 +11,7 @@ SKINCTL_BEGIN_NAMESPACE
 template <Real T = double>
 struct OrientationErrors {
   Xyz<T> e, de, slope, v_d, a_d;
-  Xyz<T> near;  ///< branch for the next call: error, or the tool's ZYZ angles [rad]
+  Xyz<T> branch;  ///< branch for the next call: error, or the tool's ZYZ angles [rad]
 };
 
 namespace detail {
@@ -42,9 +42,9 @@ struct RotationVectorError {
   template <Real T>
   [[nodiscard]] static SKINCTL_INLINE OrientationErrors<T> errors(const Rotation<T>& R, const Xyz<T>& omega,
                                                                   const RotationReference<T>& target,
-                                                                  const Xyz<T>& near) noexcept {
+                                                                  const Xyz<T>& branch) noexcept {
     const Rotation<T> E = R * target.R.transpose();
-    const auto [phi, factor] = detail::log_factors(E, near);
+    const auto [phi, factor] = detail::log_factors(E, branch);
     const Xyz<T> slope = detail::left_jacobian_inverse(phi, factor, Xyz<T>(omega - E * target.omega));
     return {phi, omega - target.omega, slope, target.omega, target.domega, phi};
   }
@@ -64,15 +64,15 @@ struct ZyzError {
     }
   };
   template <Real T>
-  [[nodiscard]] static Map<T> map(const Rotation<T>& R, const Xyz<T>& omega, const Xyz<T>& near) noexcept {
-    const ZyzMap<T> B(zyz_angles(R, detail::as_zyz(near)));
+  [[nodiscard]] static Map<T> map(const Rotation<T>& R, const Xyz<T>& omega, const Xyz<T>& branch) noexcept {
+    const ZyzMap<T> B(zyz_angles(R, detail::as_zyz(branch)));
     return {B, B.solve(omega)};
   }
   template <Real T>
   [[nodiscard]] static OrientationErrors<T> errors(const Rotation<T>& R, const Xyz<T>& omega,
                                                    const RotationReference<T>& target,
-                                                   const Xyz<T>& near) noexcept {
-    const Zyz<T> is = zyz_angles(R, detail::as_zyz(near));
+                                                   const Xyz<T>& branch) noexcept {
+    const Zyz<T> is = zyz_angles(R, detail::as_zyz(branch));
     const Zyz<T> should = zyz_angles(target.R, is);
     const ZyzMap<T> B_d(should);
     const Zyz<T> v_d = B_d.solve(target.omega);

@@ -25,8 +25,8 @@ struct TargetPlan {
   static constexpr int longest_gap = 4;
 
   Goal target;
-  PlanClock<T> clock;  ///< time since the target was received
-  bool aged = false;   ///< the target is older than `target_age`, and slows down
+  PlanClock<T> clock;     ///< time since the target was received
+  bool is_stale = false;  ///< the target is older than `target_age`, and slows down
 
   [[nodiscard]] static SKINCTL_INLINE constexpr TargetPlan standing(const Where& at,
                                                                     const Settings&) noexcept {
@@ -46,10 +46,10 @@ struct TargetPlan {
   [[nodiscard]] SKINCTL_INLINE constexpr TargetPlan advanced(Nanoseconds dt,
                                                              const Settings& s) const noexcept {
     const Nanoseconds age = Space::tracking(s).target_age;
-    TargetPlan next{target, clock.advanced(dt, age), aged};
-    if (!aged && next.clock.own >= age) [[unlikely]] {
+    TargetPlan next{target, clock.advanced(dt, age), is_stale};
+    if (!is_stale && next.clock.own >= age) [[unlikely]] {
       next.clock = next.clock.changed(false, age);
-      next.aged = true;
+      next.is_stale = true;
     }
     return next;
   }

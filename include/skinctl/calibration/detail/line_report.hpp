@@ -197,7 +197,7 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
     judge();
   }
   out.cells.assign(start.reason.size(), {});
-  out.lines.assign(out.activation.alone.size(), {});
+  out.lines.assign(out.activation.moved_alone.size(), {});
   double squares = 0, count = 0;
   for (std::size_t k = 0; k < fit.cells.size(); ++k) {
     const FittedCell& cell = fit.cells[k];
@@ -244,7 +244,7 @@ inline void report_lines(const CellFit<LineMotion>& fit, const LineStart& start,
     const bool fitted = std::find(start.joints.begin(), start.joints.end(), int(j)) != start.joints.end();
     const double infinite = std::numeric_limits<double>::infinity();
     if (!fitted) {
-      const bool moved = out.activation.alone[j];
+      const bool moved = out.activation.moved_alone[j];
       out.unobservable.push_back(
           {joint + "its axis", infinite, "",
            moved ? "it moves no cell: put a cell behind it" : "it did not move: move it alone, from home"});

@@ -23,7 +23,7 @@ inline void refuse_hidden_motion(const MeasuredMotion& motion, const Activation&
     low = low.cwiseMin(p.q), high = high.cwiseMax(p.q);
   }
   for (int j = 0; j < motion.joints(); ++j) {
-    if (activation.alone[std::size_t(j)] || high(j) - low(j) < 0.02) continue;
+    if (activation.moved_alone[std::size_t(j)] || high(j) - low(j) < 0.02) continue;
     refuse(
         "skinctl: joint " + std::to_string(j) + " moves by " + std::to_string(high(j) - low(j)) +
         " rad, but never alone for a second, with all others at home: which cells it carries cannot be told");
@@ -51,7 +51,7 @@ inline CellInPatch place_of(const std::vector<CellInPatch>& places, std::size_t 
 }
 
 inline void sum_up(CellGroup& group, const Activation& activation, const std::vector<CellInPatch>& places) {
-  const std::size_t joints = activation.alone.size();
+  const std::size_t joints = activation.moved_alone.size();
   // The link of most of its cells.
   std::vector<int> votes(joints + 1, 0);
   for (const std::size_t c : group.cells) ++votes[std::size_t(activation.link(c) + 1)];
@@ -108,7 +108,7 @@ struct LineStart {
 [[nodiscard]] inline LineStart start_lines(const Activation& activation,
                                            const std::vector<CellInPatch>& places, const BlockMeans& data) {
   LineStart out;
-  const std::size_t count = activation.cells.size(), joints = activation.alone.size();
+  const std::size_t count = activation.cells.size(), joints = activation.moved_alone.size();
   out.reason.resize(count);
   std::vector<CellGroup> groups;
   for (std::size_t c = 0; c < count; ++c) {
@@ -130,7 +130,7 @@ struct LineStart {
     for (const auto& group : groups)
       for (const std::size_t c : group.cells)
         moves = moves || (group.joint >= int(j) && activation.cells[c][j].moves);
-    if (moves && activation.alone[j]) out.joints.push_back(int(j));
+    if (moves && activation.moved_alone[j]) out.joints.push_back(int(j));
   }
   const auto least = [&](const CellGroup& g) {
     double worst = 1e300;

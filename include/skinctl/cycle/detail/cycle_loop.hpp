@@ -242,7 +242,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     const typename Governor::Input in{
         .last = last,
         .measured = m.robot.measured(),
-        .span = seconds<scalar>(interval.given(resolver_.period())),
+        .span = seconds<scalar>(interval.command_duration(resolver_.period())),
         .dt = dt,
         .torque_rate = scalar(guard_.settings().torque_rate),
         .delay = seconds<scalar>(resolver_.driven_delay() + resolver_.driven_lag()),

@@ -87,11 +87,11 @@ class UrdfEstimate {
     std::vector<std::size_t> open;
     bool needs = false;
     by_shape_ = true;
-    for (std::size_t j = 0, a = 0; j < urdf_.joints.size() && a < urdf_.assumed.size(); ++j) {
-      if (urdf_.joints[j].link != urdf_.assumed[a].link) continue;
+    for (std::size_t j = 0, a = 0; j < urdf_.joints.size() && a < urdf_.assumed_masses.size(); ++j) {
+      if (urdf_.joints[j].link != urdf_.assumed_masses[a].link) continue;
       open.push_back(j);
       by_shape_ = by_shape_ && shapes_[j]->any && !shapes_[j]->unknown;
-      needs = needs || urdf_.assumed[a].mass == 0;
+      needs = needs || urdf_.assumed_masses[a].mass == 0;
       ++a;
     }
     const double mass = total - given_;
@@ -101,7 +101,7 @@ class UrdfEstimate {
     double sum = 0;
     for (std::size_t a = 0; a < open.size(); ++a) {
       const std::size_t j = open[a];
-      const bool given = urdf_.assumed[a].mass > 0;  // it lacks an inertia only
+      const bool given = urdf_.assumed_masses[a].mass > 0;  // it lacks an inertia only
       share.push_back(given       ? 0
                       : by_shape_ ? shapes_[j]->solid.mass
                                   : length(j) * std::cbrt(reach_[j] * reach_[j]));
@@ -109,9 +109,10 @@ class UrdfEstimate {
     }
     for (std::size_t a = 0; a < open.size(); ++a) {
       LinkInertia& in = urdf_.joints[open[a]].placed.inertia;
-      const double m = urdf_.assumed[a].mass > 0 ? urdf_.assumed[a].mass : mass * share[a] / sum;
+      const double m =
+          urdf_.assumed_masses[a].mass > 0 ? urdf_.assumed_masses[a].mass : mass * share[a] / sum;
       in = by_shape_ ? scaled(shapes_[open[a]]->solid, m) : rod(open[a], m);
-      urdf_.assumed[a].mass = m;
+      urdf_.assumed_masses[a].mass = m;
     }
     return true;
   }
@@ -119,7 +120,7 @@ class UrdfEstimate {
   [[nodiscard]] std::string words(double total) const {
     return "masses estimated from " + urdf_number(total) + " kg in all by " +
            (by_shape_ ? "volumes of collision shapes" : "lengths of links") + ": " +
-           listed(urdf_.assumed,
+           listed(urdf_.assumed_masses,
                   [](const UrdfAssumedMass& a) { return a.link + " " + urdf_number(a.mass) + " kg"; }) +
            "; by torque the model is refused";
   }

@@ -68,7 +68,7 @@ class UrdfReader {
                              ? "no joint that moves"
                              : "no joint that moves between base and tip");
     for (std::size_t j = 0; j < urdf_.joints.size(); ++j) finish(j);
-    if (!urdf_.assumed.empty() || options_.total_mass != 0) assume_masses(*robot);
+    if (!urdf_.assumed_masses.empty() || options_.total_mass != 0) assume_masses(*robot);
     warn_of_limits(*robot);
     turn_frames();
   }
@@ -237,7 +237,7 @@ class UrdfReader {
     joint.placed.inertia = in;
     if (!body.given || !(in.mass > 0)) {
       joint.placed.inertia = {};
-      urdf_.assumed.push_back({joint.link, 0});
+      urdf_.assumed_masses.push_back({joint.link, 0});
       return;
     }
     if (body.bad != nullptr) {
@@ -249,14 +249,14 @@ class UrdfReader {
     for (const UrdfJoint& other : urdf_.joints) carries = carries || other.parent == static_cast<int>(j);
     const double about_axis = in.zz + in.mass * (in.c[0] * in.c[0] + in.c[1] * in.c[1]);
     if (!carries && joint.kind == JointKind::revolute && !(about_axis > 0))
-      urdf_.assumed.push_back({joint.link, in.mass});
+      urdf_.assumed_masses.push_back({joint.link, in.mass});
   }
   /// Estimates the masses that the file does not give, or says which they are.
   void assume_masses(const Element& robot) {
     if (options_.total_mass == 0) {
       warn(robot,
            "no mass that joint moves, or no inertia about its axis: link " +
-               listed(urdf_.assumed, [](const UrdfAssumedMass& a) { return a.link; }) +
+               listed(urdf_.assumed_masses, [](const UrdfAssumedMass& a) { return a.link; }) +
                "; by position and velocity virtual_inertia does, or UrdfOptions::total_mass estimates it; "
                "by torque the model is refused");
       return;
@@ -267,7 +267,7 @@ class UrdfReader {
     if (!(total > 0 && total <= 1e5 && estimate.spread(total)))
       text_.fail(robot, "total_mass " + urdf_number(total) + " kg, allowed: above the " +
                             urdf_number(estimate.given()) + " kg that the file gives, <= 1e5");
-    if (!urdf_.assumed.empty()) warn(robot, estimate.words(total));
+    if (!urdf_.assumed_masses.empty()) warn(robot, estimate.words(total));
   }
   /// Turns the frames with z on their joints to those of the model, which are turned about z.
   void turn_frames() {

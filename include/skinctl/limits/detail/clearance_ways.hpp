@@ -15,7 +15,7 @@ template <class Limits>
 class ClearanceWays {
  public:
   static constexpr std::size_t joints = Limits::joints, max_pairs = Limits::max_pairs;
-  static constexpr int looks = Limits::looks;
+  static constexpr int stop_checks = Limits::stop_checks;
   using T = typename Limits::scalar;
   using Velocity = typename Limits::Velocity;
   using Position = typename Limits::Position;
@@ -179,8 +179,8 @@ class ClearanceWays {
     bool close[max_pairs], any = false;
     for (std::size_t k = 0; k < count_; ++k) any = (close[k] = !(here[k] - margin(k, time) > longest)) || any;
     if (!any) return true;
-    for (int n = 0; n <= looks; ++n) {
-      const T part = T(n) / T(looks);
+    for (int n = 0; n <= stop_checks; ++n) {
+      const T part = T(n) / T(stop_checks);
       if (n > 0) x = moved + way(part);
       T distance[max_pairs];
       of_.clearances_.distances(q + x, near(), distance, [&](std::size_t k) { return close[k]; });

@@ -122,7 +122,7 @@ class LimitsOfScene {
 
   /// The mover of the group `K`, which decides how its joints move: `Abrupt`, or limits of jerk.
   template <std::size_t K>
-  [[nodiscard]] SKINCTL_INLINE const auto& mover_of() const noexcept {
+  [[nodiscard]] SKINCTL_INLINE const auto& motion_limit_of() const noexcept {
     return std::get<K>(motions_).mover();
   }
   /// The limit that decides how joints move.

@@ -167,7 +167,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
     return [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
       return std::tuple(std::get<K>(virtual_).plan(m.template group<K>(), std::get<K>(groups),
                                                    Base::template Part<K>::of(v1), h,
-                                                   movers.template mover_of<K>())...);
+                                                   movers.template motion_limit_of<K>())...);
     }(std::make_index_sequence<Base::stiff_groups>{});
   }
   /// The plans of the free joints beside those that the leash holds. A held joint takes what pushes it, as

@@ -75,7 +75,7 @@ class ResolverState : public ResolverNumbers<M, T, Sets, Integrator, History, Pa
   /// The interval that a cycle at `now` has to integrate; empty if `now` is not later than the last cycle. By
   /// torque it is one sub-step: a torque is held, not integrated.
   [[nodiscard]] Interval interval(const Memory& m, Nanoseconds now) const noexcept {
-    Interval out = interval_since(m.started, m.time, m.odd, now, this->longest_interval_);
+    Interval out = interval_since(m.started, m.time, m.odd_time, now, this->longest_interval_);
     out.carried = out.clock_set ? 0ns : m.carried;
     if constexpr (has_virtual) {
       const std::int64_t steps = (out.to - out.from + this->substep_ - 1ns) / this->substep_;

@@ -75,7 +75,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
                              const Check& check = {}, const Torque& pushed = {}) const noexcept {
     Begun out;
     out.dt = seconds<T>(interval.to - interval.from);
-    out.share = seconds<T>(interval.given(p_.period)) / out.dt;
+    out.share = seconds<T>(interval.command_duration(p_.period)) / out.dt;
     if (interval.clock_set || interval.to - m.command.time > clock_leap + p_.longest_interval) [[unlikely]] {
       set_clock(m, interval);
     } else if constexpr (!takes_position(Ix)) {

@@ -69,8 +69,8 @@ class TrustFrames : public TrustTables<S> {
         m.cross, sigma,
         [&](std::size_t i) {
           return static_cast<float>(s_.proximity && m.health.row[i / 16].proximity[i % 16] < 0.05f
-                                        ? s_.explained_far
-                                        : s_.explained);
+                                        ? s_.max_unexplained_far
+                                        : s_.max_unexplained);
         },
         [&](std::size_t i, std::size_t j) {
           return Health::mask(m.health, j) < 0.5f && apart(cell_[i], cell_[j]);
@@ -163,7 +163,8 @@ class TrustFrames : public TrustTables<S> {
       const float other = above(m, n);
       w.moved = w.moved || row.still[l] < within || (s_.proximity && row.still_proximity[l] < within);
       w.touched =
-          w.touched || (other > 6 * health_.sigma(n) && other >= static_cast<float>(s_.answer) * force) ||
+          w.touched ||
+          (other > 6 * health_.sigma(n) && other >= static_cast<float>(s_.witness_share) * force) ||
           (s_.proximity && row.seen[l] >= seen && row.proximity[l] > static_cast<float>(s_.other_proximity));
     }
     return w;
@@ -223,7 +224,7 @@ class TrustFrames : public TrustTables<S> {
     double witnessed = never;
     for (const std::size_t n : near(j)) {
       const double of_witness = felt_by(n);
-      if (!(of_witness > 0) || of_witness < s_.answer * share || !counts(m, n)) continue;
+      if (!(of_witness > 0) || of_witness < s_.witness_share * share || !counts(m, n)) continue;
       witnessed = std::min(witnessed, 6 * double(health_.sigma(n)) * s_.health.step / of_witness);
     }
     return std::max(push, witnessed);
