@@ -136,7 +136,8 @@ std::span<const CellSample> Sight::foreign(const JointPosition<6>& q,
     const auto& X = pose[places_[i].link];
     const bool dull = is_dull(still_[i], sample, X.origin() + X.axes() * places_[i].place);
     const double own = reading_of(s_, range_ * (1 - own_[i] / 65535.0));
-    const double above = own_[i] == 0 ? 1 : (static_cast<double>(sample.proximity) - own) / view_.view().band;
+    const double above =
+        own_[i] == 0 ? 1 : (static_cast<double>(sample.proximity) - own) / view_.view().fade_band;
     if (dull || above < 1) sample.proximity *= dull ? 0.0f : static_cast<float>(std::max(above, 0.0));
   }
   return {samples_.data(), samples.size()};
