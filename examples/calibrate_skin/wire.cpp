@@ -16,6 +16,7 @@ constexpr double gravity = 9.80665;  // [m/s^2]
 adapters::skin::ReceiverConfig configured(const WireOptions& o) {
   adapters::skin::ReceiverConfig config;
   config.address = o.address, config.port = o.port;
+  config.real_time = false;  // a simulated robot may be faster
   if (!o.key.empty()) config.key = adapters::skin::Key::read(o.key);
   return config;
 }
