@@ -110,9 +110,11 @@ inline constexpr Plan pack_oranges = [] {
 }();
 static_assert([](Plan plan) { return check(plan).error; }(pack_oranges) == skinctl::TaskError::none);
 
-/// A plan for a hand that only opens and closes: it presses what it squeezes down with the wrist, so each squeeze needs
-/// that it stands; what was just taken is set down first. `border`: force over the way of the wrist, one side's stiffness.
-/// `check` refuses a plan that squeezes what hangs in the air.
+/// A plan for a hand that only opens and closes: it presses what it squeezes down with the wrist, so each
+/// squeeze needs that it stands; what was just taken is set down first. `check` refuses a plan that squeezes
+/// what hangs in the air.
+///
+/// @param border  force of the wrist over its way, the stiffness of one side of an orange [N/m].
 [[nodiscard]] constexpr Plan by_pressing(Plan plan, double border) {
   using namespace skinctl;
   for (std::uint8_t k = 0, size = plan.size; k < size; ++k) {

@@ -10,8 +10,8 @@
 
 namespace packing {
 
-/// Readings of a wrist's force sensor along the tool, which points down. What it read in the last moments before a press
-/// began, its bias and the weight of the hand, is no press.
+/// Readings of a wrist's force sensor along the tool, which points down. What it read in the last moments
+/// before a press began, its bias and the weight of the hand, is no press.
 class Pressing {
  public:
   static constexpr std::size_t before = 8;  ///< readings whose mean counts as no press

@@ -1,7 +1,7 @@
 // Promise: a task whose step lacks a fact, cannot be reached, has no end, or begins with what it forbids
 // does not compile
-// Tried: over done, no and failed; processes of three tasks in six wrong forms, and one that is executed; a robot without a behaviour for an activity. Also:
-// `compile_fail/semantics/`
+// Tried: over done, no and failed; processes of three tasks in six wrong forms, and one that is executed; a
+// robot without a behaviour for an activity. Also: `compile_fail/semantics/`
 
 #include <doctest/doctest.h>
 

@@ -9,9 +9,10 @@
 // posture. 500 oranges: `packing_oranges --oranges 500 --seed
 // 4`, with `--gripper hand` too; figures in its README
 //
-// Promise: a gripper that takes only open and close judges too: it closes, the wrist presses, a push meanwhile is waited for
+// Promise: a gripper that takes only open and close judges too: it closes, the wrist presses
 // Tried: 6 oranges, both kinds, all right, stiffness told within 15 %, at most 10 N on a finger and on
-// the table; with a push of 12 N on each forearm every 4 s, and at a squeeze area, within 30 %; in the air it is refused
+// the table; with a push of 12 N on each forearm every 4 s, which is waited for, and at a squeeze area,
+// within 30 %; in the air it is refused
 //
 // Promise: arms that pack see a ball that moves through the room at 0.3 m/s, and give way
 // Tried: six oranges, five passages: not touched, all right; unseen the ball meets an arm

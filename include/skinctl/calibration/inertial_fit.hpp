@@ -168,10 +168,11 @@ template <RobotModel M>
     const std::size_t rows = r.joints.time.size(), end = rows * 4 / 5;
     seen.push_back(part_of(r, 0, end)), held_out.push_back(part_of(r, end, rows));
   }
+  const TorqueEquations<M> of_seen(model, seen, lateness);
   TorqueEquations<M> rest(model, held_out, lateness);
   double best = 0, least = 1e300;
   for (const double lambda : {10.0, 1.0, 0.1, 0.01}) {
-    TorqueEquations<M> equations(model, seen, lateness);
+    TorqueEquations<M> equations = of_seen;
     const InertialSolution found = solve_inertia(equations, base, prior, lambda, s);
     const double left = rest.unexplained(found.x, equations.presliding());
     if (left < least) least = left, best = lambda;
