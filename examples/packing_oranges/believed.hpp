@@ -5,13 +5,14 @@
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
+#include "skinctl/semantics/tracks_from_base.hpp"
 
 namespace packing {
 
 class Believed {
  public:
   static constexpr std::size_t capacity = 40;  ///< all oranges of the world, trays, ghosts and flashes
-  using Tracks = skinctl::Tracks<capacity>;
+  using Tracks = skinctl::TracksFromBase<capacity>;
   using Objects = skinctl::ObjectWorld<capacity>;
   using Place = skinctl::Xyz<double>;
 
@@ -22,7 +23,10 @@ class Believed {
   }
   /// A picture that has arrived, while hands are there: the arm's own, and the other arm's.
   void see(const Picture& picture, std::span<const Place> hands) {
+    static_cast<void>(tracks_.drove(m_, picture.base));
+    const Place at = picture.base.X_WB.origin();
     const auto shows = [&](const Place& p) {
+      if (std::hypot(p.x - at.x, p.y - at.y) > picture.range) return false;
       return std::none_of(hands.begin(), hands.end(), [&](const Place& hand) { return hides(hand, p); });
     };
     static_cast<void>(tracks_.see(m_, picture.taken, std::span(picture.things), shows));
@@ -41,7 +45,7 @@ class Believed {
   }
   /// Where box and bins are believed to be, and when each was seen last.
   struct FoundTrays {
-    Trays at = first_trays;
+    Trays at;
     std::array<skinctl::Nanoseconds, tray_count> seen{};
   };
   /// Brings them up to date: each is the believed place of its class that was seen last, the bins each the

@@ -10,7 +10,8 @@
 
 #include "examples/packing_oranges/plan.hpp"
 #include "examples/packing_oranges/world.hpp"
-#include "skinctl/semantics/tracks.hpp"
+#include "skinctl/model/moving_base.hpp"
+#include "skinctl/semantics/tracks_from_base.hpp"
 
 namespace packing {
 
@@ -31,6 +32,8 @@ struct Picture {
   skinctl::Nanoseconds taken{}, arrives{};
   std::vector<skinctl::Detection<>> seen;         ///< with numbers
   std::vector<skinctl::ClassDetection<>> things;  ///< without
+  skinctl::BaseState<> base;                      ///< where the robot took itself to stand when it was taken
+  double range = 1e9;                             ///< of the camera, from the robot's middle [m]
 };
 
 /// Takes pictures of a world. While it is `blind` it takes none, as when its process has died.
@@ -50,13 +53,15 @@ class Detector {
   /// A hand within this distance beside a thing, and at most so high above it, hides it [m].
   static constexpr double hides = 0.07, hides_below = 0.12;
 
-  void step(const World& world, bool blind) {
+  /// @param base  where a robot that drives takes itself to stand: its camera drives with it.
+  void step(const World& world, bool blind, const skinctl::BaseState<>* base = nullptr) {
     if (world.now() < next_) return;
     next_ = world.now() + s_.period;
     if (blind) return;
     Picture p{world.now(), world.now() + s_.latency, {}, {}};
     if (!s_.numbers) {
-      look(world, p.things);
+      if (base != nullptr) p.base = *base, p.range = camera_range;
+      look(world, p);
       under_way_.push_back(std::move(p));
       return;
     }
@@ -102,13 +107,22 @@ class Detector {
       if (empty) return p;
     }
   }
-  void look(const World& world, std::vector<skinctl::ClassDetection<>>& out) {
+  static constexpr double camera_range = 1.05;  ///< of a robot that drives: it sees the table before it [m]
+  void look(const World& world, Picture& picture) {
+    std::vector<skinctl::ClassDetection<>>& out = picture.things;
+    const bool drives = picture.range < 1e9;
+    const Standing robot = world.robot();
+    const auto X_RW = robot.pose().inverse();
     const auto add = [&](const Place& p, skinctl::ObjectClass kind) {
+      if (std::hypot(p.x - robot.x, p.y - robot.y) > picture.range) return;
       const auto noisy = [&](double x) { return x + s_.sigma * normal_(random_); };
       const skinctl::ObjectClass wrong = kind == bin_class ? box_class : bin_class;
-      out.push_back({{noisy(p.x) + bias_.x, noisy(p.y) + bias_.y, noisy(p.z)},
-                     s_.sigma,
-                     happens(s_.wrong_class) ? wrong : kind});
+      Place seen{noisy(p.x) + bias_.x, noisy(p.y) + bias_.y, noisy(p.z)};
+      if (drives) {
+        const skinctl::DetectionFromBase<> from_base{X_RW.origin() + X_RW.axes() * seen, s_.sigma, kind};
+        seen = in_world(picture.base, from_base).p_W;
+      }
+      out.push_back({seen, s_.sigma, happens(s_.wrong_class) ? wrong : kind});
     };
     const auto see = [&](const Place& p, skinctl::ObjectClass kind) {
       bool hidden = false;
@@ -126,6 +140,8 @@ class Detector {
       const Tray t = world.tray(k);
       see({t.x, t.y, 0}, k == 0 ? box_class : bin_class);
     }
+    for (const Place& p : table_marks)
+      if (drives) see(p, mark_class);
     std::shuffle(out.begin(), out.end(), random_);
   }
 

@@ -4,9 +4,12 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 
 #include "skinctl/core/triple.hpp"
+#include "skinctl/frames/frame.hpp"
+#include "skinctl/frames/transform.hpp"
 
 namespace packing {
 
@@ -40,6 +43,19 @@ inline constexpr Tray box_tray{0, 0, 0.17, 0.13, 0.08};
 inline constexpr std::size_t tray_count = 1 + arms;
 using Trays = std::array<Tray, tray_count>;
 inline constexpr Trays first_trays{box_tray, bin_tray(0), bin_tray(1)};
+/// With a robot that drives there are two tables along y: oranges and bins on the first one, around the World's origin, the
+/// box on the second one, whose middle is so far away [m].
+inline constexpr double second_table = 1.6;
+[[nodiscard]] constexpr Trays trays_at_first(bool drives) noexcept {
+  Trays out = first_trays;
+  if (drives) out[0].y = second_table;
+  return out;
+}
+/// Half sides of a table [m]; the arms stand on both sides of it.
+inline constexpr double table_half_x = 0.5, table_half_y = 0.62;
+/// Marks on the tables that are known, and that the detector sees: two on each.
+inline constexpr std::array<skinctl::Xyz<double>, 4> table_marks{
+    {{-0.45, 0.1, 0}, {0.45, -0.1, 0}, {-0.45, second_table + 0.25, 0}, {0.45, second_table - 0.25, 0}}};
 /// Thickness of the bottom of a box or bin that can be moved: it takes along what it holds [m].
 inline constexpr double tray_bottom = 0.003;
 [[nodiscard]] constexpr Tray feed_tray(std::size_t arm) noexcept {
@@ -60,5 +76,15 @@ inline constexpr double put_within = 0.06;
                                                      const skinctl::Xyz<double>& p) noexcept {
   return {side(arm) * p.x, side(arm) * p.y, p.z};
 }
+
+/// Where a base stands on the floor.
+struct Standing {
+  double x = 0, y = 0, yaw = 0;  ///< [m], [rad]
+
+  [[nodiscard]] skinctl::Transform<skinctl::World, skinctl::Base> pose() const {
+    const double c = std::cos(yaw), s = std::sin(yaw);
+    return {{{c, s, 0}, {-s, c, 0}, {0, 0, 1}}, {x, y, 0}};
+  }
+};
 
 }  // namespace packing

@@ -45,6 +45,9 @@ std::string json(const Scenery& s) {
   };
   return text("{\"time\":%.3f,\"robot\":\"%s\",", s.time, s.robot.c_str()) + "\"arms\":" + each(s.arm, arm) +
          ",\"oranges\":" + each(s.oranges, orange) + ",\"things\":" + each(s.things, orange) +
+         (s.robot_stands ? text(",\"stands\":[%.3f,%.3f,%.4f]", s.robot_stands->x, s.robot_stands->y,
+                                s.robot_stands->yaw)
+                         : "") +
          text(",\"box\":%d,\"bins\":%d,\"lost\":%d,\"all\":%d}", s.box, s.bins, s.lost, s.all);
 }
 std::string json_of_trays(const Trays& standing) {

@@ -146,6 +146,9 @@ int main(int argc, char** argv) {
                                           "one, of the tasks in these files, in their order")
                                ->expected(0, int(Process::max_tasks))
                                ->type_name("[FILES]");
+  bool two_tables = false;
+  app.add_flag("--two-tables", two_tables,
+               "the oranges lie on one table, the box stands on another one: the robot drives between them");
   app.add_option("--gripper", gripper,
                  "measures: the opening as well as the force; open_or_closed: the force over time; hand: "
                  "Allegro hands; binary: takes only open and close, the wrist presses to judge; "
@@ -201,6 +204,14 @@ int main(int argc, char** argv) {
       std::erase_if(process, [](const std::string& file) { return file.empty() || file == "{}"; });
       s.work.plan = process.empty() ? process_by_hand
                                     : plan_of_process(process, robot == "ur10e" ? Ur10e::room : Ur5::room);
+    }
+    if (two_tables) {
+      if (!task.empty() || *by_process || faults || worlds > 0 || s.obstacle > 0 || s.stay)
+        throw std::runtime_error(
+            "--two-tables: not with --task, --process, --faults, --worlds, --obstacle or --stay");
+      if (!s.honest)
+        throw std::runtime_error("--two-tables: not with --world ideal, which looks nowhere again");
+      s.work.plan = process_between_tables;
     }
     s.keep_path = !page.empty();
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};

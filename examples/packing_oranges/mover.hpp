@@ -21,6 +21,7 @@ class BoxMover {
   int step(World& world) {
     const double t = skinctl::seconds<double>(world.now());
     const Tray box = world.tray(0);
+    stood_ = {world.first()[0].x, world.first()[0].y, 0};
     if (!moves_ && moved_ < times && t >= next_ && !is_over(world, box)) {
       from_ = {box.x, box.y, 0};
       to_ = elsewhere(from_);
@@ -52,9 +53,9 @@ class BoxMover {
     for (int n = 0; n < tries; ++n) {
       const double angle = std::uniform_real_distribution<double>(-M_PI, M_PI)(random_);
       const Place to = from + far_ * Place{std::cos(angle), std::sin(angle), 0};
-      if (std::hypot(to.x - box_tray.x, to.y - box_tray.y) <= 1.01 * far_) return to;
+      if (std::hypot(to.x - stood_.x, to.y - stood_.y) <= 1.01 * far_) return to;
     }
-    return {box_tray.x, box_tray.y, 0};
+    return stood_;
   }
   /// Towards where the hand is on its way of least jerk.
   [[nodiscard]] Place pull(const World& world, const Tray& box, double t) const {
@@ -69,7 +70,7 @@ class BoxMover {
 
   double far_;
   std::mt19937_64 random_;
-  Place from_{0, 0, 0}, to_{0, 0, 0};
+  Place stood_{0, 0, 0}, from_{0, 0, 0}, to_{0, 0, 0};
   bool moves_ = false;
   double begun_ = 0, next_ = first;
   int moved_ = 0;

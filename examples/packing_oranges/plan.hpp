@@ -2,6 +2,7 @@
 #pragma once
 
 #include "examples/packing_oranges/layout.hpp"
+#include "skinctl/semantics/drive.hpp"
 #include "skinctl/semantics/task.hpp"
 
 namespace packing {
@@ -14,6 +15,8 @@ using Plan = skinctl::TaughtTask<48>;
 inline constexpr skinctl::ObjectClass orange_class = 1, box_class = 2, bin_class = 3;
 /// A box that is full, and where full boxes are put: no detector tells them, the arms know them.
 inline constexpr skinctl::ObjectClass full_box_class = 4, shelf_class = 5;
+/// A mark on a table, by which a robot that drives finds out where it stands.
+inline constexpr skinctl::ObjectClass mark_class = 6;
 
 /// What is in the hand stands on something firm: a wrist that presses it down feels how stiff it is.
 inline constexpr skinctl::Facts firm_below = skinctl::fact::own<0>;
@@ -49,6 +52,11 @@ struct FindRoom {
   static constexpr skinctl::ActivityRule rule{
       .name = "find_room", .adds = skinctl::fact::marked, .timeout = 40s, .retries = 0};
 };
+
+/// Drives of a robot between two tables: to the one with the oranges, and to the one with the box.
+inline constexpr skinctl::Facts at_oranges = skinctl::fact::own<1>, at_box = skinctl::fact::own<2>;
+using DriveToOranges = skinctl::activity::Drive<at_oranges, at_box>;
+using DriveToBox = skinctl::activity::Drive<at_box, at_oranges>;
 
 namespace step {
 enum : std::uint8_t {
@@ -152,6 +160,8 @@ static_assert([](Plan plan) {
            : s.does == &activity::Release::rule ? "let go of the box"
            : s.does == &GoBack::rule            ? "go back"
                                                 : "reach its wall";
+  if (s.does == &DriveToOranges::rule) return "drive to the oranges";
+  if (s.does == &DriveToBox::rule) return "drive to the box";
   if (s.does == &FindRoom::rule) return "find a box with room";
   if (s.does == &activity::Put::rule) return box ? "to box" : "to bin";
   if (s.does == &activity::Find::rule) return box ? "find the box" : "find the bin";

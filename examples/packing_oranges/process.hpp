@@ -72,6 +72,33 @@ inline constexpr Plan pack_orange = [] {
   return out;
 }();
 
+/// With two tables: takes and judges an orange, and drives a good one to the table with the box.
+inline constexpr Plan sort_and_drive = [] {
+  using namespace skinctl;
+  Plan out = sort_oranges;
+  out.name = "sort and drive";
+  for (Step& s : out.steps)
+    if (s.does == &Lift::rule && s.done == finish) s.done = out.size;
+  out.steps[out.size++] = step_of<DriveToBox>({.role = orange_class, .done = finish, .needs = fact::good});
+  return out;
+}();
+/// Puts it into the box there, and drives back.
+inline constexpr Plan pack_and_drive = [] {
+  using namespace skinctl;
+  Plan out = pack_orange;
+  out.name = "pack and drive";
+  out.begins = out.begins | at_box;
+  const std::uint8_t drive = out.size++;
+  for (std::uint8_t k = 0; k < drive; ++k) {
+    Step& s = out.steps[k];
+    for (std::uint8_t* to : {&s.done, &s.failed})
+      if (*to == finish) *to = drive;
+    if (s.does != &GoBack::rule) s.needs = s.needs | at_box;
+  }
+  out.steps[drive] = step_of<DriveToOranges>({.role = orange_class, .done = finish, .failed = drive});
+  return out;
+}();
+
 /// Takes a full box by its wall, and moves it to where a person fetches it. There is nothing to do while none is full.
 inline constexpr Plan put_box_away = [] {
   using namespace skinctl;
@@ -105,6 +132,29 @@ inline constexpr Process sort_pack_put_away = [] {
   return out;
 }();
 inline constexpr Plan process_by_hand = skinctl::joined(sort_pack_put_away);
+
+/// Sorted at one table and packed at another one, until no orange is left.
+inline constexpr Process sort_drive_pack_drive = [] {
+  Process out;
+  out.name = "sort, drive, pack, drive";
+  out.repeats = true;
+  out.size = 2;
+  out.tasks = {sort_and_drive, pack_and_drive};
+  return out;
+}();
+inline constexpr Plan process_between_tables = skinctl::joined(sort_drive_pack_drive);
+/// All of these tasks, for those who have to know what may be asked of an arm.
+inline constexpr Plan all_that_is_done = skinctl::joined([] {
+  Process out = sort_drive_pack_drive;
+  out.tasks[out.size++] = put_box_away;
+  return out;
+}());
+/// Whether arms that do this drive between two tables.
+[[nodiscard]] constexpr bool drives(const Plan& plan) noexcept {
+  for (std::size_t k = 0; k < plan.size; ++k)
+    if (plan.steps[k].does == &DriveToBox::rule) return true;
+  return false;
+}
 
 /// Whether arms that do this put full boxes away, and no person fetches them where they were filled.
 [[nodiscard]] constexpr bool puts_boxes_away(const Plan& plan) noexcept {

@@ -127,6 +127,15 @@ std::string summary(const Outcome& o, const RunSettings& s) {
     for (const auto& p : m.doubted) out += text(" %+.2f %+.2f", p.x, p.y);
     out += m.doubted.empty() ? " nothing\n" : " m\n";
   }
+  if (o.drives > 0)
+    out += text(
+        "drove %d times over %.1f m, halted %d times for a touch, went on %d times because it stood too far "
+        "off; "
+        "in the end wheels are off by %.0f mm, %.0f mrad; where it worked it stood within %.1f mm, %.1f mrad "
+        "of "
+        "where it took itself to stand\n",
+        o.drives, second_table, o.halts, o.corrections, 1e3 * std::hypot(o.wheels_off.x, o.wheels_off.y),
+        1e3 * std::abs(o.wheels_off.yaw), 1e3 * o.stood_off, 1e3 * o.stood_turned);
   if (puts_boxes_away(s.work.plan)) out += put_away(o, s.work.plan);
   if (o.put_away > 0) out += text("a person put away %d full boxes and bins\n", o.put_away);
   if (s.move_box > 0)

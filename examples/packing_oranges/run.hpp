@@ -92,15 +92,21 @@ struct Outcome {
   std::array<ArmOutcome, arms> arm;
   std::vector<Packed> ended;
   int oranges = 0;
-  double time = 0;        ///< simulated [s]
-  double computed = 0;    ///< processor time [s]
-  double cycle = 0;       ///< mean processor time of a cycle of an arm with its executor [us]
-  double hand_cycle = 0;  ///< the same of a hand; 0: it has none
-  int box_moved = 0;      ///< how often, by a person
-  int put_away = 0;       ///< full boxes and bins, by a person
-  int fetched = 0;        ///< of these, boxes that a person fetched where an arm had put them
-  int passes = 0;         ///< of the thing that moves through the room
-  double nearest = 1e9;   ///< it came to an arm, as capsules [m]
+  double time = 0;          ///< simulated [s]
+  double computed = 0;      ///< processor time [s]
+  double cycle = 0;         ///< mean processor time of a cycle of an arm with its executor [us]
+  double hand_cycle = 0;    ///< the same of a hand; 0: it has none
+  int box_moved = 0;        ///< how often, by a person
+  int put_away = 0;         ///< full boxes and bins, by a person
+  int drives = 0;           ///< between two tables, ...
+  int halts = 0;            ///< ... how often it halted because somebody touched an arm, ...
+  int corrections = 0;      ///< ... and drove on because it stood too far off
+  Standing wheels_off{};    ///< where it stands in the end, from what the wheels alone tell
+  double stood_off = 0;     ///< where it stood while it worked, from where it took itself to stand, most [m]
+  double stood_turned = 0;  ///< the same of its turn [rad]
+  int fetched = 0;          ///< of these, boxes that a person fetched where an arm had put them
+  int passes = 0;           ///< of the thing that moves through the room
+  double nearest = 1e9;     ///< it came to an arm, as capsules [m]
   /// Both plans have ended; all oranges are packed, or the others are doubted (honest), or left by an arm that
   /// gave up.
   bool over = false;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "examples/packing_oranges/carriage.hpp"
 #include "examples/packing_oranges/hand.hpp"
 #include "examples/packing_oranges/mover.hpp"
 #include "examples/packing_oranges/obstacle.hpp"
@@ -80,6 +81,7 @@ class Run {
       WorkSettings work = s.hand[a] ? by_hand(s.work) : s.work;
       work.honest = s.honest;
       work.stay = s.honest && s.stay;
+      work.drives = drives(s.work.plan);
       work.full_box = static_cast<std::size_t>(s.supply.full_box);
       workers_.push_back(std::make_unique<Worker<R>>(a, work, world_.joints(a)));
       if (s.hand[a]) hands_[a] = std::make_unique<Hand>(around_a_ball(), world_.fingers(a));
@@ -87,6 +89,7 @@ class Run {
       next_touch_[a] = s.touch_every * (a == 0 ? 0.4 : 0.9);
       if (s.obstacle > 0) eyes_.emplace_back(skin.places(), s.seed * 7919 + 9 + a);
     }
+    if (worlds(s).drives) carriage_.emplace(world_.wheels());
     if (s.move_box > 0) mover_.emplace(s.move_box, s.seed * 7919 + 10);
     if (s.obstacle > 0) passer_.emplace(s.obstacle, s.seed * 7919 + 8);
     lasts_ = s.fault_lasts > 0 ? s.fault_lasts : duration(s.fault);
@@ -140,6 +143,7 @@ class Run {
   [[nodiscard]] static WorldSettings worlds(const RunSettings& s) {
     WorldSettings out = s.world;
     out.trays_move = s.honest || s.move_box > 0;
+    out.drives = drives(s.work.plan);
     if (s.honest && s.stay) out.room = slots, out.opens_gently = out.loads_trays = true;
     return out;
   }
@@ -182,7 +186,7 @@ class Run {
       const bool on = t < touch_until_[a] || held;
       if (on != (touchers_[a]->force() > 0)) touchers_[a]->push(world_, a, on ? s_.touch_force : 0);
     }
-    detector_.step(world_, faulty(Fault::no_detector));
+    detector_.step(world_, faulty(Fault::no_detector), carriage_ ? &carriage_->state() : nullptr);
     if (s_.fault == Fault::slip && slipped_ < 0 && t >= s_.fault_at)
       for (std::size_t k = 0; k < slots; ++k)
         if (workers_[0]->carries() && world_.there(k) && world_.now() - world_.touched(k) < 5ms &&
@@ -237,8 +241,11 @@ class Run {
     Picture picture;
     for (std::size_t a = 0; a < arms; ++a)
       if (s_.see_each_other) workers_[a]->other_hand(workers_[1 - a]->hand().origin());
-    while (detector_.take(world_.now(), picture))
+    while (detector_.take(world_.now(), picture)) {
+      if (carriage_) carriage_->see(picture.base, picture.things);
       for (auto& w : workers_) w->see(picture);
+    }
+    if (carriage_) roll();
     std::array<skinctl::PlaceRequest, arms + 1> asked{};
     for (std::size_t a = 0; a < arms; ++a) asked[a] = workers_[a]->place_request();
     const bool person = faulty(Fault::box_blocked);
@@ -271,6 +278,25 @@ class Run {
     }
     computed_ += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
     ++cycles_;
+  }
+  /// A cycle of the base: it drives where both arms want to, or one, while the other has finished.
+  void roll() {
+    Carriage& base = *carriage_;
+    const auto wants = [&](std::size_t a) { return workers_[a]->wants_to_drive(); };
+    std::size_t to = Carriage::nowhere;
+    for (std::size_t a = 0; a < arms; ++a) {
+      const bool other_agrees = workers_[1 - a]->finished() || wants(1 - a) == wants(a);
+      if (wants(a) != Carriage::nowhere && other_agrees) to = wants(a);
+    }
+    if (to != Carriage::nowhere && base.table() != Carriage::nowhere) base.go(to);
+    const bool touched = workers_[0]->is_touched() || workers_[1]->is_touched();
+    world_.drive(base.step(world_.now(), world_.wheels(), touched));
+    for (auto& w : workers_) w->stands(base.state(), base.table());
+    if (base.table() == Carriage::nowhere) return;
+    const auto off =
+        base.state().X_WB.inverse() * world_.robot().pose().renamed<skinctl::World, skinctl::Tool>();
+    out_.stood_off = std::max(out_.stood_off, norm(off.origin()));
+    out_.stood_turned = std::max(out_.stood_turned, std::abs(off.axis_x().y));
   }
   /// A cycle of the hands. How they stand to gravity is told by the arms' joints.
   void hold() {
@@ -327,8 +353,19 @@ class Run {
     }
     return best;
   }
+  /// Shapes of the robot, where it stands.
+  template <class Shapes>
+  [[nodiscard]] Shapes in_world(Shapes shapes) const {
+    const auto X = world_.robot().pose();
+    for (skinctl::Capsule<>& c : shapes) {
+      c.from = X.origin() + X.axes() * c.from;
+      c.to = X.origin() + X.axes() * c.to;
+    }
+    return shapes;
+  }
   [[nodiscard]] Scenery scenery() const {
     Scenery out;
+    if (carriage_) out.robot_stands = world_.robot();
     out.time = time();
     out.robot = R::name;
     out.all = s_.supply.oranges;
@@ -341,8 +378,8 @@ class Run {
     for (std::size_t a = 0; a < arms; ++a) {
       const Worker<R>& w = *workers_[a];
       ArmScenery& arm = out.arm[a];
-      arm.parts = A::parts(a, world_.joints(a).q);
-      arm.fingers = A::fingers(a, world_.joints(a).q, gripper(a).opening);
+      arm.parts = in_world(A::parts(a, world_.joints(a).q));
+      arm.fingers = in_world(A::fingers(a, world_.joints(a).q, gripper(a).opening));
       arm.force = world_.record(a).force;
       arm.touched = touchers_[a]->force() > 0;
       arm.kept = w.kept();
@@ -360,6 +397,13 @@ class Run {
     out_.put_away = supply_.put_away();
     out_.fetched = supply_.fetched();
     if (passer_) out_.passes = passer_->passes();
+    if (carriage_) {
+      const Standing at = world_.robot();
+      const auto told = world_.wheels().q;
+      out_.wheels_off = {at.x - told[0], at.y - told[1], at.yaw - told[2]};
+      out_.drives = carriage_->drives(), out_.halts = carriage_->halts();
+      out_.corrections = carriage_->corrections();
+    }
     out_.time = time();
     out_.computed = computed;
     out_.cycle = cycles_ > 0 ? 1e6 * computed_ / static_cast<double>(arms * cycles_) : 0;
@@ -415,6 +459,7 @@ class Run {
   std::array<std::uint64_t, arms> samples_{};
   std::optional<Passer> passer_;
   std::optional<BoxMover> mover_;
+  std::optional<Carriage> carriage_;
   std::vector<Eyes> eyes_;
   std::array<std::vector<skinctl::Capsule<>>, arms> shapes_;
   skinctl::Capsule<> obstacle_{{0, 0, 0}, {0, 0, 0}, 0};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct Scenery {
   std::string robot;
   std::array<ArmScenery, arms> arm;
   Trays trays = first_trays;
+  std::optional<Standing> robot_stands;        ///< where a robot that drives is
   std::vector<OrangeScenery> oranges, things;  ///< things: what else moves through the room
   int box = 0, bins = 0, lost = 0, all = 0;    ///< oranges that ended there; how many there are
 };

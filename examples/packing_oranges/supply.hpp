@@ -112,7 +112,7 @@ class Supply {
     }
     if (!stands) return;
     each([&](std::size_t k) { world.take_out(k); });
-    if (tray == 0 && s_.boxes_come) world.put_tray(0, {box_tray.x, box_tray.y, 0});
+    if (tray == 0 && s_.boxes_come) world.put_tray(0, {world.first()[0].x, world.first()[0].y, 0});
     ++put_away_;
   }
   /// Whether a box stands where an arm puts full ones.

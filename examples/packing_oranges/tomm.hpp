@@ -108,7 +108,8 @@ inline constexpr auto done_by_tomm = boost::hana::make_map(
     skinctl::done_by<FindRoom, behaviour::Rest>(),
     skinctl::done_by<skinctl::activity::Put, behaviour::Putting>(),
     skinctl::done_by<skinctl::activity::Release, behaviour::LetGo>(),
-    skinctl::done_by<GoBack, behaviour::Reaching>(),
+    skinctl::done_by<GoBack, behaviour::Reaching>(), skinctl::done_by<DriveToOranges, behaviour::Reaching>(),
+    skinctl::done_by<DriveToBox, behaviour::Putting>(),
     skinctl::done_by<skinctl::activity::Reverse, behaviour::Putting>());
 
 inline constexpr auto tomm = done_by_tomm<behaviour::Squeezing>;
@@ -136,6 +137,11 @@ struct Arm {
   static skinctl::Transform<skinctl::Link<5>, skinctl::Tool> tool() {
     return skinctl::Transform<skinctl::Link<5>, skinctl::Tool>::translation_xyz(0, 0,
                                                                                 R::flange + reach_of_gripper);
+  }
+  /// The same on a robot that stands at `X_WR`.
+  static skinctl::Transform<skinctl::World, skinctl::Base> base(
+      std::size_t arm, const skinctl::Transform<skinctl::World, skinctl::Base>& X_WR) {
+    return X_WR.renamed<skinctl::World, skinctl::Root>() * base(arm).renamed<skinctl::Root, skinctl::Base>();
   }
   /// The hand points down, on its own side of the box.
   static skinctl::JointPosition<6> home() { return {-0.5, -1.75, 1.9, -1.72, -1.57, -0.5}; }
@@ -350,7 +356,7 @@ struct Arm {
   }
   using Scene = decltype(scene());
   using Set = typename Scene::law_type;
-  static constexpr auto skills = skinctl::skill_map<Set>(tomm, process_by_hand);
+  static constexpr auto skills = skinctl::skill_map<Set>(tomm, all_that_is_done);
   static constexpr auto binary_skills = skinctl::skill_map<Set>(tomm_binary, press_oranges);
 
   static skinctl::Transform<skinctl::Base, skinctl::Tool> hand(const skinctl::JointPosition<6>& q) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "examples/packing_oranges/believed.hpp"
+#include "examples/packing_oranges/carriage.hpp"
 #include "examples/packing_oranges/finger_room.hpp"
 #include "examples/packing_oranges/giving_way.hpp"
 #include "examples/packing_oranges/grip.hpp"
@@ -37,6 +38,12 @@ class Worker {
   Worker(std::size_t arm, const WorkSettings& settings, const skinctl::State<6>& measured);
 
   void see(const Picture& picture);
+  /// Where the robot stands, before a cycle, and at which table; `Carriage::nowhere`: it drives.
+  void stands(const skinctl::BaseState<>& base, std::size_t table);
+  /// The table to which it wants to drive, and is ready to; `Carriage::nowhere`: none.
+  [[nodiscard]] std::size_t wants_to_drive() const;
+  /// Whether somebody pushes its skin.
+  [[nodiscard]] bool is_touched() const { return pushed_last_ == now_; }
   /// A reading of the wrist's force sensor, before a cycle, where there is one.
   void feel(const skinctl::WrenchSample& wrist) { press_.feel(wrist); }
   /// What it says about the box, before a cycle.
@@ -136,6 +143,13 @@ class Worker {
   /// Whether the step is about an orange that lies in the feed.
   [[nodiscard]] bool is_at_feed() const;
   [[nodiscard]] bool is_near_box(const skinctl::Xyz<double>& p) const;
+  /// Whether the step is a drive.
+  [[nodiscard]] bool is_drive() const { return does(DriveToOranges::rule, DriveToBox::rule); }
+  [[nodiscard]] std::size_t drives_to() const { return does(DriveToBox::rule) ? 1 : 0; }
+  /// Where its hand waits: over the oranges before it, as high as it carries.
+  [[nodiscard]] skinctl::Xyz<double> waiting_place() const;
+  /// Box and bins, from the robot's middle.
+  [[nodiscard]] Trays trays_before_it() const;
   /// The number of the tray at which the step puts; what it is about is no orange.
   [[nodiscard]] std::size_t tray_number() const { return mark() == bin_class ? 1 + arm_ : 0; }
   /// Walls are where box and bins are believed to be; with others the arm's cycle is built anew.
@@ -259,8 +273,8 @@ class Worker {
 
   std::size_t arm_;
   WorkSettings s_;
+  Trays walls_at_;                      ///< from the robot's middle
   std::unique_ptr<const Scene> scene_;  ///< of walls where `walls_at_` says
-  Trays walls_at_ = first_trays;
   Believed::FoundTrays found_;
   skinctl::Xyz<double> goes_to_{0, 0, 0};  ///< place in box or bin to which the present step goes
   skinctl::Xyz<double> spot_{0, 0, 0};     ///< place in box or bin, from its middle, where there is room
@@ -275,7 +289,8 @@ class Worker {
   skinctl::FeatureExtractor<>::Memory featured_{};
   skinctl::Features features_{};
   skinctl::Squeeze<>::Memory squeezed_{};
-  skinctl::Transform<skinctl::World, skinctl::Base> X_WB_;
+  std::size_t table_ = 0;  ///< before the robot; `Carriage::nowhere`: it drives
+  skinctl::Transform<skinctl::World, skinctl::Base> X_WR_, X_WB_;  ///< the robot; its own base
   skinctl::Transform<skinctl::World, skinctl::Tool> X_WH_;
   skinctl::Rotation<double> R_;         ///< of the hand: it points down, or as it was shown
   skinctl::Rotation<double> straight_;  ///< it points down, turned as at first ...
@@ -316,6 +331,7 @@ class Worker {
 }  // namespace packing
 
 #include "examples/packing_oranges/worker_cycle.hpp"
+#include "examples/packing_oranges/worker_drives.hpp"
 #include "examples/packing_oranges/worker_gives_way.hpp"
 #include "examples/packing_oranges/worker_moves_box.hpp"
 #include "examples/packing_oranges/worker_requests.hpp"

@@ -9,7 +9,8 @@ template <class R>
 Worker<R>::Worker(std::size_t arm, const WorkSettings& settings, const skinctl::State<6>& measured)
     : arm_(arm),
       s_(settings),
-      scene_(new Scene(A::scene(arm))),
+      walls_at_(trays_at_first(settings.drives)),
+      scene_(new Scene(A::scene(arm, walls_at_))),
       executor_(settings.plan, settings.executor),
       grip_(settings.hold, settings.max_hold),
       squeeze_({.from = settings.judge_from,
@@ -26,7 +27,7 @@ Worker<R>::Worker(std::size_t arm, const WorkSettings& settings, const skinctl::
       X_WB_(A::base(arm)),
       sight_(typename A::Model{}, scene_->skin().first().places(),
              {.range = sight_range, .half_angle = sight_cone}),
-      retreat_(arm, settings.carry),
+      retreat_(arm, settings.carry, walls_at_),
       memory_(std::make_unique<typename Scene::Memory>()) {
   scene_->start(*memory_, measured);
   plan_ = executor_.start(measured.time);
@@ -39,6 +40,7 @@ Worker<R>::Worker(std::size_t arm, const WorkSettings& settings, const skinctl::
   for (std::size_t i = plan.place_count; i-- > 0;)
     if (plan.places[i].mark == orange_class) beside_ = seen_by(arm, plan.places[i].X_MH.origin());
   input_.measured = measured;
+  found_.at = walls_at_;
 }
 
 template <class R>
@@ -159,7 +161,8 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
 
 template <class R>
 void Worker<R>::keep_clear_of_trays() {
-  Trays stand = found_.at;
+  if (table_ == Carriage::nowhere) return;
+  Trays stand = trays_before_it();
   if (grips_box()) stand[0].x = 9;  // its fingers are where a wall is
   double off = 0;
   for (std::size_t k = 0; k < tray_count; ++k)

@@ -93,6 +93,10 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
     if (has_seen_tray(goes_down_for) && !box_is_full_ && granted_) return end(true);
     if (part_ == parts_.size()) return;
   }
+  if (is_drive() && part_ == parts_.size()) {
+    if (table_ == drives_to()) end(true);
+    return;
+  }
   if (parts_.empty()) return look();
   if (way_.is_aside()) return;
   if (goes_to_tray() && norm(skinctl::Xyz<double>(hand_at(r.place) - goes_to_)) > strays) begin(r);
@@ -121,7 +125,7 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
       ask(less);
     }
     if (++part_ == parts_.size()) {
-      if (!does(FindRoom::rule)) end(true);
+      if (!does(FindRoom::rule) && !is_drive()) end(true);
       return;
     }
     asked_ = false;

@@ -51,9 +51,13 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
   if (r.does == &FindRoom::rule) {
     // It waits where it does not keep the other arm from the box.
     if (!box_is_full_ || !is_near_box(here)) return;
-    const Tray feed = feed_tray(arm_);
     add(A::skills(&activity::Put::rule), at(here, s_.carry), passing);
-    return add(A::skills(&activity::Put::rule), {feed.x, feed.y, s_.carry}, 0.2);
+    return add(A::skills(&activity::Put::rule), waiting_place(), 0.2);
+  }
+  if (is_drive()) {
+    R_ = straight_;
+    add(skill, at(here, s_.carry), passing);
+    return add(skill, waiting_place(), 0.1);
   }
   if (r.does == &activity::ReachAbove::rule) {
     R_ = turned(turned_);
@@ -112,18 +116,20 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
     add(skill, at(p, low), 0.01);
   } else if (r.does == &GoBack::rule) {
     R_ = straight_;
-    const Tray feed = feed_tray(arm_);
     add(skill, at(here, s_.carry), passing);
-    add(skill, {feed.x, feed.y, s_.carry}, 0.2);
+    add(skill, waiting_place(), 0.2);
   } else if (r.does == &activity::Reverse::rule) {
     const std::uint8_t let_go = Set::template index<behaviour::LetGo>();
-    if (features_.in_hand && features_.carried) {
+    const bool brings_back = features_.in_hand && features_.carried;
+    // Where it came from; at the other table in front of it.
+    const auto from = table_ == 0 ? taken_ : at(waiting_place(), taken_.z);
+    if (brings_back) {
       add(skill, at(here, s_.carry), passing);
-      add(skill, at(taken_, s_.carry), passing);
-      add(skill, taken_, 0.01);
+      add(skill, at(from, s_.carry), passing);
+      add(skill, from, 0.01);
     }
     parts_.push_back({Set::start_skill(let_go), false, {}});
-    add(skill, at(features_.in_hand && features_.carried ? taken_ : here, s_.carry), 0.05);
+    add(skill, at(brings_back ? from : here, s_.carry), 0.05);
   } else {
     if (r.does == &activity::Take::rule && empty_) return end(false);  // the same place, at once
     parts_.push_back({Set::start_skill(skill), false, {}});

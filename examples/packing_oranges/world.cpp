@@ -7,6 +7,7 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "skinctl/io/formatted.hpp"
@@ -119,8 +120,7 @@ void write_arm(std::string& xml, std::size_t arm, const ArmBody& body) {
 constexpr double tray_mass = 1.5, tray_friction = 0.4;  // [kg], of its weight
 
 /// Walls, and where it moves a bottom, and two slides, which hold it by friction.
-void write_tray(std::string& xml, std::size_t k, bool moves) {
-  const Tray& t = first_trays[k];
+void write_tray(std::string& xml, std::size_t k, const Tray& t, bool moves) {
   xml += "<body name='" + name("tray", 0, k) + "' pos='" + list({t.x, t.y, 0}) + "'>";
   if (moves) {
     xml += "<inertial mass='" + list({tray_mass}) + "' pos='0 0 0.03' diaginertia='0.03 0.03 0.05'/>";
@@ -163,15 +163,36 @@ std::string press_text(const WorldSettings& settings, const std::string& soft) {
   return xml + "</sensor>";
 }
 
+/// Two tables above the floor, between which the robot drives.
+void write_tables(std::string& xml) {
+  constexpr double thick = 0.02, floor = -0.75;
+  xml += "<geom name='floor' type='plane' size='5 5 0.1' pos='" + list({0, 0, floor}) + "'" +
+         collides(is_table, 0) + "/>";
+  for (const double y : {0.0, second_table})
+    xml += std::string("<geom ") + (y > 0 ? "" : "name='table' ") + "type='box' size='" +
+           list({table_half_x, table_half_y, thick}) + "' pos='" + list({0, y, -thick}) + "'" +
+           collides(is_table, 0) + "/>";
+}
+/// A frame on wheels that stands astride the tables, with an arm on each side.
+constexpr const char* robot_body =
+    "<body name='robot'><inertial mass='180' pos='0 0 -0.4' diaginertia='20 60 70'/>"
+    "<joint name='wheels0' type='slide' axis='1 0 0'/><joint name='wheels1' type='slide' axis='0 1 0'/>"
+    "<joint name='wheels2' type='hinge' axis='0 0 1'/>";
+
 std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSettings& settings) {
   const Thing& thing = settings.thing;
   std::string xml =
       "<mujoco><compiler angle='radian' balanceinertia='true'/><size njmax='600' nconmax='150'/>"
-      "<option timestep='0.001' cone='elliptic' impratio='100' gravity='0 0 -9.81'/><worldbody>"
-      "<geom name='table' type='plane' size='2 2 0.1'" +
-      collides(is_table, 0) + "/>";
-  for (std::size_t k = 0; k < tray_count; ++k) write_tray(xml, k, settings.trays_move);
+      "<option timestep='0.001' cone='elliptic' impratio='100' gravity='0 0 -9.81'/><worldbody>";
+  if (settings.drives)
+    write_tables(xml);
+  else
+    xml += "<geom name='table' type='plane' size='2 2 0.1'" + collides(is_table, 0) + "/>";
+  const Trays stand = trays_at_first(settings.drives);
+  for (std::size_t k = 0; k < tray_count; ++k) write_tray(xml, k, stand[k], settings.trays_move);
+  if (settings.drives) xml += robot_body;
   for (std::size_t arm = 0; arm < arms; ++arm) write_arm(xml, arm, bodies[arm]);
+  if (settings.drives) xml += "</body>";
   xml +=
       "<body name='obstacle' mocap='true' pos='0 0 9'><geom name='obstacle' type='capsule' size='0.04 0.2'" +
       collides(is_obstacle, 0) + "/></body>";
@@ -231,7 +252,17 @@ struct World::Bodies {
     skinctl::Nanoseconds touched{-1};
   };
 
+  struct Wheels {
+    std::array<int, 3> q{}, v{};                          // addresses of x, y and yaw
+    std::array<double, 3> inertia{}, velocity{}, goal{};  // the goal: of the servo, where it really is
+    std::array<double, 3> told{}, told_velocity{};
+    std::array<double, 3> slips{};  // on this drive, a metre
+    bool stood = false;             // they slip by other shares on the next drive
+  };
+
   WorldSettings settings;
+  Trays stand = trays_at_first(settings.drives);  // at first
+  Wheels wheels;
   mjModel* model = nullptr;
   mjData* data = nullptr;
   std::array<Arm, arms> arm;
@@ -248,12 +279,12 @@ struct World::Bodies {
   int table = -1;                                          // geom
   int obstacle = -1, obstacle_at = 0;                      // geom, and its place among the moved bodies
   std::array<bool, arms> meets_other{}, meets_obstacle{};  // a millisecond ago
-  std::mt19937_64 random;
-  std::normal_distribution<double> normal;
+  std::mt19937_64 random, slips;
+  std::normal_distribution<double> normal, across;
   std::int64_t ticks = 0;
 
   Bodies(const std::array<ArmBody, arms>& bodies, const WorldSettings& s, std::uint64_t seed)
-      : settings(s), random(seed) {
+      : settings(s), random(seed), slips(seed + 1) {
     const std::string xml = world_text(bodies, settings);
     const auto files = std::make_unique<mjVFS>();
     mj_defaultVFS(files.get());
@@ -289,6 +320,10 @@ struct World::Bodies {
     for (std::size_t k = 0; k < tray_count; ++k) {
       tray[k] = id(mjOBJ_BODY, name("tray", 0, k));
       tray_v[k] = settings.trays_move ? model->body_dofadr[tray[k]] : -1;
+    }
+    for (std::size_t i = 0; settings.drives && i < 3; ++i) {
+      const int joint = id(mjOBJ_JOINT, "wheels" + std::to_string(i));
+      wheels.q[i] = model->jnt_qposadr[joint], wheels.v[i] = model->jnt_dofadr[joint];
     }
     orange_of = owner;
     for (std::size_t a = 0; a < arms; ++a) {
@@ -394,6 +429,7 @@ struct World::Bodies {
       for (std::size_t i = 0; i < 6; ++i) m.inertia[i] = of(m.v[i]);
       if (!m.has_hand) m.slide_inertia = of(m.slide_v[0]);
     }
+    for (std::size_t i = 0; settings.drives && i < 3; ++i) wheels.inertia[i] = of(wheels.v[i]);
   }
   void collide(const Slot& o, bool on) {
     model->geom_contype[o.geom] = on ? is_orange : 0;
@@ -418,6 +454,33 @@ struct World::Bodies {
       m.v_r[i] = under_way ? (a + s * (2 * c2 + 3 * s * c3)) / T : 0;
       acceleration[i] = under_way ? (2 * c2 + 6 * s * c3) / (T * T) : 0;
     }
+  }
+  /// A servo as stiff as wheels with brakes are, critically damped.
+  void roll() {
+    constexpr double w = 60, stands = 0.01;  // [rad/s]; below this speed [m/s]
+    Wheels& b = wheels;
+    const double speed = std::hypot(b.velocity[0], b.velocity[1]);
+    if (speed < stands) b.stood = true;
+    if (speed >= stands && std::exchange(b.stood, false))
+      b.slips = {settings.slip * across(slips), settings.slip * across(slips),
+                 settings.slip_turn * across(slips)};
+    // They roll as the robot really stands, which is not how it stands by what they told.
+    const auto turned = [](const std::array<double, 3>& v, double by) {
+      return std::array{std::cos(by) * v[0] - std::sin(by) * v[1], std::sin(by) * v[0] + std::cos(by) * v[1],
+                        v[2]};
+    };
+    const double off = data->qpos[b.q[2]] - b.told[2];
+    const auto wish = turned(b.velocity, off);
+    std::array<double, 3> rolled{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double slip = b.slips[i] * speed, v = wish[i] + slip;
+      b.goal[i] += tick * v, rolled[i] = data->qvel[b.v[i]] - slip;
+      data->qfrc_applied[b.v[i]] +=
+          data->qfrc_bias[b.v[i]] +
+          b.inertia[i] * (w * w * (b.goal[i] - data->qpos[b.q[i]]) + 2 * w * (v - data->qvel[b.v[i]]));
+    }
+    b.told_velocity = turned(rolled, -off);
+    for (std::size_t i = 0; i < 3; ++i) b.told[i] += tick * b.told_velocity[i];
   }
   void drive(std::size_t a) {
     Arm& m = arm[a];
@@ -602,7 +665,7 @@ struct World::Bodies {
   void load_trays() {
     for (std::size_t k = 0; k < tray_count; ++k) {
       if (tray_v[k] < 0) continue;
-      Tray at = first_trays[k];
+      Tray at = stand[k];
       at.x = data->xpos[3 * tray[k]], at.y = data->xpos[3 * tray[k] + 1];
       double mass = tray_mass;
       for (const Slot& o : slot)
@@ -648,6 +711,7 @@ void World::step() {
   Bodies& b = *b_;
   mju_zero(b.data->qfrc_applied, b.model->nv);
   for (std::size_t a = 0; a < arms; ++a) b.drive(a);
+  if (b.settings.drives) b.roll();
   for (std::size_t k = 0; k < tray_count; ++k)
     if (b.tray_v[k] >= 0)
       b.data->qfrc_applied[b.tray_v[k]] += b.pulled[k].x,
@@ -722,8 +786,28 @@ void World::put_obstacle(const skinctl::Capsule<>& shape) {
   b.model->geom_rbound[b.obstacle] = size[0] + size[1];
 }
 
+void World::drive(const skinctl::JointVelocity<3>& velocity) {
+  for (std::size_t i = 0; i < 3; ++i) b_->wheels.velocity[i] = velocity[i];
+}
+skinctl::State<3> World::wheels() const {
+  const Bodies::Wheels& w = b_->wheels;
+  skinctl::State<3> s;
+  s.time = now();
+  const bool drives = b_->settings.drives;
+  for (std::size_t i = 0; drives && i < 3; ++i) s.q[i] = w.told[i], s.dq[i] = w.told_velocity[i];
+  return s;
+}
+Standing World::robot() const {
+  const Bodies::Wheels& w = b_->wheels;
+  const double* q = b_->data->qpos;
+  return b_->settings.drives ? Standing{q[w.q[0]], q[w.q[1]], q[w.q[2]]} : Standing{};
+}
+
+const Trays& World::first() const {
+  return b_->stand;
+}
 Tray World::tray(std::size_t k) const {
-  Tray out = first_trays[k];
+  Tray out = b_->stand[k];
   const double* p = b_->data->xpos + 3 * b_->tray[k];
   out.x = p[0], out.y = p[1];
   return out;
@@ -738,7 +822,7 @@ void World::pull_tray(std::size_t k, const Xyz<double>& force) {
 
 void World::put_tray(std::size_t k, const Xyz<double>& p) {
   const int q = b_->model->jnt_qposadr[b_->model->body_jntadr[b_->tray[k]]], v = b_->tray_v[k];
-  b_->data->qpos[q] = p.x - first_trays[k].x, b_->data->qpos[q + 1] = p.y - first_trays[k].y;
+  b_->data->qpos[q] = p.x - b_->stand[k].x, b_->data->qpos[q + 1] = p.y - b_->stand[k].y;
   b_->data->qvel[v] = b_->data->qvel[v + 1] = 0;
 }
 void World::moves_trays(std::size_t arm, bool on) {

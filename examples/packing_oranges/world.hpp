@@ -31,8 +31,11 @@ struct WorldSettings {
   double friction = 0.8;                ///< of an orange
   bool trays_move = false;              ///< box and bins slide on the table when they are pushed
   std::size_t room = slots_if_emptied;  ///< for oranges of each arm, at most `slots`
-  bool loads_trays = false;             ///< a tray slides the harder the more oranges it holds
-  bool opens_gently = false;            ///< a gripper opens with its goal's force at most
+  bool drives = false;                  ///< the robot drives between two tables, see `second_table`
+  double slip = 0.012;       ///< deviation of a drive's way from what the wheels tell, along and across [m/m]
+  double slip_turn = 0.008;  ///< the same of its turning [rad/m]
+  bool loads_trays = false;  ///< a tray slides the harder the more oranges it holds
+  bool opens_gently = false;  ///< a gripper opens with its goal's force at most
   /// Grippers are only open or closed; wrists have force sensors, and the table is to an orange what a finger is.
   bool binary = false;
   double wrist_noise = 0.2;   ///< deviation of a wrist's force sensor [N]
@@ -89,9 +92,18 @@ class World {
   /// From now on a person pushes a fingertip of a hand with this force [N, the World's axes].
   void push_finger(std::size_t arm, std::size_t finger, const skinctl::Xyz<double>& force);
 
+  /// What the wheels go for from now on: velocities along x and y of where they started, and about z.
+  void drive(const skinctl::JointVelocity<3>& velocity);
+  /// What the wheels tell: x, y and yaw, from where they started. They slip, see `WorldSettings::slip`.
+  [[nodiscard]] skinctl::State<3> wheels() const;
+  /// Where the robot really stands: both arms stand on it.
+  [[nodiscard]] Standing robot() const;
+
   /// Something in the way: it is there from now on, whatever it meets. A radius of 0: it is gone.
   void put_obstacle(const skinctl::Capsule<>& shape);
 
+  /// Box and bins as they stood at first.
+  [[nodiscard]] const Trays& first() const;
   /// A box or bin, by its number in `first_trays`, where it really is.
   [[nodiscard]] Tray tray(std::size_t k) const;
   [[nodiscard]] skinctl::Xyz<double> tray_velocity(std::size_t k) const;
