@@ -11,7 +11,9 @@ const css = name => getComputedStyle(document.documentElement).getPropertyValue(
 /// A point in the world to the canvas: x, y in pixels, the scale there [pixels/m], its depth.
 function camera(w, h) {
   const ct = Math.cos(view.turn), st = Math.sin(view.turn), cu = Math.cos(view.tilt), su = Math.sin(view.tilt), f = 1.25 * Math.min(w, 1.5 * h);
+  const middle = packing.state?.stands?.[1] ?? 0;  // it goes along with a robot that drives
   return (x, y, z) => {
+    y -= middle;
     const a = ct * x + st * y, b = -st * x + ct * y, up = z - 0.25;
     const depth = view.far + cu * b - su * up, s = f / Math.max(0.2, depth);
     return [w / 2 + s * a, h / 2 - s * (su * b + cu * up), s, depth];
@@ -26,7 +28,13 @@ function draw() {
   const line = css('--line'), ink = css('--ink'), soft = css('--soft');
   const path = points => { g.beginPath(); points.forEach((p, i) => i ? g.lineTo(p[0], p[1]) : g.moveTo(p[0], p[1])); g.closePath(); };
   g.lineWidth = 1, g.strokeStyle = line;
-  path([[-0.9, -0.7], [0.9, -0.7], [0.9, 0.7], [-0.9, 0.7]].map(([x, y]) => at(x, y, 0))), g.stroke();
+  const [wide, deep, ...tables] = s?.stands ? [0.5, 0.62, 0, 1.6] : [0.9, 0.7, 0];
+  for (const y of tables) path([[-wide, y - deep], [wide, y - deep], [wide, y + deep], [-wide, y + deep]].map(([x, y]) => at(x, y, 0))), g.stroke();
+  if (s?.stands) {
+    const [x, y, yaw] = s.stands, c = Math.cos(yaw), n = Math.sin(yaw), on = ([a, b, z]) => at(x + c * a - n * b, y + n * a + c * b, z);
+    for (const a of [-0.6, 0.6]) path([[a - 0.1, -0.35, -0.75], [a + 0.1, -0.35, -0.75], [a + 0.1, 0.35, -0.75], [a - 0.1, 0.35, -0.75]].map(on)), g.fillStyle = 'rgba(90,100,115,.25)', g.fill(), g.stroke();
+    for (const a of [-0.6, 0.6]) { const p = on([a, 0, -0.75]), q = on([a, 0, 0]); g.beginPath(), g.moveTo(p[0], p[1]), g.lineTo(q[0], q[1]), g.lineWidth = 0.1 * p[2], g.strokeStyle = 'rgba(90,100,115,.35)', g.stroke(), g.lineWidth = 1; }
+  }
   const names = ['box', 'bin', 'oranges', 'bin', 'oranges'];
   packing.trays.forEach(([x, y, hx, hy, wall], i) => {
     const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => [x + a * hx, y + b * hy]);
@@ -71,7 +79,7 @@ function words() {
       const head = document.createElement('h2'), key = document.createElement('span'), list = document.createElement('ol');
       key.className = 'key', key.style.background = colours[a];
       head.append(key, `Arm ${a + 1}, ${s.robot}`);
-      for (const step of steps) list.append(Object.assign(document.createElement('li'), {textContent: step}));
+      for (const step of s.stands ? [...steps, 'drive to the box', 'drive to the oranges'] : steps) list.append(Object.assign(document.createElement('li'), {textContent: step}));
       card.append(head, list, document.createElement('p'));
       $('arms').append(card);
     }

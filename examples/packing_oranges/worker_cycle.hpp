@@ -124,6 +124,8 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
 
   // The plan waits while the arm gives way: nothing fails then because it takes long.
   input_.goal.reset();
+  const bool waits_to_drive = table_ != Carriage::nowhere && wants_to_drive() != Carriage::nowhere;
+  if (waits_to_drive && table_ != drives_to()) given_way_ += now - input_.now;  // for the other arm
   if (gives_way(measured.q)) {
     given_way_ += now - input_.now;
   } else {
