@@ -84,6 +84,13 @@ class Impedance : public Composable {
     memory.plan = Plan::standing(space_.where(space_.site(known)), settings_.space);
     return memory;
   }
+  /// The memory after a stop: the plan leads from the known state to where it led.
+  template <class K>
+  [[nodiscard]] Memory resumed(const Memory& memory, const K& known) const noexcept {
+    Memory out = start(known);
+    out.plan = memory.plan.resumed(Space::motion(space_.site(known)), settings_.space);
+    return out;
+  }
   template <class K>
   [[nodiscard]] Received<Memory> receive(const Memory& memory, const K& known,
                                          const Goal& goal) const noexcept {

@@ -159,6 +159,16 @@ class Blended<Fused<P, L...>> : public detail::BlendLoop<P, L...>,
               ...);
     }(std::index_sequence_for<L...>{});
   }
+  /// The memory after a stop: of the laws that have a share.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Memory resumed(const Memory& memory, const K& known) const noexcept {
+    Memory out = memory;
+    detail::each_index<terms>([&](auto i) {
+      auto& part = detail::memory_of<i.value>(out.laws);
+      if (loaded(memory, i)) part = skinctl::resumed(this->template law<i.value>(), part, known);
+    });
+    return out;
+  }
   /// Sets the targets of the tracking laws that had a share to the present state.
   template <class K>
   SKINCTL_COLD void restart(Memory& memory, const K& known) const noexcept {

@@ -98,7 +98,7 @@ inline constexpr std::array<Fault, static_cast<std::size_t>(Reason::count)> faul
     {Reason::configuration_refused, "configuration_refused", FaultFinder::loop, Reaction::refuse,
      Reaction::refuse, WayBack::at_once, "no such configuration, or not now: the old one goes on"},
     {Reason::goal_stretched, "goal_stretched", FaultFinder::law, Reaction::limit, Reaction::limit,
-     WayBack::at_once, "a goal got more time than asked, to keep velocity limits"},
+     WayBack::at_once, "a goal got more time than asked, to keep limits of velocity or acceleration"},
     {Reason::bumpless_transfer, "bumpless_transfer", FaultFinder::law, Reaction::fade, Reaction::fade,
      WayBack::by_itself, "bumpless transfer: a difference of torque ramps to zero"},
     {Reason::singular, "singular", FaultFinder::resolver, Reaction::refuse, Reaction::none, WayBack::at_once,

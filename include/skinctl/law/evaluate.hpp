@@ -113,6 +113,17 @@ template <class L, class K>
   }
 }
 
+/// The memory of `law` after a stop, in which others moved the robot: by its own `resumed`, else unchanged.
+template <class L, class K>
+[[nodiscard]] SKINCTL_COLD typename L::Memory resumed(const L& law, const typename L::Memory& memory,
+                                                      const K& known) noexcept {
+  if constexpr (detail::HasResumed<L, K>) {
+    return law.resumed(memory, known);
+  } else {
+    return memory;
+  }
+}
+
 namespace detail {
 /// Evaluates a law of one term by its torque, `advance` and status.
 template <class Result, class L, class K>

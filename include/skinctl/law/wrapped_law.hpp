@@ -45,6 +45,14 @@ class WrappedLaw : public L {
     of(memory) = wrapped().start(known);
     return memory;
   }
+  template <class K, class Self = Own>
+    requires detail::HasResumed<L, K>
+  [[nodiscard]] typename Self::Memory resumed(const typename Self::Memory& memory,
+                                              const K& known) const noexcept {
+    typename Self::Memory out = memory;
+    of(out) = wrapped().resumed(of(out), known);
+    return out;
+  }
   template <class K, class G = typename LawTable<L>::Goal, class Self = Own>
     requires detail::Receives<L, K, G>
   [[nodiscard]] Received<typename Self::Memory> receive(const typename Self::Memory& memory, const K& known,

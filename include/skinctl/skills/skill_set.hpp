@@ -164,6 +164,13 @@ class SkillSet<Behaviours<Behaviour...>, Fused<P, L...>, Grip>
     return m;
   }
 
+  /// The memory after a stop: the active skill goes on from where the robot is.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Memory resumed(const Memory& memory, const K& known) const noexcept {
+    Memory m = memory;
+    m.blend = blend_.resumed(m.blend, known);
+    return m;
+  }
   /// Takes a request: see `SkillRequest`.
   using Loop::receive;
 

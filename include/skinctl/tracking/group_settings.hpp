@@ -24,6 +24,7 @@ template <RobotModel M, Real T, class... Groups, class... Parts>
     for (std::size_t j = 0; j < Set::count; ++j) {
       const std::size_t i = Set::index[j];
       s.max_velocity[i] = std::min(s.max_velocity[i], g.configuration.limits.velocity()[j]);
+      s.joint_acceleration[i] = T(detail::planned_share) * T(g.configuration.limits.acceleration()[j]);
     }
   };
   std::apply([&](const auto&... g) { (take(g), ...); }, robot.groups());

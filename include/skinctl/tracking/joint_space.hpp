@@ -2,6 +2,8 @@
 // The space in which Joint Control tracks: the joints themselves.
 #pragma once
 
+#include <algorithm>
+
 #include "skinctl/core/status.hpp"
 #include "skinctl/law/needs.hpp"
 #include "skinctl/tracking/sliding_surface.hpp"
@@ -13,7 +15,8 @@ SKINCTL_BEGIN_NAMESPACE
 template <std::size_t N, Scalar T = double>
 struct JointGoal {
   JointPosition<N, T> q_g;
-  Nanoseconds duration{};  ///< time from reception to arrival; 0: the shortest within `max_velocity`
+  Nanoseconds
+      duration{};  ///< time from reception to arrival; 0: the shortest within velocities and accelerations
 
   template <class F>
   friend void each_number(JointGoal& g, F&& f) {
@@ -85,6 +88,8 @@ class JointSpace {
 
   // Of plans.
   [[nodiscard]] static SKINCTL_INLINE const Where& where(const Site& at) noexcept { return at.q; }
+  /// The motion of the robot, as a reference without acceleration.
+  [[nodiscard]] static Reference motion(const Site& at) noexcept { return {at.q, at.dq, {}}; }
   [[nodiscard]] static SKINCTL_INLINE const Where& where_of(const Reference& r) noexcept { return r.q_d; }
   [[nodiscard]] static SKINCTL_INLINE constexpr const Where& place(const Goal& goal) noexcept {
     return goal.q_g;
@@ -102,12 +107,13 @@ class JointSpace {
       if (v != T(0)) return false;
     return true;
   }
-  /// Shortest time from `from` to `goal` within the largest velocities [s]; NaN or infinite if the goal is
-  /// not finite.
+  /// Shortest time from `from` to `goal` within the largest velocities and accelerations [s]; NaN or infinite
+  /// if the goal is not finite.
   [[nodiscard]] static T shortest_time(const Where& from, const Goal& goal, const Settings& s) noexcept {
     T least(0);
     for (std::size_t i = 0; i < N; ++i) {
-      const T time = shortest_spline_time(T(goal.q_g[i] - from[i]), s.max_velocity[i]);
+      const T time =
+          shortest_spline_time(T(goal.q_g[i] - from[i]), s.max_velocity[i], s.joint_acceleration[i]);
       if (!(time <= least)) least = time;
       if (!(time - time == T(0))) return time;
     }
@@ -139,7 +145,9 @@ class JointSpace {
       Pursuit<1, T> one{{r.dq_d[i]}, {r.ddq_d[i]}};
       const T e[1] = {target.q_d[i] - r.q_d[i]}, v[1] = {target.dq_d[i]};
       T moved[1];
-      one.advance(e, v, {s.max_velocity[i], s.max_acceleration, s.max_jerk}, dt, moved);
+      one.advance(e, v,
+                  {s.max_velocity[i], std::min(s.max_acceleration, s.joint_acceleration[i]), s.max_jerk}, dt,
+                  moved);
       r.q_d[i] = r.q_d[i] + moved[0];
       r.dq_d[i] = one.v[0];
       r.ddq_d[i] = one.a[0];

@@ -96,6 +96,11 @@ class PoseTargets {
   [[nodiscard]] static SKINCTL_INLINE const Where& where_of(const Reference& r) noexcept { return r.X_BP; }
   [[nodiscard]] static SKINCTL_INLINE const Where& place(const Goal& goal) noexcept { return goal.X_BP; }
   [[nodiscard]] static SKINCTL_INLINE const Where& place(const Reference& r) noexcept { return r.X_BP; }
+  /// The motion of the frame, as a reference without acceleration.
+  template <class Site>
+  [[nodiscard]] static Reference motion(const Site& at) noexcept {
+    return {at.X_BP, at.V, {}};
+  }
   [[nodiscard]] static Spline spline(const Where& from, const Where& to, const T& tf) noexcept {
     return {from, to, tf};
   }

@@ -56,6 +56,10 @@ struct ReactivePlan {
     next.stands = holds;
     return next;
   }
+  /// The plan whose reference goes on from the motion `now`.
+  [[nodiscard]] ReactivePlan resumed(const Goal& now, const Settings&) const noexcept {
+    return {target, age, false, now};
+  }
   [[nodiscard]] Received<ReactivePlan> to(const Goal& goal, const Where&, const Settings& s) const noexcept {
     if (!Space::finite(goal)) return {*this, Reason::goal_refused};
     ReactivePlan next = *this;

@@ -10,6 +10,7 @@
 #include "skinctl/dynamics/mass_ratio.hpp"
 #include "skinctl/law/law.hpp"
 #include "skinctl/robot/robot_description.hpp"
+#include "skinctl/tracking/detail/thresholds.hpp"
 #include "skinctl/trajectory/gain_schedule.hpp"
 #include "skinctl/trajectory/pursuit.hpp"
 
@@ -52,12 +53,11 @@ struct JointControlSettings {
   /// Largest torque of the integrals at each joint of a robot by torque, `(K_d + B) J^+ (K_i1 I1 + K_i2 I2)`
   /// [N m]. 10: the friction of an arm's joints; `tracking_settings` takes half of the robot's torque.
   JointTorque<N, T> integral_limit = JointTorque<N, T>::constant(T(10));
-  T integral_speed =
-      T(0.5);           ///< largest part of each integral in dq_r of a virtual, frictionless robot [rad/s]
-  Nanoseconds tb = 1s;  ///< convergence time of the time base; 0: the constant gain from the start
-  T K_c = T(10);        ///< gain that holds the target [1/s]: an error is gone in 0.3 s
-  TimeBase<T> base{};   ///< shape of the time base
-  T settle = T(0.5);    ///< duration of the change from the gain's peak to K_c, in multiples of tb
+  T integral_speed = T(0.5);  ///< largest part of an integral in dq_r of a frictionless robot [rad/s]
+  Nanoseconds tb = 1s;        ///< convergence time of the time base; 0: the constant gain from the start
+  T K_c = T(10);              ///< gain that holds the target [1/s]: an error is gone in 0.3 s
+  TimeBase<T> base{};         ///< shape of the time base
+  T settle = T(0.5);          ///< duration of the change from the gain's peak to K_c, in multiples of tb
   Nanoseconds bumpless_transfer =
       100ms;  ///< duration of the bumpless transfer after a reset, until the reference is on its new course
   Nanoseconds target_age =
@@ -78,6 +78,9 @@ struct JointControlSettings {
   T gravity_rate = T(0);
   /// Largest speed to a goal [rad/s].
   JointVelocity<N, T> max_velocity = JointVelocity<N, T>::constant(T(1));
+  /// Largest acceleration of each joint on a spline or after a reactive target [rad/s^2].
+  JointAcceleration<N, T> joint_acceleration =
+      JointAcceleration<N, T>::constant(std::numeric_limits<T>::infinity());
 
   /// Delay D of the loop, for which the gains must be small enough: `loop_delay`, at least `dt`.
   [[nodiscard]] constexpr Nanoseconds delay_in_loop() const noexcept {
@@ -194,6 +197,8 @@ SKINCTL_COLD void check(const JointControlSettings<N, T>& s, const T& lambda) {
   require(s.waits > T(0), "waits", number(s.waits), "> 0, or infinite");
   check(PursuitLimits<T>{T(1), s.max_acceleration, s.max_jerk});
   for (const T& v : s.max_velocity) require(v > T(0) && v <= T(1e6), "max_velocity", number(v), "> 0 rad/s");
+  for (const T& a : s.joint_acceleration)
+    require(a > T(0), "joint_acceleration", number(a), "> 0 rad/s^2, or infinite");
   detail::check_gains(s, lambda, s.mass_ratio);
 }
 
@@ -248,8 +253,10 @@ template <class Robot>
   using T = typename Robot::scalar;
   JointControlSettings<Robot::joints, T> s{.dt = robot.longest_dt()};
   s.virtual_dynamics = robot.virtual_dynamics();
-  for (std::size_t i = 0; i < Robot::joints; ++i)
+  for (std::size_t i = 0; i < Robot::joints; ++i) {
     if (robot.limits().velocity()[i] < s.max_velocity[i]) s.max_velocity[i] = robot.limits().velocity()[i];
+    s.joint_acceleration[i] = T(detail::planned_share) * robot.limits().acceleration()[i];
+  }
   if constexpr (Robot::interface == Interface::torque) {
     detail::check_mass_ratio(mass_ratio);
     const T half = T(0.5) * mass_ratio;

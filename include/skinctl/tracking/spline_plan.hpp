@@ -2,6 +2,7 @@
 // A static goal, reached along a spline, sections 4.2.4 and 4.2.5.
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 #include "skinctl/law/evaluate.hpp"
@@ -87,15 +88,35 @@ struct SplinePlan {
     return {spline, clock.changed(!holds, Space::tracking(s).bumpless_transfer), asked, heard};
   }
 
+  /// The plan that leads on from the motion `now` to where it led: in the time that it had left, or in so much
+  /// more that it asks for no more acceleration than before, `tf sqrt(way left / whole way)`.
+  [[nodiscard]] SplinePlan resumed(const typename Space::Reference& now, const Settings& s) const noexcept {
+    const Where& where = Space::where_of(now);
+    const auto end = spline.at(std::numeric_limits<T>::infinity());
+    const auto far = [&](const auto& from) { return Space::slowness(Space::distance(end, from), s); };
+    const SplinePlan here = standing(where, s);
+    const T whole = far(spline.at(T(0))), way = far(here.at(T(0), s));
+    using std::sqrt;
+    const T gentle = whole > way ? T(spline.duration() * sqrt(way / whole)) : spline.duration();
+    const T left = spline.duration() - seconds<T>(clock.own), time = left > gentle ? left : gentle;
+    auto next = here.to(Goal{Space::where_of(end), nanoseconds(static_cast<double>(time))}, where, s);
+    if (next.status.has(Reason::goal_refused)) next = here.to(Goal{Space::where_of(end), 0ns}, where, s);
+    SplinePlan& out = next.memory;
+    out.spline = Space::spline(where, Space::where_of(end), out.spline.duration()).from(now);
+    out.asked = asked, out.heard = heard;
+    return out;
+  }
+
   /// The plan of a spline from `where` to the goal, of 10 intervals `dt` or longer. Where its peak speed
   /// would exceed the settings' limit it is stretched, or refused. A goal that is not finite is refused. A
   /// plan under way goes on with its velocity and acceleration, as far as they lead towards the new goal.
-  [[nodiscard]] Received<SplinePlan> to(const Goal& goal, const Where& where,
-                                        const Settings& settings) const noexcept {
+  /// @param at_least  shortest time for other reasons than the speeds [s].
+  [[nodiscard]] Received<SplinePlan> to(const Goal& goal, const Where& where, const Settings& settings,
+                                        const T& at_least = T(0)) const noexcept {
     const auto& s = Space::tracking(settings);
     const T shortest = Space::shortest_time(where, goal, settings);
     const T intervals = T(min_intervals) * seconds<T>(s.dt),
-            least = shortest > intervals ? shortest : intervals;
+            other = at_least > intervals ? at_least : intervals, least = shortest > other ? shortest : other;
     if (!(shortest < T(longest_time)) || goal.duration < 0ns) return {*this, Reason::goal_refused};
     const T time = seconds<T>(goal.duration);
     const PlanClock<T> begun{0ns,      clock_end,  clock.to,

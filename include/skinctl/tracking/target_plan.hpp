@@ -66,6 +66,9 @@ struct TargetPlan {
     return *this;
   }
 
+  /// The plan, unchanged: its target is one from outside.
+  [[nodiscard]] TargetPlan resumed(const Goal&, const Settings&) const noexcept { return *this; }
+
   /// The plan of a new target. One that is not finite, or faster than the settings allow, is refused.
   [[nodiscard]] Received<TargetPlan> to(const Goal& goal, const Where&, const Settings& s) const noexcept {
     if (!Space::allows(goal, s)) return {*this, Reason::goal_refused};

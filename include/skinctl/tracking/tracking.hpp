@@ -33,6 +33,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   using Reset::space_;
   using Reset::stepped;
   using Reset::switched;
+  using Reset::time_to_accelerate;
 
  public:
   using Reset::coordinates;
@@ -103,7 +104,14 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   [[nodiscard]] SKINCTL_COLD Received<Memory> receive(const Memory& memory, const K& known,
                                                       const Goal& goal) const noexcept {
     if (!detail::within_limits<Space>(known, goal)) return {memory, Reason::goal_refused};
-    const auto planned = memory.plan.to(goal, space_.where(space_.site(known)), settings_);
+    const auto planned = [&] {
+      const auto site = space_.site(known);
+      if constexpr (Plan::streams || Space::of_joints) {
+        return memory.plan.to(goal, space_.where(site), settings_);
+      } else {
+        return memory.plan.to(goal, space_.where(site), settings_, time_to_accelerate(memory, site, goal));
+      }
+    }();
     Received<Memory> out{memory, planned.status};
     if (planned.status.has(Reason::goal_refused)) return out;
     out.memory.plan = planned.memory;
@@ -115,6 +123,21 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     out.memory.used = {};
     begin_bias(out.memory, known);
     bumpless_transfer(out.memory, memory, known);
+    return out;
+  }
+
+  /// The memory that goes on after a stop, in which others moved the robot: its plan leads from the known
+  /// state to where it led, in the time that it had left; time base, surface and integrals start again.
+  template <class K>
+  [[nodiscard]] SKINCTL_COLD Memory resumed(const Memory& memory, const K& known) const noexcept {
+    Memory out = memory;
+    out.held = false;
+    out.plan = memory.plan.resumed(Space::motion(space_.site(known)), settings_);
+    out.space = Space::renewed(memory.space);
+    static_cast<void>(begin_gain(out, known));
+    out.I1 = out.I2 = Integrals<Space::coordinates, T>();
+    out.used = {};
+    begin_bias(out, known);
     return out;
   }
 

@@ -34,6 +34,7 @@ class PoseSpline {
   /// @param tf  duration [s]; if not positive, the reference is `X_g` from the start.
   PoseSpline(const Pose& X_i, const Pose& X_g, const T& tf) noexcept
       : p_i_(X_i.origin()), p_g_(X_g.origin()), turn_(X_i.axes(), X_g.axes(), tf), tf_(tf) {}
+  [[nodiscard]] const T& duration() const noexcept { return tf_; }  ///< [s]
 
   /// This spline with a start in motion: it begins with the velocity and acceleration of `now` along its line
   /// and about its turn, as far as `MovingStart` takes them.

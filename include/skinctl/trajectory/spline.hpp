@@ -2,6 +2,8 @@
 // Splines in joint space: from the robot's position to a goal, at rest at both ends, eq. (22).
 #pragma once
 
+#include <cmath>
+
 #include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/time.hpp"
@@ -28,7 +30,8 @@ template <std::size_t N, Real T = double>
 struct JointSpline {
   JointPosition<N, T> q_i;
   JointPosition<N, T> q_g;
-  T tf = T(0);                        ///< duration [s]; if not positive, `q_d` is `q_g` from the start
+  T tf = T(0);  ///< duration [s]; if not positive, `q_d` is `q_g` from the start
+  [[nodiscard]] const T& duration() const noexcept { return tf; }
   JointVelocity<N, T> rate = {};      ///< initial rate of the covered part, see `MovingStart` [1/s]
   JointAcceleration<N, T> bend = {};  ///< derivative of `rate` [1/s^2]
   bool moves = false;                 ///< whether a `rate` is not zero
@@ -76,6 +79,15 @@ template <Real T>
 [[nodiscard]] constexpr T shortest_spline_time(const T& distance, const T& dq_max) noexcept {
   const T size = distance < T(0) ? T(-distance) : distance;
   return quintic_peak_speed<T> * size / dq_max;
+}
+/// The shortest time [s] for which it also keeps below the acceleration `ddq_max`: at least
+/// `sqrt(10/sqrt(3) |distance| / ddq_max)`.
+template <Real T>
+[[nodiscard]] T shortest_spline_time(const T& distance, const T& dq_max, const T& ddq_max) noexcept {
+  using std::sqrt;
+  const T size = distance < T(0) ? T(-distance) : distance, time = shortest_spline_time(distance, dq_max);
+  const T least = sqrt(quintic_peak_acceleration<T> * size / ddq_max);
+  return time < least ? least : time;
 }
 
 SKINCTL_END_NAMESPACE

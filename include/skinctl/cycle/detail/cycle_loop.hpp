@@ -83,8 +83,10 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
       if (guard_.refuses_start(m.guard)) [[unlikely]] {
         start_anew(m, input);
       } else {
+        const bool stood = resolver_.stops(m.robot);
         resolver_.resume(m.robot);
         guard_.acknowledge(m.guard);
+        if (stood) go_on(m);
       }
     }
     if constexpr (takes_goals)
@@ -225,6 +227,12 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     if constexpr (takes_positions<Resolver>)
       if (m.robot.group().gap_told) return start(m, measured, measured.q - m.robot.group().gap);
     start(m, measured);
+  }
+  /// The laws go on after a stop from where the robot is now.
+  SKINCTL_COLD void go_on(Memory& m) const noexcept {
+    const auto state = resolver_.state(m.robot);
+    const Wrenches touch = skin_.wrenches(m.skin);
+    m.law = resumed(law_, m.law, resolver_.template known<L>(state, period(), touch));
   }
   SKINCTL_COLD Status receive(Memory& m, const Input& input) const noexcept {
     const auto state = resolver_.state(m.robot);

@@ -7,6 +7,7 @@
 #include "skinctl/core/detail/each_once.hpp"
 #include "skinctl/fusion/detail/law_parts.hpp"
 #include "skinctl/fusion/detail/memories.hpp"
+#include "skinctl/law/evaluate.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -35,6 +36,13 @@ struct SeeingLaws {
       using Part = typename LawTable<Law>::Output;
       if constexpr (!std::is_empty_v<Part>) static_cast<Part&>(out) = LawTable<Law>::output(law, m);
     });
+    return out;
+  }
+  /// The memory after a stop: of all laws.
+  template <class Memory, class K>
+  [[nodiscard]] SKINCTL_COLD Memory resumed(const Memory& memory, const K& known) const noexcept {
+    Memory out = memory;
+    own().each_law(out, [&](const auto& law, auto& m) { m = skinctl::resumed(law, m, known); });
     return out;
   }
   [[nodiscard]] bool needs_contacts() const noexcept {

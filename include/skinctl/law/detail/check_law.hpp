@@ -182,6 +182,7 @@ consteval LawFault fault_in_functions(const L* law, const typename L::Memory* m,
       if (found != LawFault::none) return found;
     }
     if constexpr (NamesSettled<L> && !HasSettled<L, K>) return LawFault::settled_signature;
+    if constexpr (NamesResumed<L> && !HasResumed<L, K> && !IsWrapper<L>) return LawFault::resumed_signature;
     if constexpr (NamesLawSee<L> &&
                   !SeesScene<L, typename LawTable<L>::Input, AnyTouchSeen<typename K::scalar>>)
       return LawFault::see_signature;

@@ -40,6 +40,7 @@ enum class LawFault {
   follow_signature,
   status_signature,
   settled_signature,
+  resumed_signature,
   distance_signature,
   now_signature,
   evaluate_signature,
@@ -118,6 +119,8 @@ struct Say {
   static_assert(
       F != settled_signature,
       "settled(memory, known, still) of this law is not const, does not take these, or returns no bool");
+  static_assert(F != resumed_signature,
+                "resumed(memory, known) of this law is not const, or does not return its Memory");
   static_assert(F != distance_signature,
                 "distance(known, goal) of this law does not return position, orientation and joint");
   static_assert(F != now_signature, "now(memory, known) of this law is not const, or does not take these");

@@ -125,6 +125,10 @@ concept HasSettled =
     requires(const L& law, const typename L::Memory& m, const K& known, const typename K::scalar& still) {
       { law.settled(m, known, still) } -> std::same_as<bool>;
     };
+template <class L, class K>
+concept HasResumed = requires(const L& law, const typename L::Memory& m, const K& known) {
+  { law.resumed(m, known) } -> std::same_as<typename L::Memory>;
+};
 template <class L, class Terms>
 concept ChecksTerms = requires(const L& law, const Terms& robot) { law.check_for(robot); };
 template <class Terms>
@@ -186,9 +190,9 @@ concept HasEvaluate =
 
 // Names, whatever their signature.
 struct NamesOfALaw {
-  int start, torque, parts, advance, receive, follow, status, settled, distance, check_for, now, evaluate,
-      name, presses, compensates_friction, starts_blank, gravity_laws, complete_sum, terms, roles, see,
-      output, needs_contacts;
+  int start, torque, parts, advance, receive, follow, status, settled, resumed, distance, check_for, now,
+      evaluate, name, presses, compensates_friction, starts_blank, gravity_laws, complete_sum, terms, roles,
+      see, output, needs_contacts;
 };
 SKINCTL_NAMES(NamesStart, NamesOfALaw, start);
 SKINCTL_NAMES(NamesTorque, NamesOfALaw, torque);
@@ -198,6 +202,7 @@ SKINCTL_NAMES(NamesReceive, NamesOfALaw, receive);
 SKINCTL_NAMES(NamesFollow, NamesOfALaw, follow);
 SKINCTL_NAMES(NamesStatus, NamesOfALaw, status);
 SKINCTL_NAMES(NamesSettled, NamesOfALaw, settled);
+SKINCTL_NAMES(NamesResumed, NamesOfALaw, resumed);
 SKINCTL_NAMES(NamesDistance, NamesOfALaw, distance);
 SKINCTL_NAMES(NamesCheckFor, NamesOfALaw, check_for);
 SKINCTL_NAMES(NamesNow, NamesOfALaw, now);

@@ -4,6 +4,7 @@
 
 #include "skinctl/tracking/detail/thresholds.hpp"
 #include "skinctl/tracking/detail/tracking_loop.hpp"
+#include "skinctl/tracking/spline_plan.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 namespace detail {
@@ -51,6 +52,24 @@ class TrackingReset : public TrackingLoop<Space, Plan, Damping> {
       memory.tb = least;
     }
     return status;
+  }
+  /// The shortest time of a spline to `goal` within the joints' accelerations, by the Jacobian where it begins
+  /// [s].
+  template <class Site, class Goal>
+  [[nodiscard]] SKINCTL_COLD T time_to_accelerate(const Memory& memory, const Site& site,
+                                                  const Goal& goal) const noexcept {
+    const auto end = SplinePlan<Space>::standing(Space::place(goal), settings_).at(T(0), settings_);
+    const auto error = space_.errors(end, site, Space::renewed(memory.space));
+    JointVelocity<Space::coordinates, T> way;
+    for (std::size_t i = 0; i < Space::coordinates; ++i) way[i] = -error.e[i];
+    const auto turns = space_.joint_speed(way, site, memory.space);  // in a second
+    T most(0);
+    for (std::size_t i = 0; i < Space::joints; ++i) {
+      const T share = magnitude(turns[i]) / gains().joint_acceleration[i];
+      if (share > most) most = share;
+    }
+    using std::sqrt;
+    return sqrt(quintic_peak_acceleration<T> * most);
   }
   /// Sets, without a time base, a gain at which the largest error decays no faster than `max_velocity`.
   template <class K>

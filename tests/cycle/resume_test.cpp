@@ -1,0 +1,208 @@
+// A stop in the middle of a motion, and what the laws do when it ends.
+//
+// Promise: after a stop a motion goes on from where the robot stands: it neither leaps back to where its plan
+// was, nor runs past its goal, however slowly the robot brakes
+// Tried: UR5 by position and velocity, splines of joints and of the tool, a reactive target, in sums and skills;
+// accelerations from 0.3 to 15 rad/s^2, a stop at each tenth of the way, resumed at rest, while it still brakes,
+// twice, with the goal sent once more: back by at most 0.5 mrad, past the goal by 1 mrad (up to 2 rad where the
+// plan goes on where it was). A resume without a stop changes nothing
+//
+// Promise: a spline asks for no more acceleration than the robot has: it takes longer, and says so
+// Tried: UR5, goals that would take up to 87 times the limits' acceleration, joints and tool, 0.1 to 15 rad/s^2:
+// past the goal by at most 4 mrad (by 0.5 to 2 rad with accelerations beyond the limits)
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "skinctl/control/gravity_control.hpp"
+#include "skinctl/control/reactive_control.hpp"
+#include "skinctl/control/spline_joint.hpp"
+#include "skinctl/control/spline_operational.hpp"
+#include "skinctl/cycle/cycle.hpp"
+#include "skinctl/fusion/expression.hpp"
+#include "skinctl/kinematics/poses.hpp"
+#include "skinctl/robots/ur5.hpp"
+
+using namespace skinctl;
+
+namespace {
+const JointPosition<6> home{0, -1.2, 1.4, -1.7, -1.57, 0};
+const Transform<Link<5>, Tool> tool = Transform<Link<5>, Tool>::translation_xyz(0, 0, 0.1);
+
+RobotConfiguration<6> configuration(double acceleration) {
+  return {.limits = limits_of<ur5::Description>(acceleration),
+          .period = 8ms,
+          .delay = 8ms,
+          .lag = 2ms,
+          .virtual_damping = 4};
+}
+JointPosition<6> turned(double by) {
+  auto q = home;
+  q[0] += by;
+  return q;
+}
+PoseGoal<Tool> pose_at(const JointPosition<6>& q, Nanoseconds duration) {
+  return {link_poses(ur5::Model{}, q).get<5>() * tool, duration};
+}
+
+struct Course {
+  double back = 0;      ///< largest way back of the first joint [rad]
+  double furthest = 0;  ///< largest angle [rad]
+  double end = 0;       ///< angle in the end [rad]
+  Status said;
+};
+/// Cycles in which something is asked for: `ask(k, input)`. The robot does what it is told.
+template <class Scene, class Ask>
+Course run(const Scene& scene, int cycles, const Ask& ask) {
+  const auto memory = std::make_unique<typename Scene::Memory>();
+  typename Scene::Input input;
+  State<6> x;
+  x.time = 0ns;
+  x.q = home;
+  scene.start(*memory, x);
+  Course out;
+  for (int k = 1; k <= cycles; ++k) {
+    input.now = x.time = k * 8ms;
+    input.measured = x;
+    ask(k, input);
+    const auto sent = scene.step(*memory, input);
+    clear_requests(input);
+    out.said |= sent.status;
+    if constexpr (requires { sent.command.position; })
+      for (std::size_t i = 0; i < 6; ++i)
+        x.dq[i] = (sent.command.position[i] - x.q[i]) / 0.008, x.q[i] = sent.command.position[i];
+    else
+      for (std::size_t i = 0; i < 6; ++i)
+        x.dq[i] = sent.command.velocity[i], x.q[i] += 0.008 * sent.command.velocity[i];
+    out.furthest = std::max(out.furthest, x.q[0]);
+    out.back = std::max(out.back, out.furthest - x.q[0]);
+  }
+  out.end = x.q[0];
+  return out;
+}
+
+constexpr double far = 1.5;
+constexpr int begins = 10;
+/// The motion, a stop at `share` of `time`, and `resume` after `rest` cycles.
+auto stopped(const auto& goal, double time, double share, int rest, bool twice = false, bool again = false) {
+  const int stop = begins + static_cast<int>(share * time / 0.008);
+  return [=](int k, auto& input) {
+    if (k == begins) input.goal = goal;
+    if (k == stop || (twice && k == stop + rest + 5)) input.request = CycleRequest::stop;
+    if (k == stop + rest || (twice && (k == stop + rest + 2 || k == stop + 2 * rest + 5)))
+      input.request = CycleRequest::resume;
+    if (again && k == stop + rest) input.goal = goal;
+  };
+}
+int cycles_for(double acceleration, double time) {
+  return static_cast<int>((3 * time + 6 * std::sqrt(6 * far / acceleration) + 4) / 0.008);
+}
+}  // namespace
+
+TEST_CASE("resume: a motion goes on from where the robot stands, not back to where its plan was") {
+  double worst_back = 0, worst_past = 0;
+  const auto all = [&](const auto& scene, const auto& goal, double acceleration) {
+    for (const double share : {0.1, 0.3, 0.5, 0.7, 0.9})
+      for (const int rest : {3, 60, 250})
+        for (const bool twice : {false, true})
+          for (const bool again : {false, true}) {
+            CAPTURE(acceleration);
+            CAPTURE(share);
+            CAPTURE(rest);
+            CAPTURE(twice);
+            CAPTURE(again);
+            const Course c = run(scene, cycles_for(acceleration, 2) + 2 * rest,
+                                 stopped(goal, 2, share, rest, twice, again));
+            CHECK(c.back < 0.0005);
+            CHECK(c.furthest < far + 0.001);
+            CHECK(std::abs(c.end - far) < 0.005);
+            worst_back = std::max(worst_back, c.back), worst_past = std::max(worst_past, c.furthest - far);
+          }
+  };
+  for (const double a : {0.3, 1.0, 2.0, 15.0}) {
+    const auto arm = by_position(ur5::Model{}, configuration(a));
+    const auto fast = by_velocity(ur5::Model{}, configuration(a));
+    const JointGoal<6> goal{turned(far), 2s};
+    all(Cycle(arm, SplineJoint(arm) + GravityControl{}), goal, a);
+    all(Cycle(fast, SplineJoint(fast) + GravityControl{}), goal, a);
+  }
+  MESSAGE("back by ", worst_back, ", past the goal by ", worst_past);
+}
+
+TEST_CASE("resume: of the tool's splines, reactive targets and skills") {
+  for (const double a : {0.5, 2.0, 15.0}) {
+    CAPTURE(a);
+    const auto arm = by_position(ur5::Model{}, configuration(a));
+    const Cycle pose(arm, SplineOperational(tool, operational_settings(arm)) + GravityControl{});
+    const Cycle follows(arm, ReactiveJoint(arm) + GravityControl{});
+    for (const double share : {0.2, 0.5, 0.8})
+      for (const int rest : {3, 120}) {
+        CAPTURE(share);
+        CAPTURE(rest);
+        const Course c = run(pose, cycles_for(a, 3), stopped(pose_at(turned(far), 3s), 3, share, rest));
+        CHECK(c.back < 0.006);
+        CHECK(c.furthest < far + 0.006);
+        CHECK(std::abs(c.end - far) < 0.005);
+        const JointReference<6> target{turned(far), {}, {}};
+        const Course r = run(follows, cycles_for(a, 3), stopped(target, 2, share, rest));
+        CHECK(r.back < 0.006);
+        CHECK(r.furthest < far + 0.006);
+        CHECK(std::abs(r.end - far) < 0.005);
+      }
+  }
+}
+
+TEST_CASE("resume: without a stop nothing changes") {
+  const auto arm = by_position(ur5::Model{}, configuration(5));
+  const Cycle scene(arm, SplineJoint(arm) + GravityControl{});
+  const JointGoal<6> goal{turned(far), 2s};
+  const Course as_before = run(scene, 200, [&](int k, auto& input) {
+    if (k == begins) input.goal = goal;
+  });
+  const Course asked = run(scene, 200, [&](int k, auto& input) {
+    if (k == begins) input.goal = goal;
+    if (k > begins && k % 7 == 0) input.request = CycleRequest::resume;
+  });
+  CHECK(asked.end == as_before.end);
+  CHECK(asked.furthest == as_before.furthest);
+}
+
+TEST_CASE("acceleration: a spline takes the time that the robot needs, and says so") {
+  for (const double a : {0.1, 0.3, 0.5, 1.0, 2.0, 5.0, 15.0}) {
+    CAPTURE(a);
+    const auto arm = by_position(ur5::Model{}, configuration(a));
+    const int cycles = cycles_for(a, 1);
+    const auto goes = [&](const auto& scene, const auto& goal) {
+      return run(scene, cycles, [&](int k, auto& input) {
+        if (k == begins) input.goal = goal;
+      });
+    };
+    for (const Nanoseconds duration : {Nanoseconds(0), Nanoseconds(1s)}) {
+      const Course c =
+          goes(Cycle(arm, SplineJoint(arm) + GravityControl{}), JointGoal<6>{turned(far), duration});
+      CHECK(c.back < 0.001);
+      CHECK(c.furthest < far + 0.001);
+      CHECK(std::abs(c.end - far) < 0.003);
+      CHECK(c.said.has(Reason::goal_stretched) == (duration > 0ns));
+      const Course p = goes(Cycle(arm, SplineOperational(tool, operational_settings(arm)) + GravityControl{}),
+                            pose_at(turned(0.8), duration));
+      CHECK(p.back < 0.004);
+      CHECK(p.furthest < 0.8 + 0.004);
+      CHECK(std::abs(p.end - 0.8) < 0.003);
+    }
+  }
+  // The time: 0.8 of the limit at the quintic's peak.
+  const auto s = tracking_settings(by_position(ur5::Model{}, configuration(0.5)));
+  CHECK(s.joint_acceleration[0] == doctest::Approx(0.4));
+  using Space = JointSpace<6>;
+  const double least = Space::shortest_time(home, JointGoal<6>{turned(far), 0ns}, s);
+  CHECK(least == doctest::Approx(std::sqrt(10 / std::sqrt(3.0) * far / 0.4)));
+  auto unbounded = s;
+  unbounded.joint_acceleration = JointAcceleration<6>::constant(std::numeric_limits<double>::infinity());
+  CHECK(Space::shortest_time(home, JointGoal<6>{turned(far), 0ns}, unbounded) ==
+        doctest::Approx(1.875 * far / s.max_velocity[0]));
+  unbounded.joint_acceleration[2] = 0;
+  CHECK_THROWS_AS(SplineJoint<6>{unbounded}, ConfigurationError);
+}
