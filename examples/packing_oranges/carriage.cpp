@@ -145,9 +145,8 @@ JointVelocity<3> Carriage::step(Nanoseconds now, const State<3>& wheels, bool to
     halted_ = true;
     ++halts_;
   }
-  if (halted_ && lets_go && std::hypot(wheels.dq[0], wheels.dq[1]) < still) {
-    driving_->scene.start(driving_->memory, wheels);  // from here, and not to where its plan was
-    send();
+  if (halted_ && lets_go) {
+    input.request = CycleRequest::resume;
     halted_ = false;
   }
   input.now = now;

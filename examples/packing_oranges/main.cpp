@@ -90,6 +90,12 @@ int main(int argc, char** argv) {
   app.add_option("--touch-every", s.touch_every, "a person pushes each forearm so often [s]; 0: never")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
+  app.add_option("--touch-force", s.touch_force, "with so much [N]")
+      ->check(CLI::Range(0.0, 300.0))
+      ->capture_default_str();
+  app.add_flag(
+      "!--nobody-answers", s.answers,
+      "no person comes when an arm asks; else one does after 5 to 60 s (--world ideal: after a second)");
   app.add_option("--dead-cells", s.dead_cells,
                  "of the 40 cells that feel on each forearm, so many say nothing")
       ->check(CLI::Range(0, 40))
@@ -125,8 +131,10 @@ int main(int argc, char** argv) {
                  "way; 0: nothing does")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--fault", fault, "none, slip, no_detector, box_blocked, touch_held or (--process) box_held")
-      ->check(CLI::IsMember({"none", "slip", "no_detector", "box_blocked", "touch_held", "box_held"}))
+  app.add_option("--fault", fault,
+                 "none, slip, no_detector, box_blocked, touch_held, arm_stopped or (--process) box_held")
+      ->check(CLI::IsMember(
+          {"none", "slip", "no_detector", "box_blocked", "touch_held", "arm_stopped", "box_held"}))
       ->capture_default_str();
   app.add_option("--fault-at", s.fault_at, "when [s]")->check(CLI::Range(0.0, 1e6))->capture_default_str();
   app.add_option("--fault-lasts", s.fault_lasts, "how long [s]; 0: as is usual for it, as the report says")

@@ -88,7 +88,8 @@ constexpr struct {
               {Fault::no_detector, "no_detector", "the detector is silent", 2},
               {Fault::box_blocked, "box_blocked", "a person has the box", 30},
               {Fault::touch_held, "touch_held", "a person leans on a forearm", 20},
-              {Fault::box_held, "box_held", "a person holds the full box that an arm moves, 80 mm aside", 3}};
+              {Fault::box_held, "box_held", "a person holds the full box that an arm moves, 80 mm aside", 3},
+              {Fault::arm_stopped, "arm_stopped", "the first arm is stopped, for good", 1e6}};
 }  // namespace
 
 Fault fault_named(const std::string& name) {

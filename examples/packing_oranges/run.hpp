@@ -15,7 +15,7 @@
 namespace packing {
 
 /// What goes wrong in a run, once.
-enum class Fault : unsigned char { none, slip, no_detector, box_blocked, touch_held, box_held };
+enum class Fault : unsigned char { none, slip, no_detector, box_blocked, touch_held, box_held, arm_stopped };
 
 struct RunSettings {
   SupplySettings supply{};
@@ -23,8 +23,11 @@ struct RunSettings {
   DetectorSettings detector{};
   WorkSettings work{};
   std::uint64_t seed = 1;
-  double touch_every = 20;        ///< a person pushes each forearm so often [s]; 0: never
-  double touch_force = 12;        ///< [N]
+  double touch_every = 20;  ///< a person pushes each forearm so often [s]; 0: never
+  double touch_force = 12;  ///< [N]
+  /// A person who is asked comes after so long, at least and at most [s]; a second after a fault in an ideal world.
+  double answers_after = 5, answers_within = 60;
+  bool answers = true;            ///< a person comes at all
   double touch_lasts = 0.6;       ///< [s]
   std::array<bool, arms> hand{};  ///< the arm has an Allegro hand instead of a gripper
   double skin_noise = 0.1;        ///< deviation of a cell's force [N]

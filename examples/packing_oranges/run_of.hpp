@@ -29,6 +29,18 @@ class Toucher {
     const auto& X = cells_[cell_].X_LC;
     world.push(arm, forearm, X.origin(), -force * X.axis_z());
   }
+  /// What else presses on the forearm, for the next samples: each contact as the person's, on the nearest cell.
+  void feel(std::span<const World::Contact> contacts) {
+    pressed_.assign(cells_.size(), 0);
+    for (const World::Contact& c : contacts) {
+      std::size_t nearest = 0;
+      for (std::size_t i = 1; i < cells_.size(); ++i)
+        if (far(c, i) < far(c, nearest)) nearest = i;
+      const double f = std::max(0.0, -dot(c.force, cells_[nearest].X_LC.axis_z()));
+      for (std::size_t i = 0; i < cells_.size(); ++i)
+        pressed_[i] += f * (i == nearest ? 1 : graph_.joined(nearest, i) ? spread : 0);
+    }
+  }
   /// Of all cells that are heard; `near`: what all see, nothing where it is empty.
   [[nodiscard]] std::span<skinctl::CellSample> samples(skinctl::Nanoseconds now,
                                                        std::span<const double> near = {}) {
@@ -38,7 +50,8 @@ class Toucher {
       x.proximity = i < near.size() ? static_cast<float>(near[i]) : 0.0f;
       if (i >= cells_.size()) continue;
       const double share = i == cell_ ? 1 : graph_.joined(cell_, i) ? spread : 0;
-      const double f = share * force_ + s_.skin_noise * normal_(random_);
+      const double others = pressed_.empty() ? 0 : pressed_[i];
+      const double f = share * force_ + others + s_.skin_noise * normal_(random_);
       const auto reading = static_cast<float>(std::clamp(f / (3 * newtons_per_reading), 0.0, 1.0));
       x.force = {reading, reading, reading};
     }
@@ -47,6 +60,9 @@ class Toucher {
   [[nodiscard]] double force() const { return force_; }
 
  private:
+  [[nodiscard]] double far(const World::Contact& c, std::size_t i) const {
+    return norm(skinctl::Xyz<double>(c.at - cells_[i].X_LC.origin()));
+  }
   /// Whether cell `i` says nothing any more: so many of the forearm's, evenly.
   [[nodiscard]] bool is_dead(std::size_t i) const {
     const std::size_t dead = s_.dead_cells;
@@ -57,6 +73,7 @@ class Toucher {
   skinctl::CellGraph graph_;
   std::vector<skinctl::PlacedCell<forearm>> cells_;
   std::vector<skinctl::CellSample> samples_;
+  std::vector<double> pressed_;  ///< forces of other contacts on the cells of the forearm [N]
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
   std::size_t cell_ = 0;
@@ -74,7 +91,8 @@ class Run {
         supply_(supplies(s), s.seed * 7919 + 2),
         detector_(detectors(s), s.seed * 7919 + 3),
         box_(60s),
-        places_(box_.start()) {
+        places_(box_.start()),
+        person_(s.seed * 7919 + 11) {
     world_.step();
     const auto skin = A::skin();
     for (std::size_t a = 0; a < arms; ++a) {
@@ -98,7 +116,7 @@ class Run {
   Outcome operator()(const Watch& watch, const Show& show) {
     const double longest = s_.longest > 0 ? s_.longest : 60 + 20.0 * s_.supply.oranges;
     const std::clock_t begun = std::clock();
-    while (time() < longest) {
+    while (time() < longest + waits_for_person_) {
       if (tick_ % 100 == 0 && watch && !watch(time(), supply_)) {
         out_.stopped = true;
         break;
@@ -112,7 +130,7 @@ class Run {
         supply_.step(world_);
         happen();
         cycle();
-        const bool finished = workers_[0]->finished() && workers_[1]->finished();
+        const bool finished = is_out(0) && is_out(1);
         if (!finished) works_at_ = time();
         const bool leaves = s_.honest || workers_[0]->gives_up() || workers_[1]->gives_up();
         if (finished && (supply_.over() || (leaves && time() - works_at_ > 4))) {
@@ -130,12 +148,25 @@ class Run {
   }
 
  private:
+  /// Masses of a hand that differ from those that its cycle knows by up to a tenth.
+  static void weigh_anew(HandBody& hand, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> share(0.9, 1.1);
+    const auto scale = [&](LinkBody& l) {
+      const double by = share(random);
+      l.mass *= by;
+      for (double& x : l.inertia) x *= by;
+    };
+    for (LinkBody& l : hand.links) scale(l);
+    scale(hand.palm);
+  }
   [[nodiscard]] static std::array<ArmBody, arms> bodies(const RunSettings& s) {
     std::array<ArmBody, arms> out{A::body(0), A::body(1)};
     for (std::size_t a = 0; a < arms; ++a) {
       if (!s.hand[a]) continue;
       out[a].hand = hand_body(around_a_ball(), out[a].flange, reach_of_gripper);
       out[a].hand->takes_part = around_a_ball().takes_part;
+      if (s.honest) weigh_anew(*out[a].hand, s.seed * 7919 + 12 + a);
       out[a].home = {0.6, -1.6, 1.8, -1.77, -1.57, 0.6};  // over its bin: a hand is wider than a gripper
     }
     return out;
@@ -253,8 +284,11 @@ class Run {
     const auto places = box_.step(places_, world_.now(), asked);
     places_ = places.memory;
     const std::clock_t begun = std::clock();
+    if (faulty(Fault::arm_stopped)) workers_[0]->request(skinctl::CycleRequest::stop);
     for (std::size_t a = 0; a < arms; ++a) {
       Worker<R>& w = *workers_[a];
+      w.other_is_out(s_.honest && !workers_[1 - a]->finished() && is_out(1 - a));
+      if (s_.honest) touchers_[a]->feel(world_.take_contacts(a, forearm));
       const bool resume = w.asks() && answers(a);
       w.goes_first(places_.holder[0] == a || (places_.holder[0] != 1 - a && a == 0));
       w.other_waits(workers_[1 - a]->waits());
@@ -314,13 +348,28 @@ class Run {
     }
     held_ += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
   }
-  /// A person who is asked comes when the fault is over, and takes a second.
+  /// Whether somebody comes whom an arm asks.
+  [[nodiscard]] bool somebody_comes(std::size_t a) const {
+    return s_.answers && !(a == 0 && s_.fault == Fault::arm_stopped && time() >= s_.fault_at);
+  }
+  /// Whether an arm has finished, or asks a person who does not come.
+  [[nodiscard]] bool is_out(std::size_t a) const {
+    constexpr double patience = 10;  // [s]
+    return workers_[a]->finished() ||
+           (asked_since_[a] >= 0 && !somebody_comes(a) && time() > asked_since_[a] + patience);
+  }
+  /// A person who is asked comes when the fault is over, and takes a while; in an ideal world a second.
   bool answers(std::size_t a) {
     if (asked_since_[a] < 0) {
       asked_since_[a] = time();
       ++out_.arm[a].asked;
+      std::uniform_real_distribution<double> after(s_.answers_after, s_.answers_within);
+      comes_after_[a] = s_.honest ? after(person_) : 1;
+      if (s_.honest && somebody_comes(a)) waits_for_person_ += comes_after_[a];
     }
-    const bool over = time() >= s_.fault_at + lasts_ && time() > asked_since_[a] + 1;
+    if (!somebody_comes(a)) return false;
+    const bool passed = s_.fault == Fault::arm_stopped || time() >= s_.fault_at + lasts_;
+    const bool over = passed && time() > asked_since_[a] + comes_after_[a];
     if (over) asked_since_[a] = -1;
     return over;
   }
@@ -455,7 +504,9 @@ class Run {
   std::array<std::unique_ptr<Hand>, arms> hands_;
   std::array<skinctl::GripperCommand, arms> asked_of_hand_{};
   std::vector<std::unique_ptr<Toucher<R>>> touchers_;
-  std::array<double, arms> next_touch_{}, touch_until_{}, square_{}, asked_since_{-1, -1};
+  std::array<double, arms> next_touch_{}, touch_until_{}, square_{}, asked_since_{-1, -1}, comes_after_{};
+  std::mt19937_64 person_;       ///< who is asked
+  double waits_for_person_ = 0;  ///< in all [s]
   std::array<std::uint64_t, arms> samples_{};
   std::optional<Passer> passer_;
   std::optional<BoxMover> mover_;

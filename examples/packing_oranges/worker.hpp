@@ -56,6 +56,8 @@ class Worker {
     return (kept_ && asked_ && way_.waited() > 250ms) || (gives_way_ && kept_);
   }
   void other_waits(bool waits) { other_waits_ = waits; }
+  /// Whether the other arm is out of work for good: what lies before it, in reach, is this one's too.
+  void other_is_out(bool out) { other_is_out_ = out; }
   /// Where the other arm's hand is: it hides things from the detector, too.
   void other_hand(const skinctl::Xyz<double>& place) { other_hand_ = place; }
   /// Whether it gives way to something that is seen, and the other arm is in its way: the other arm gives way to it then.
@@ -146,6 +148,8 @@ class Worker {
   /// Whether the step is a drive.
   [[nodiscard]] bool is_drive() const { return does(DriveToOranges::rule, DriveToBox::rule); }
   [[nodiscard]] std::size_t drives_to() const { return does(DriveToBox::rule) ? 1 : 0; }
+  /// Whether an orange there is its to take.
+  [[nodiscard]] bool is_its(const skinctl::Xyz<double>& p) const;
   /// Where its hand waits: over the oranges before it, as high as it carries.
   [[nodiscard]] skinctl::Xyz<double> waiting_place() const;
   /// Box and bins, from the robot's middle.
@@ -308,6 +312,7 @@ class Worker {
   std::size_t part_ = 0;
   std::uint16_t ticket_ = 0;
   bool asked_ = false, answer_ = true, judging_ = false, kept_ = false, other_waits_ = false;
+  bool other_is_out_ = false;
   bool empty_ = false, stood_ = false;  ///< the take failed; a finger stood on something on the way to it
   RightOfWay way_;
   WayBack way_back_ = WayBack::none;

@@ -228,6 +228,12 @@ FingerRoom Worker<R>::room_beside(std::uint8_t orange) const {
 }
 
 template <class R>
+bool Worker<R>::is_its(const skinctl::Xyz<double>& p) const {
+  if (feed_tray(arm_).holds(p)) return true;
+  return other_is_out_ && feed_tray(1 - arm_).holds(p) && R::room.reaches(seen_by(arm_, {p.x, p.y, 0.035}));
+}
+
+template <class R>
 void Worker<R>::look() {
   // A person was asked while it held an orange: that one first goes back to where it came from.
   if (features_.in_hand && in_vain_ <= 2 * s_.in_vain) return end(false);
@@ -243,7 +249,7 @@ void Worker<R>::look() {
     const auto& o = known_.objects[k];
     const auto p = o.X_WO.origin();
     return sees && o.known && now_ - o.time <= 500ms && o.sigma <= 0.003 && o.misses == 0 && p.z <= 0.07 &&
-           feed_tray(arm_).holds(p);
+           is_its(p);
   };
   // The nearest one with room for its fingers; else where there is most.
   const auto cost = [&](std::uint8_t k) {

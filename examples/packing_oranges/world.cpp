@@ -243,6 +243,12 @@ struct World::Bodies {
     std::array<Xyz<double>, 4> push_tips{};  // in the world's axes
     Xyz<double> tip_velocity{0, 0, 0};       // of the first one, a millisecond ago
     ArmRecord record;
+    struct Felt {
+      int body;
+      Xyz<double> at, force;  // in its frame
+    };
+    std::vector<Felt> felt;
+    std::int64_t felt_since = 0;
   };
   struct Slot {
     int q = 0, v = 0, body = 0, geom = 0;
@@ -545,6 +551,8 @@ struct World::Bodies {
       if (settings.binary && (contact.geom1 == table || contact.geom2 == table))
         press(c, orange_of[contact.geom1 == table ? g2 : g1]);
       if (o1 < 0 && o2 < 0) continue;
+      if (o1 >= 0) note(c, static_cast<std::size_t>(o1), contact.geom1, -1);
+      if (o2 >= 0) note(c, static_cast<std::size_t>(o2), contact.geom2, 1);
       if (o1 >= 0 && o2 >= 0) {
         other.fill(true);
         for (const int g : {contact.geom1, contact.geom2}) {
@@ -619,6 +627,20 @@ struct World::Bodies {
       m.tip_velocity = tip;
     }
     meets_other = other, meets_obstacle = blocked;
+  }
+  /// A contact of an arm's link, but its fingers; `sign`: of the contact's force on it.
+  void note(int c, std::size_t whose, int geom, double sign) {
+    if (whose % parts != 0) return;
+    const mjContact& contact = data->contact[c];
+    const int body = model->geom_bodyid[geom];
+    double f[6], F[3], local[3], way[3], at[3];
+    mj_contactForce(model, data, c, f);
+    mju_rotVecMatT(F, f, contact.frame);
+    mju_rotVecMatT(local, F, data->xmat + 9 * body);
+    mju_sub3(way, contact.pos, data->xpos + 3 * body);
+    mju_rotVecMatT(at, way, data->xmat + 9 * body);
+    arm[whose / parts].felt.push_back(
+        {body, {at[0], at[1], at[2]}, {sign * local[0], sign * local[1], sign * local[2]}});
   }
   /// An orange that fingers hold meets the table.
   void press(int c, int orange) {
@@ -786,6 +808,16 @@ void World::put_obstacle(const skinctl::Capsule<>& shape) {
   b.model->geom_rbound[b.obstacle] = size[0] + size[1];
 }
 
+std::vector<World::Contact> World::take_contacts(std::size_t arm, std::size_t link) {
+  Bodies::Arm& m = b_->arm[arm];
+  const auto passed = static_cast<double>(std::max<std::int64_t>(1, b_->ticks - m.felt_since));
+  std::vector<Contact> out;
+  for (const auto& f : m.felt)
+    if (f.body == m.body[link]) out.push_back({f.at, (1 / passed) * f.force});
+  m.felt.clear();
+  m.felt_since = b_->ticks;
+  return out;
+}
 void World::drive(const skinctl::JointVelocity<3>& velocity) {
   for (std::size_t i = 0; i < 3; ++i) b_->wheels.velocity[i] = velocity[i];
 }

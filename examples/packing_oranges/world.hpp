@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <random>
+#include <vector>
 
 #include "examples/packing_oranges/arm_body.hpp"
 #include "examples/packing_oranges/gripper.hpp"
@@ -98,6 +99,13 @@ class World {
   [[nodiscard]] skinctl::State<3> wheels() const;
   /// Where the robot really stands: both arms stand on it.
   [[nodiscard]] Standing robot() const;
+
+  /// What presses on the forearm of an arm besides the person, since this was called last: where, and with which mean
+  /// force, in the link's frame [N].
+  struct Contact {
+    skinctl::Xyz<double> at{0, 0, 0}, force{0, 0, 0};
+  };
+  [[nodiscard]] std::vector<Contact> take_contacts(std::size_t arm, std::size_t link);
 
   /// Something in the way: it is there from now on, whatever it meets. A radius of 0: it is gone.
   void put_obstacle(const skinctl::Capsule<>& shape);
