@@ -3,7 +3,6 @@
 // computed once and only if needed.
 #pragma once
 
-#include "skinctl/dynamics/detail/bias_beside.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
@@ -48,7 +47,6 @@ struct Computed<false, V> {
 struct NothingAdded {
   using Limits = void;
   static constexpr bool is_virtual = false;
-  static constexpr bool carries_bias = false;
 };
 }  // namespace detail
 
@@ -72,8 +70,6 @@ class Quantities {
   static constexpr std::size_t joints = M::joints;
   static constexpr Needs needs = complete<M>(Asked);
   static constexpr LinkMask links = links_for<M>(complete<M>(Asked));
-  /// Whether a law that runs a recursion may compute the bias of a virtual robot beside it.
-  static constexpr bool carries_bias = Added::carries_bias && needs.middle && detail::computes_in_pairs<M, T>;
   using Angles = JointAngles<M, T, links>;
   using Middle = JointAngles<M, T>;
 
@@ -89,9 +85,6 @@ class Quantities {
         dt_(dt),
         limits_([&](auto) SKINCTL_INLINE_LAMBDA {
           if constexpr (has_limits) return &added.limits();
-        }),
-        beside_([&](auto) SKINCTL_INLINE_LAMBDA {
-          if constexpr (carries_bias) return added.bias_beside();
         }),
         angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
         middle_([&](auto) SKINCTL_INLINE_LAMBDA { return Middle(model_, ahead()); }),
@@ -123,14 +116,6 @@ class Quantities {
     requires(has_limits)
   {
     return *limits_.value;
-  }
-
-  /// The place for the bias torque `C v + G` of the virtual robot [N m], which a law computes beside its own
-  /// recursion; null: none is wanted.
-  [[nodiscard]] SKINCTL_INLINE detail::BiasBeside<joints, T>* bias_beside() const noexcept
-    requires(carries_bias)
-  {
-    return beside_.value;
   }
 
   [[nodiscard]] SKINCTL_INLINE const Angles& angles() const noexcept {
@@ -203,7 +188,6 @@ class Quantities {
   const Touch& touch_;
   T dt_;
   [[no_unique_address]] detail::Computed<has_limits, const typename Added::Limits*> limits_;
-  [[no_unique_address]] detail::Computed<carries_bias, detail::BiasBeside<joints, T>*> beside_;
   [[no_unique_address]] detail::Computed<needs.angles && !at_once, Angles> angles_;
   [[no_unique_address]] detail::Computed<needs.middle && !at_once, Middle> middle_;
   [[no_unique_address]] detail::Computed<at_once, detail::TwoJointAngles<M, T>> both_;

@@ -69,16 +69,6 @@ struct JointAngles {
       : JointAngles(model, JointPosition<M::joints, T>(q), q) {}
   SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q) noexcept
       : JointAngles(model, q, nullptr) {}
-  /// Sines and cosines of two positions in lanes: number by number `both(a, b)`.
-  template <class Angles, class F>
-  SKINCTL_INLINE JointAngles(const Angles& a, const Angles& b, F&& both) noexcept {
-    detail::unrolled<count>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-      sin[i] = both(a.sin[i], b.sin[i]);
-      cos[i] = both(a.cos[i], b.cos[i]);
-      if constexpr (detail::any_of_kind<M, links>(JointKind::prismatic))
-        shift[i] = both(a.shift[i], b.shift[i]);
-    });
-  }
 
  private:
   template <RobotModel, Scalar>
