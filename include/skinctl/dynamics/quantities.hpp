@@ -87,9 +87,8 @@ class Quantities {
           if constexpr (has_limits) return &added.limits();
         }),
         angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
-        middle_([&](auto) SKINCTL_INLINE_LAMBDA { return Middle(model_, ahead()); }),
-        both_([&](auto) SKINCTL_INLINE_LAMBDA {
-          return detail::TwoJointAngles<M, T>(model_, detail::Row<joints, T>(state_.q), ahead());
+        middle_([&](auto) SKINCTL_INLINE_LAMBDA {
+          return Middle(model_, integrate(state_.q, state_.dq, T(T(0.5) * dt_)));
         }),
         poses_([&](auto) SKINCTL_INLINE_LAMBDA { return Poses<M, needs.poses, T>(model_, angles()); }),
         gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),
@@ -120,20 +119,12 @@ class Quantities {
 
   [[nodiscard]] SKINCTL_INLINE const Angles& angles() const noexcept {
     static_assert(needs.angles, "not asked for: set needs.angles");
-    if constexpr (at_once) {
-      return both_.value.first;
-    } else {
-      return angles_.value;
-    }
+    return angles_.value;
   }
   /// The angles half an interval ahead at constant velocity: `q + dq dt/2`.
   [[nodiscard]] SKINCTL_INLINE const Middle& middle() const noexcept {
     static_assert(needs.middle, "not asked for: set needs.middle");
-    if constexpr (at_once) {
-      return both_.value.second;
-    } else {
-      return middle_.value;
-    }
+    return middle_.value;
   }
   /// Poses `X_BaseLink` of the links in `needs.poses`.
   [[nodiscard]] SKINCTL_INLINE const Poses<M, needs.poses, T>& poses() const noexcept {
@@ -173,24 +164,13 @@ class Quantities {
   }
 
  private:
-  static constexpr bool at_once = needs.angles && needs.middle && Real<T> && std::is_same_v<Angles, Middle>;
-  [[nodiscard]] SKINCTL_INLINE auto ahead() const noexcept {
-    if constexpr (Real<T>) {
-      using Row = detail::Row<joints, T>;
-      return Row(state_.q) + T(T(0.5) * dt_) * Row(state_.dq);
-    } else {
-      return integrate(state_.q, state_.dq, T(T(0.5) * dt_));
-    }
-  }
-
   const M& model_;
   const State<joints, T>& state_;
   const Touch& touch_;
   T dt_;
   [[no_unique_address]] detail::Computed<has_limits, const typename Added::Limits*> limits_;
-  [[no_unique_address]] detail::Computed<needs.angles && !at_once, Angles> angles_;
-  [[no_unique_address]] detail::Computed<needs.middle && !at_once, Middle> middle_;
-  [[no_unique_address]] detail::Computed<at_once, detail::TwoJointAngles<M, T>> both_;
+  [[no_unique_address]] detail::Computed<needs.angles, Angles> angles_;
+  [[no_unique_address]] detail::Computed<needs.middle, Middle> middle_;
   [[no_unique_address]] detail::Computed<needs.poses != 0, Poses<M, needs.poses, T>> poses_;
   [[no_unique_address]] detail::Computed<needs.gravity, JointTorque<joints, T>> gravity_;
   [[no_unique_address]] detail::Computed<needs.mass, MassMatrix<joints, T>> mass_;

@@ -82,7 +82,7 @@ class TrackingLoop : public Composable {
     const JointVelocity<N, T> dq_r(v_r);
     const JointAcceleration<N, T> ddq_r(decayed);
     JointTorque<N, T> tau;
-    const JointAngles<M, T> angles(known.model(), R(mid.q) + dx);
+    const JointAngles<M, T> angles(known.model(), JointPosition<N, T>(R(mid.q) + dx));
     const R shaped = R(added_friction<K>(known.model(), angles, dq_r)) + shape.inertia * decayed;
     constexpr bool weighs = G == GravityTerm::included;
     const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
