@@ -11,4 +11,3 @@ static_assert(closed(1).then(opened(0)).then(opened(1)) == SkillSwitches{3, 0});
 static_assert(SkillSwitches{3, 1}.stand(closed()) && SkillSwitches{3, 1}.stand(opened(1)) &&
               SkillSwitches{}.stand(SkillSwitches{}));
 static_assert(!SkillSwitches{3, 1}.stand(closed(1)) && !SkillSwitches{2, 2}.stand(closed(0)));
-
