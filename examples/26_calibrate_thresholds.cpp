@@ -6,9 +6,9 @@
 //   drawn         a quiet, a noisy and a drifting cell, each pressed with its threshold beside it, in thousandths
 #include <cstdio>
 
+#include "examples/worlds/cell_noise.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/sensing/noise.hpp"
-#include "skinctl/testing/cell_noise.hpp"
 #include "support/curves.hpp"
 
 using namespace examples;

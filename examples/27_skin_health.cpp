@@ -13,6 +13,7 @@
 #include "skinctl/testing/skin_faults.hpp"
 #include "skinctl/testing/skin_signals.hpp"
 #include "support/arm.hpp"
+#include "support/skin_health_picture.hpp"
 
 using namespace examples;
 

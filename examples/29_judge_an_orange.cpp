@@ -2,8 +2,8 @@
 //
 //   k      least squares of closing on force from 0.5 to 4 N, less the skin's own compliance [N/m]
 //   drawn  force over closing of a good and of a bad orange, and k while they are squeezed
+#include "examples/worlds/squeezed_body.hpp"
 #include "skinctl/tactile/squeeze.hpp"
-#include "skinctl/testing/squeezed_body.hpp"
 #include "support/arm.hpp"
 
 using namespace examples;

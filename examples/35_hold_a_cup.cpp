@@ -11,11 +11,11 @@
 
 #include "examples/support/curves.hpp"
 #include "examples/support/text.hpp"
+#include "examples/worlds/held_cup.hpp"
 #include "skinctl/control/grasp_control.hpp"
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/slip.hpp"
-#include "skinctl/testing/held_cup.hpp"
 
 using namespace skinctl;
 using namespace examples;

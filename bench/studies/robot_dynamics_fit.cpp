@@ -7,12 +7,12 @@
 #include <cstdlib>
 
 #include "bench/studies/worlds/ur5_excitation.hpp"
+#include "examples/worlds/other_bodies.hpp"
 #include "skinctl/calibration/dynamics_excitation.hpp"
 #include "skinctl/calibration/inertial_fit.hpp"
 #include "skinctl/calibration/nees.hpp"
 #include "skinctl/dynamics/mass_matrix.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/other_bodies.hpp"
 #include "skinctl/testing/random.hpp"
 
 using namespace skinctl;

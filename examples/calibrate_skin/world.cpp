@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "examples/worlds/moved_skin.hpp"
+#include "examples/worlds/other_bodies.hpp"
 #include "examples/worlds/skin_network.hpp"
 #include "skinctl/calibration/joint_lines_types.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/testing/other_bodies.hpp"
 #include "skinctl/testing/skin_at_rest.hpp"
 
 namespace calibrate_skin {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "examples/compliant_ur5/skin.hpp"
+#include "examples/support/sha256.hpp"
 #include "skinctl/io/detail/read_text.hpp"
 #include "skinctl/io/skin_export.hpp"
 #include "skinctl/io/skin_file.hpp"
@@ -123,7 +124,7 @@ RunIdentity run_identity(const Settings& s) {
   }
   if (s.hand)
     all["hand"] = {{"mass", s.hand->mass}, {"centre", s.hand->centre}, {"palm gain", s.hand->palm_gain}};
-  if (!s.skin.empty()) all["skin"] = skinctl::detail::sha256(skinctl::detail::read_text(s.skin));
+  if (!s.skin.empty()) all["skin"] = examples::sha256(skinctl::detail::read_text(s.skin));
   return {all.dump()};
 }
 

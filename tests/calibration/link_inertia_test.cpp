@@ -2,9 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include "examples/worlds/other_bodies.hpp"
 #include "skinctl/dynamics/regressor.hpp"
 #include "skinctl/robots/ur5.hpp"
-#include "skinctl/testing/other_bodies.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

@@ -8,10 +8,10 @@
 #include <random>
 #include <vector>
 
+#include "examples/worlds/held_cup.hpp"
 #include "skinctl/control/grasp_control.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/slip.hpp"
-#include "skinctl/testing/held_cup.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "tests/support/sensor_kinds.hpp"

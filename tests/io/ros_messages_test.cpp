@@ -6,7 +6,9 @@
 #include <cstring>
 #include <vector>
 
+#include "examples/support/sha256.hpp"
 #include "skinctl/io/contact_cloud.hpp"
+#include "tests/support/type_description.hpp"
 
 using namespace skinctl;
 
@@ -27,36 +29,31 @@ std::string hex(const M& message) {
 }  // namespace
 
 TEST_CASE("SHA-256: the digests of FIPS 180-4's examples") {
-  CHECK(skinctl::detail::sha256("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  CHECK(skinctl::detail::sha256("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  CHECK(skinctl::detail::sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
+  CHECK(examples::sha256("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  CHECK(examples::sha256("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  CHECK(examples::sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
         "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
-  CHECK(skinctl::detail::sha256(std::string(1'000'000 / 10, 'a')) ==
-        skinctl::detail::sha256(std::string(50'000, 'a') + std::string(50'000, 'a')));
+  CHECK(examples::sha256(std::string(1'000'000 / 10, 'a')) ==
+        examples::sha256(std::string(50'000, 'a') + std::string(50'000, 'a')));
 }
 
-TEST_CASE("MessageType: the computed hashes are those that ROS 2 publishes") {
-  const auto hash = [](const MessageType& t, const char* published) {
-    CAPTURE(t.name);
-    CHECK(t.hash == std::string("RIHS01_") + published);
-  };
-  hash(ros::String::type(), "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18");
-  hash(ros::JointState::type(), "a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e");
-  hash(ros::Transforms::type(), "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087");
-  hash(ros::PointCloud::type(), "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5");
-  hash(ros::Matrix::type(), "1025ddc6b9552d191f89ef1a8d2f60f3d373e28b283d8891ddcc974e8c55397f");
-  // A type with arrays of a fixed size, that skinctl does not send: sensor_msgs/RegionOfInterest has bools.
-  hash(message_type(
-           "sensor_msgs/msg/RegionOfInterest",
-           "uint32 x_offset # a comment\n\nuint32 y_offset\nuint32 height\nuint32 width\nbool do_rectify\n"),
-       "ad16bcba5f9131dcdba6fbded19f726f5440e3c513b4fb586dd3027eeed8abb1");
+TEST_CASE("MessageType: the hash of each type is that of its definition") {
+  for (const MessageType* t : {&ros::String::type(), &ros::JointState::type(), &ros::Transforms::type(),
+                               &ros::PointCloud::type(), &ros::Matrix::type()}) {
+    CAPTURE(t->name);
+    CHECK(t->hash == testing::hash_of_message(t->name, t->schema));
+  }
   CHECK(ros::PointCloud::type().dds_name() == "sensor_msgs::msg::dds_::PointCloud2_");
 }
 
-TEST_CASE("MessageType: definitions that are none are refused") {
+TEST_CASE("hash_of_message: that of a type which skinctl does not send is the one that ROS 2 publishes") {
+  CHECK(testing::hash_of_message("sensor_msgs/msg/RegionOfInterest",
+                                 "uint32 x_offset # a comment\n\nuint32 y_offset\nuint32 height\n"
+                                 "uint32 width\nbool do_rectify\n") ==
+        "RIHS01_ad16bcba5f9131dcdba6fbded19f726f5440e3c513b4fb586dd3027eeed8abb1");
   for (const char* schema :
        {"Missing x\n", "float64\n", "float64[a] x\n", "string<= x\n", "float64[99999999999] x\n"})
-    CHECK_THROWS_AS(static_cast<void>(message_type("p/msg/T", schema)), ConfigurationError);
+    CHECK_THROWS_AS(static_cast<void>(testing::hash_of_message("p/msg/T", schema)), ConfigurationError);
 }
 
 TEST_CASE("JointState: the bytes that other encoders write") {

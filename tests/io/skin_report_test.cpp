@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "examples/support/skin_health_picture.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/skin_faults.hpp"
 #include "skinctl/testing/skin_signals.hpp"
@@ -61,12 +62,12 @@ TEST_CASE(
   const SkinHealthReport before = report_of(trusted, m);
   CHECK(in_words(before) == "60 of 60 cells count\n");
   CHECK(times(as_json(before), "\"id\"") == 0);
-  CHECK(times(as_svg(before), "<circle") == 60);
+  CHECK(times(examples::as_svg(before), "<circle") == 60);
 
   run(400ms, 2s);
   const SkinHealthReport report = report_of(trusted, m);
   CHECK(report.usable == 57);
-  const std::string words = in_words(report), json = as_json(report), picture = as_svg(report);
+  const std::string words = in_words(report), json = as_json(report), picture = examples::as_svg(report);
   CHECK(words.find("57 of 60 cells count; stuck: 1; noisy: 1; unheard: 1\n") == 0);
   CHECK(times(words, "\n") == 4);
   CHECK(words.find("cell 7 on link ") != std::string::npos);
@@ -76,7 +77,7 @@ TEST_CASE(
   {
     const CommaLocale comma;
     CHECK(as_json(report) == json);
-    CHECK((as_svg(report) == picture));
+    CHECK((examples::as_svg(report) == picture));
   }
   CHECK(times(json, "\"id\"") == 3);
   CHECK(times(json, "{\"id\": 33, \"link\": ") == 1);

@@ -137,25 +137,6 @@ void check_row(Random& random, bool with_large) {
     x[N - 1] = std::numeric_limits<T>::infinity();
   }
   math::sincos(x, s, c);
-  T s_row[N], c_row[N];
-  math::sincos(skinctl::detail::Row<N, T>(x.data()), s_row, c_row);
-  for (std::size_t i = 0; i < N; ++i) {
-    CHECK((same(s_row[i], s[i]) || (std::isnan(s_row[i]) && std::isnan(s[i]))));
-    CHECK((same(c_row[i], c[i]) || (std::isnan(c_row[i]) && std::isnan(c[i]))));
-  }
-  if constexpr (N <= 8) {  // beside another row
-    const std::array<T, N> other = random_array<N>(random, T(7));
-    T s_first[N], c_first[N], s_second[N], c_second[N], s_other[N], c_other[N];
-    const skinctl::detail::Row<N, T> row(x.data()), other_row(other.data());
-    math::sincos(other_row, s_other, c_other);
-    math::sincos(row, s_first, c_first, other_row, s_second, c_second);
-    for (std::size_t i = 0; i < N; ++i) {
-      CHECK((same(s_first[i], s_row[i]) || (std::isnan(s_first[i]) && std::isnan(s_row[i]))));
-      CHECK((same(c_first[i], c_row[i]) || (std::isnan(c_first[i]) && std::isnan(c_row[i]))));
-      CHECK(same(s_second[i], s_other[i]));
-      CHECK(same(c_second[i], c_other[i]));
-    }
-  }
   for (std::size_t i = 0; i < N; ++i) {
     CAPTURE(N);
     CAPTURE(i);

@@ -144,8 +144,8 @@ TEST_CASE_TEMPLATE("Passivity: with a shape at the tool and with both integrator
   CHECK(empty > 0);
 }
 
-// A law that holds the arm's weight computes the bias of the virtual robot beside its own torque; with a
-// tank, which reads gravity, the bias is without it. Counted twice, the arm sinks by 83 mrad.
+// The bias of the virtual robot holds gravity; with a tank, which reads gravity, it is added as it was read.
+// Counted twice, the arm sinks by 83 mrad.
 TEST_CASE("Passivity: an arm whose law holds its weight rests, whether or not a tank reads gravity too") {
   const RobotConfiguration<6> c{
       .limits = limits_of<ur5::Description>(15.0), .period = 8ms, .delay = 8ms, .virtual_damping = 4};

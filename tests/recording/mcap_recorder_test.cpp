@@ -219,14 +219,6 @@ TEST_CASE(
       std::filesystem::remove(part);
     }
   }
-  SUBCASE("a recording becomes the same run in a file of its own") {
-    const auto copy = path_of("copy");
-    save_run(loaded.recording, copy, identity);
-    const auto second = load_run<Scene>(copy, identity);
-    CHECK(second.recording.bytes() == loaded.recording.bytes());
-    CHECK(second.recording.cycles() == 600);
-    std::filesystem::remove(copy);
-  }
   std::filesystem::remove(path);
 }
 

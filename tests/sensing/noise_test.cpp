@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "examples/worlds/cell_noise.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
-#include "skinctl/testing/cell_noise.hpp"
 #include "skinctl/testing/sanitized.hpp"
 
 using namespace skinctl;

@@ -10,9 +10,9 @@
 
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
-#include "skinctl/testing/rubbed_block.hpp"
 #include "skinctl/testing/sanitized.hpp"
 #include "tests/support/random_frames.hpp"
+#include "tests/support/rubbed_block.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

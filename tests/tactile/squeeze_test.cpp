@@ -7,8 +7,8 @@
 
 #include <cmath>
 
+#include "examples/worlds/squeezed_body.hpp"
 #include "skinctl/testing/sanitized.hpp"
-#include "skinctl/testing/squeezed_body.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;

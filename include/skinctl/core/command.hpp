@@ -2,7 +2,6 @@
 // Commands: what leaves for a robot, and the motion and torque behind it.
 #pragma once
 
-#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/core/time.hpp"
 
@@ -35,52 +34,30 @@ inline constexpr Interface all_interfaces[] = {Interface::position, Interface::v
 template <std::size_t N, Real T = double>
 struct JointCommand {
   Nanoseconds time{};
-  bool valid = false;  // not the last member: GCC copies a struct that ends with padding byte by byte
+  bool valid = false;
   JointPosition<N, T> position;
   JointVelocity<N, T> velocity;
   JointAcceleration<N, T> acceleration;
   JointTorque<N, T> torque;
-
-  /// `*this = other`, in the blocks in which it is written and read: see `copy_row`.
-  SKINCTL_INLINE void assign(const JointCommand& other) noexcept {
-    time = other.time;
-    valid = other.valid;
-    detail::copy_row(other.position, position);
-    detail::copy_row(other.velocity, velocity);
-    detail::copy_row(other.acceleration, acceleration);
-    detail::copy_row(other.torque, torque);
-  }
-  [[nodiscard]] SKINCTL_INLINE JointCommand copy() const noexcept {
-    using Row = detail::Row<N, T>;
-    return {time,
-            valid,
-            JointPosition<N, T>(Row(position)),
-            JointVelocity<N, T>(Row(velocity)),
-            JointAcceleration<N, T>(Row(acceleration)),
-            JointTorque<N, T>(Row(torque))};
-  }
 };
 
 namespace detail {
 template <std::size_t N, Real T>
 struct CommandedPosition {
   JointPosition<N, T> position;  ///< commanded positions [rad], [m]
-  SKINCTL_INLINE explicit CommandedPosition(const JointCommand<N, T>& c) noexcept
-      : position(Row<N, T>(c.position)) {}
+  SKINCTL_INLINE explicit CommandedPosition(const JointCommand<N, T>& c) noexcept : position(c.position) {}
   CommandedPosition() = default;
 };
 template <std::size_t N, Real T>
 struct CommandedVelocity {
   JointVelocity<N, T> velocity;  ///< commanded velocities [rad/s], [m/s]
-  SKINCTL_INLINE explicit CommandedVelocity(const JointCommand<N, T>& c) noexcept
-      : velocity(Row<N, T>(c.velocity)) {}
+  SKINCTL_INLINE explicit CommandedVelocity(const JointCommand<N, T>& c) noexcept : velocity(c.velocity) {}
   CommandedVelocity() = default;
 };
 template <std::size_t N, Real T>
 struct CommandedTorque {
   JointTorque<N, T> torque;  ///< commanded torques [N m], [N]
-  SKINCTL_INLINE explicit CommandedTorque(const JointCommand<N, T>& c) noexcept
-      : torque(Row<N, T>(c.torque)) {}
+  SKINCTL_INLINE explicit CommandedTorque(const JointCommand<N, T>& c) noexcept : torque(c.torque) {}
   CommandedTorque() = default;
 };
 /// `Numbers` of a command, or nothing in place of numbers that no interface takes.

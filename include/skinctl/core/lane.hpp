@@ -55,12 +55,7 @@ class LaneMask {
       return detail::any_bit(a.bits_);
   }
   /// True if the comparison holds in every lane.
-  [[nodiscard]] SKINCTL_INLINE friend bool all(LaneMask a) noexcept {
-    if constexpr (W == 1)
-      return a.bits_;
-    else
-      return detail::every_bit(a.bits_);
-  }
+  [[nodiscard]] SKINCTL_INLINE friend bool all(LaneMask a) noexcept { return !any(!a); }
 
  private:
   Bits bits_;

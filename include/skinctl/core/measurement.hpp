@@ -31,8 +31,8 @@ template <std::size_t N, Real T, class Check = AnyState>
   if (!detail::is_plausible(measured)) return Reason::state_not_finite;
   if (!check.believes(measured)) return Reason::state_out_of_range;
   if (measured.time < good.time) return Reason::time_backwards;
-  detail::copy_row(measured.q, good.q);
-  detail::copy_row(measured.dq, good.dq);
+  good.q = measured.q;
+  good.dq = measured.dq;
   good.time = measured.time > now ? now : measured.time;
   return {};
 }

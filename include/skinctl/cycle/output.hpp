@@ -22,7 +22,7 @@ struct CycleOutput {
   /// Writes each member once: GCC would zero all of them before, by an instruction that starts slowly.
   SKINCTL_INLINE CycleOutput(const JointCommand<N, T>& given, Status found,
                              const std::array<JointTorque<N, T>, Terms>& parts) noexcept
-      : command(given), planned(given.copy()), status(found), shares(parts) {}
+      : command(given), planned(given), status(found), shares(parts) {}
 };
 
 SKINCTL_END_NAMESPACE

@@ -3,7 +3,6 @@
 // computed once and only if needed.
 #pragma once
 
-#include "skinctl/dynamics/detail/bias_beside.hpp"
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/dynamics/gravity.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
@@ -48,7 +47,6 @@ struct Computed<false, V> {
 struct NothingAdded {
   using Limits = void;
   static constexpr bool is_virtual = false;
-  static constexpr bool carries_bias = false;
 };
 }  // namespace detail
 
@@ -72,8 +70,6 @@ class Quantities {
   static constexpr std::size_t joints = M::joints;
   static constexpr Needs needs = complete<M>(Asked);
   static constexpr LinkMask links = links_for<M>(complete<M>(Asked));
-  /// Whether a law that runs a recursion may compute the bias of a virtual robot beside it.
-  static constexpr bool carries_bias = Added::carries_bias && needs.middle && detail::computes_in_pairs<M, T>;
   using Angles = JointAngles<M, T, links>;
   using Middle = JointAngles<M, T>;
 
@@ -90,13 +86,9 @@ class Quantities {
         limits_([&](auto) SKINCTL_INLINE_LAMBDA {
           if constexpr (has_limits) return &added.limits();
         }),
-        beside_([&](auto) SKINCTL_INLINE_LAMBDA {
-          if constexpr (carries_bias) return added.bias_beside();
-        }),
         angles_([&](auto) SKINCTL_INLINE_LAMBDA { return Angles(model_, state_.q); }),
-        middle_([&](auto) SKINCTL_INLINE_LAMBDA { return Middle(model_, ahead()); }),
-        both_([&](auto) SKINCTL_INLINE_LAMBDA {
-          return detail::TwoJointAngles<M, T>(model_, detail::Row<joints, T>(state_.q), ahead());
+        middle_([&](auto) SKINCTL_INLINE_LAMBDA {
+          return Middle(model_, integrate(state_.q, state_.dq, T(T(0.5) * dt_)));
         }),
         poses_([&](auto) SKINCTL_INLINE_LAMBDA { return Poses<M, needs.poses, T>(model_, angles()); }),
         gravity_([&](auto) SKINCTL_INLINE_LAMBDA { return gravity_torque(model_, angles()); }),
@@ -125,30 +117,14 @@ class Quantities {
     return *limits_.value;
   }
 
-  /// The place for the bias torque `C v + G` of the virtual robot [N m], which a law computes beside its own
-  /// recursion; null: none is wanted.
-  [[nodiscard]] SKINCTL_INLINE detail::BiasBeside<joints, T>* bias_beside() const noexcept
-    requires(carries_bias)
-  {
-    return beside_.value;
-  }
-
   [[nodiscard]] SKINCTL_INLINE const Angles& angles() const noexcept {
     static_assert(needs.angles, "not asked for: set needs.angles");
-    if constexpr (at_once) {
-      return both_.value.first;
-    } else {
-      return angles_.value;
-    }
+    return angles_.value;
   }
   /// The angles half an interval ahead at constant velocity: `q + dq dt/2`.
   [[nodiscard]] SKINCTL_INLINE const Middle& middle() const noexcept {
     static_assert(needs.middle, "not asked for: set needs.middle");
-    if constexpr (at_once) {
-      return both_.value.second;
-    } else {
-      return middle_.value;
-    }
+    return middle_.value;
   }
   /// Poses `X_BaseLink` of the links in `needs.poses`.
   [[nodiscard]] SKINCTL_INLINE const Poses<M, needs.poses, T>& poses() const noexcept {
@@ -188,25 +164,13 @@ class Quantities {
   }
 
  private:
-  static constexpr bool at_once = needs.angles && needs.middle && Real<T> && std::is_same_v<Angles, Middle>;
-  [[nodiscard]] SKINCTL_INLINE auto ahead() const noexcept {
-    if constexpr (Real<T>) {
-      using Row = detail::Row<joints, T>;
-      return Row(state_.q) + T(T(0.5) * dt_) * Row(state_.dq);
-    } else {
-      return integrate(state_.q, state_.dq, T(T(0.5) * dt_));
-    }
-  }
-
   const M& model_;
   const State<joints, T>& state_;
   const Touch& touch_;
   T dt_;
   [[no_unique_address]] detail::Computed<has_limits, const typename Added::Limits*> limits_;
-  [[no_unique_address]] detail::Computed<carries_bias, detail::BiasBeside<joints, T>*> beside_;
-  [[no_unique_address]] detail::Computed<needs.angles && !at_once, Angles> angles_;
-  [[no_unique_address]] detail::Computed<needs.middle && !at_once, Middle> middle_;
-  [[no_unique_address]] detail::Computed<at_once, detail::TwoJointAngles<M, T>> both_;
+  [[no_unique_address]] detail::Computed<needs.angles, Angles> angles_;
+  [[no_unique_address]] detail::Computed<needs.middle, Middle> middle_;
   [[no_unique_address]] detail::Computed<needs.poses != 0, Poses<M, needs.poses, T>> poses_;
   [[no_unique_address]] detail::Computed<needs.gravity, JointTorque<joints, T>> gravity_;
   [[no_unique_address]] detail::Computed<needs.mass, MassMatrix<joints, T>> mass_;

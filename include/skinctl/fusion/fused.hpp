@@ -4,6 +4,7 @@
 
 #include <tuple>
 
+#include "skinctl/core/detail/row.hpp"
 #include "skinctl/fusion/detail/law_parts.hpp"
 #include "skinctl/fusion/detail/seeing_laws.hpp"
 #include "skinctl/fusion/opposition.hpp"

@@ -140,12 +140,12 @@ class JointGuard : public detail::GuardReach<Ix, N, T> {
           this->can_reach(m.command, wish, measured, given, status)) [[likely]] {
         if constexpr (beside_motion) {
           const Row beside = m.command.torque;
-          m.command.assign(wish);
+          m.command = wish;
           status |= turn_beside(beside, wish.torque, measured, dt, m.command.torque);
-          return {m.command.copy(), status, false};
+          return {m.command, status, false};
         }
-        m.command.assign(wish);
-        return {wish.copy(), status, false};
+        m.command = wish;
+        return {wish, status, false};
       }
       Guarded<N, T> out = brake(m, measured, given, status);
       if constexpr (beside_motion)
@@ -211,7 +211,7 @@ class JointGuard : public detail::GuardReach<Ix, N, T> {
       out.status |= Reason::consent_awaited;
     out.command.time = at;
     out.command.valid = true;
-    m.command.assign(out.command);
+    m.command = out.command;
     return out;
   }
 

@@ -3,9 +3,8 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
-#include "skinctl/io/detail/type_description.hpp"
+#include "skinctl/core/config.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -23,12 +22,5 @@ struct MessageType {
     return out.insert(out.rfind("::") + 2, "dds_::") + '_';
   }
 };
-
-/// The type `name` with the definition `schema`; its hash is computed from the definition. Throws
-/// `ConfigurationError` with the line for a definition that is no ROS message, or lacks a type that it uses.
-[[nodiscard]] inline MessageType message_type(std::string name, std::string schema) {
-  std::string hash = "RIHS01_" + detail::sha256(detail::TypeDescription(name, schema).json());
-  return {std::move(name), std::move(schema), std::move(hash)};
-}
 
 SKINCTL_END_NAMESPACE

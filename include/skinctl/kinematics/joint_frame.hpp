@@ -4,7 +4,6 @@
 
 #include <bit>
 
-#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/joint.hpp"
 #include "skinctl/math/sincos.hpp"
@@ -44,9 +43,6 @@ constexpr bool no_offsets() noexcept {
   }(std::make_index_sequence<Count>{});
 }
 
-template <RobotModel M, Scalar T>
-struct TwoJointAngles;
-
 }  // namespace detail
 
 /// Sines and cosines of all joint angles, offsets included, computed at once on native lanes: the only
@@ -62,31 +58,7 @@ struct JointAngles {
   T shift[detail::any_of_kind<M, links>(JointKind::prismatic) ? storage
                                                               : 1];  ///< displacements of sliding joints [m]
 
-  /// Sines and cosines of joint positions that are in registers.
-  template <Real U>
-    requires std::same_as<U, T>
-  SKINCTL_INLINE JointAngles(const M& model, const detail::Row<M::joints, U>& q) noexcept
-      : JointAngles(model, JointPosition<M::joints, T>(q), q) {}
-  SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q) noexcept
-      : JointAngles(model, q, nullptr) {}
-  /// Sines and cosines of two positions in lanes: number by number `both(a, b)`.
-  template <class Angles, class F>
-  SKINCTL_INLINE JointAngles(const Angles& a, const Angles& b, F&& both) noexcept {
-    detail::unrolled<count>([&](std::size_t i) SKINCTL_INLINE_LAMBDA {
-      sin[i] = both(a.sin[i], b.sin[i]);
-      cos[i] = both(a.cos[i], b.cos[i]);
-      if constexpr (detail::any_of_kind<M, links>(JointKind::prismatic))
-        shift[i] = both(a.shift[i], b.shift[i]);
-    });
-  }
-
- private:
-  template <RobotModel, Scalar>
-  friend struct detail::TwoJointAngles;
-  JointAngles() = default;
-  /// @param row  the same angles in registers, or null.
-  template <class Row>
-  SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q, const Row& row) noexcept {
+  SKINCTL_INLINE JointAngles(const M& model, const JointPosition<M::joints, T>& q) noexcept {
     constexpr LinkMask turning = links & ~Unused;
     constexpr auto first = turning == 0 ? 0 : static_cast<std::size_t>(std::countr_zero(turning));
     constexpr std::size_t turns = static_cast<std::size_t>(std::bit_width(turning)) - first;
@@ -96,45 +68,18 @@ struct JointAngles {
     if constexpr (detail::any_of_kind<M, links>(JointKind::prismatic))
       detail::unrolled<count>([&](auto i) SKINCTL_INLINE_LAMBDA { shift[i] = position(i); });
     if constexpr (turns > 0 && detail::any_of_kind<M, links>(JointKind::revolute)) {
-      if constexpr (detail::no_offsets<M, T, count>() && turns == M::joints && turns > 1 && Real<T>) {
-        if constexpr (std::is_null_pointer_v<Row>) {
-          math::sincos(detail::Row<M::joints, T>(q), sin, cos);
-        } else {
-          math::sincos(row, sin, cos);
-        }
-      } else if constexpr (detail::no_offsets<M, T, count>()) {
+      if constexpr (detail::no_offsets<M, T, count>()) {
         math::sincos<turns>(q.data + first, sin + first, cos + first);
       } else {
-        math::sincos<turns>(
-            [&](auto i)
-                SKINCTL_INLINE_LAMBDA { return position(std::integral_constant<std::size_t, i + first>{}); },
-            sin + first, cos + first);
+        T angles[turns];
+        detail::unrolled<turns>([&](auto i) SKINCTL_INLINE_LAMBDA {
+          angles[i] = position(std::integral_constant<std::size_t, i + first>{});
+        });
+        math::sincos<turns>(static_cast<const T*>(angles), sin + first, cos + first);
       }
     }
   }
 };
-
-namespace detail {
-/// Sines and cosines of two positions at once: six joints fill one and a half of a processor's registers,
-/// twelve three.
-template <RobotModel M, Scalar T>
-struct TwoJointAngles {
-  JointAngles<M, T> first, second;
-
-  template <Real U>
-    requires std::same_as<U, T>
-  SKINCTL_INLINE TwoJointAngles(const M& model, const Row<M::joints, U>& q,
-                                const Row<M::joints, U>& other) noexcept {
-    constexpr LinkMask all = all_links(M::joints);
-    if constexpr (M::joints > 1 && no_offsets<M, T, M::joints>() &&
-                  !any_of_kind<M, all>(JointKind::prismatic)) {
-      math::sincos(q, first.sin, first.cos, other, second.sin, second.cos);
-    } else {
-      first = JointAngles<M, T>(model, q), second = JointAngles<M, T>(model, other);
-    }
-  }
-};
-}  // namespace detail
 
 /// The placement of link `Ix` in its parent: rotation `Rz(gamma) Rx(alpha) Rz(theta)` and origin, factor by
 /// factor, so that a vector is rotated by at most three plane rotations and typed zeros and ones cost

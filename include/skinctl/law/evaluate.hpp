@@ -2,7 +2,6 @@
 // Evaluation of a law: calls its members where it has them, else derives the result from the required ones.
 #pragma once
 
-#include "skinctl/core/detail/row.hpp"
 #include "skinctl/law/law_table.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -129,13 +128,8 @@ namespace detail {
 template <class Result, class L, class K>
 [[nodiscard]] SKINCTL_INLINE Result evaluate_apart(const L& law, const typename L::Memory& memory,
                                                    const K& known, const typename K::scalar& dt) noexcept {
-  using Torque = JointTorque<K::joints, typename K::scalar>;
-  // Written in the blocks in which it is read: see `copy_row`.
-  const Row<K::joints, typename K::scalar> torque(torque_of(law, memory, known));
-  return Result{Torque(torque),
-                law.advance(memory, known, dt, Opposition::none),
-                {Torque(torque)},
-                status_of(law, memory)};
+  const JointTorque<K::joints, typename K::scalar> torque = torque_of(law, memory, known);
+  return Result{torque, law.advance(memory, known, dt, Opposition::none), {torque}, status_of(law, memory)};
 }
 }  // namespace detail
 

@@ -63,7 +63,7 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   template <class Seen>
   SKINCTL_INLINE Output step(Memory& m, const Input& in, const Command& wish,
                              const JointTorque<joints, T>& hold, const Seen& seen) const noexcept {
-    Output out{wish.copy(), {}, false};
+    Output out{wish, {}, false};
     if (!usable(in, wish, hold)) {
       this->forget_torque(m);
       return out;

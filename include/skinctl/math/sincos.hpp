@@ -8,7 +8,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "skinctl/core/detail/row.hpp"
 #include "skinctl/core/detail/unrolled.hpp"
 #include "skinctl/core/lane.hpp"
 #include "skinctl/core/real.hpp"
@@ -20,16 +19,14 @@ SKINCTL_BEGIN_NAMESPACE
 namespace math {
 namespace detail {
 
-/// Sines and cosines of a row; `load(start)` returns its lanes from `start` on.
-template <std::size_t N, class T, class Load>
-SKINCTL_INLINE void sincos_row(Load load, T* sin, T* cos) noexcept {
+/// Sines and cosines of a row.
+template <std::size_t N, class T>
+SKINCTL_INLINE void sincos_row(const T* x, T* sin, T* cos) noexcept {
   using L = Lane<T, row_lanes<T, N>>;
   using skinctl::detail::unrolled;
   constexpr std::size_t blocks = row_blocks<T, N>;
   L angles[blocks], sines[blocks], cosines[blocks];
-  unrolled<blocks>([&](auto i) SKINCTL_INLINE_LAMBDA {
-    angles[i] = load(std::integral_constant<std::size_t, row_start<T, N>(i)>{});
-  });
+  unrolled<blocks>([&](auto i) SKINCTL_INLINE_LAMBDA { angles[i] = L::load(x + row_start<T, N>(i)); });
   sincos_lanes(angles, sines, cosines);
   unrolled<blocks>([&](auto i) SKINCTL_INLINE_LAMBDA {
     sines[i].store(sin + row_start<T, N>(i));
@@ -103,96 +100,7 @@ SKINCTL_INLINE void sincos(const T* x, T* sin, T* cos) noexcept {
     sincos<W>(angles, sines, cosines);
     unrolled<N>([&](std::size_t i) SKINCTL_INLINE_LAMBDA { sin[i] = sines[i], cos[i] = cosines[i]; });
   } else {
-    detail::sincos_row<N>(
-        [&](std::size_t start) SKINCTL_INLINE_LAMBDA { return Lane<T, W>::load(x + start); }, sin, cos);
-  }
-}
-
-/// Sines and cosines of the angles `angle(0)` to `angle(N - 1)`, the index an integral constant. The angles
-/// go straight into registers: loads from a row that was just written number by number would wait for the
-/// stores.
-template <std::size_t N, Scalar T, class F>
-  requires std::is_invocable_r_v<T, F, std::integral_constant<std::size_t, 0>>
-SKINCTL_INLINE void sincos(F angle, T* sin, T* cos) noexcept {
-  if constexpr (!detail::has_kernel<T> || N < 2 || N < detail::row_lanes<T, N>) {
-    T angles[N];
-    skinctl::detail::unrolled<N>([&](auto i) SKINCTL_INLINE_LAMBDA { angles[i] = angle(i); });
-    sincos<N>(static_cast<const T*>(angles), sin, cos);
-  } else {
-    constexpr std::size_t W = detail::row_lanes<T, N>;
-    detail::sincos_row<N>(
-        [&](auto start) SKINCTL_INLINE_LAMBDA {
-          return [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
-            return Lane<T, W>(
-                typename Lane<T, W>::Vector{angle(std::integral_constant<std::size_t, start + K>{})...});
-          }(std::make_index_sequence<W>{});
-        },
-        sin, cos);
-  }
-}
-
-/// Sines and cosines of a row of joints, each block in a lane of its own size: the results are those of the
-/// array.
-template <std::size_t N, Real T>
-SKINCTL_INLINE void sincos(const skinctl::detail::Row<N, T>& x, T* sin, T* cos) noexcept {
-  using Shape = skinctl::detail::RowShape<N, T>;
-  if constexpr (!detail::has_kernel<T> || (Shape::last != Shape::width && 2 * Shape::last != Shape::width)) {
-    T angles[N];
-    x.store(angles);
-    sincos<N>(static_cast<const T*>(angles), sin, cos);
-  } else {
-    const auto take = [&](const auto& angles, std::size_t at) SKINCTL_INLINE_LAMBDA {
-      const auto y = sincos(angles);
-      y.sin.store(sin + at);
-      y.cos.store(cos + at);
-    };
-    skinctl::detail::unrolled<Shape::blocks>([&](auto k) SKINCTL_INLINE_LAMBDA {
-      constexpr std::size_t held = Shape::held(k), at = k * Shape::width;
-      if constexpr (held == Shape::width) {
-        take(x.block[k], at);
-      } else {
-        take(Lane<T, held>(
-                 skinctl::detail::half<T, Shape::width>(x.block[k].vector(), skinctl::detail::Lower{})),
-             at);
-      }
-    });
-  }
-}
-
-/// Sines and cosines of two rows at once: where the last blocks are half full, one register takes both.
-template <std::size_t N, Real T>
-SKINCTL_INLINE void sincos(const skinctl::detail::Row<N, T>& x, T* sin_x, T* cos_x,
-                           const skinctl::detail::Row<N, T>& y, T* sin_y, T* cos_y) noexcept {
-  using Shape = skinctl::detail::RowShape<N, T>;
-  constexpr std::size_t whole = Shape::blocks - 1;
-  if constexpr (!detail::has_kernel<T> || Shape::last == 1 || 2 * Shape::last != Shape::width) {
-    sincos(x, sin_x, cos_x);
-    sincos(y, sin_y, cos_y);
-  } else {
-    using Block = typename Shape::Block;
-    Block angles[2 * whole + 1], sin[2 * whole + 1], cos[2 * whole + 1];
-    skinctl::detail::unrolled<whole>([&](auto k) SKINCTL_INLINE_LAMBDA {
-      angles[k] = x.block[k];
-      angles[whole + k] = y.block[k];
-    });
-    angles[2 * whole] = [&]<std::size_t... Ix>(std::index_sequence<Ix...>) SKINCTL_INLINE_LAMBDA {
-      return Block(__builtin_shufflevector(x.block[whole].vector(), y.block[whole].vector(),
-                                           int(Ix < Shape::last ? Ix : Ix + Shape::last)...));
-    }(std::make_index_sequence<Shape::width>{});
-    detail::sincos_lanes(angles, sin, cos);
-    skinctl::detail::unrolled<whole>([&](auto k) SKINCTL_INLINE_LAMBDA {
-      constexpr std::size_t at = k * Shape::width;
-      sin[k].store(sin_x + at), cos[k].store(cos_x + at);
-      sin[whole + k].store(sin_y + at), cos[whole + k].store(cos_y + at);
-    });
-    using Half = Lane<T, Shape::last>;
-    const auto store = [](const Block& both, T* to_x, T* to_y) SKINCTL_INLINE_LAMBDA {
-      using namespace skinctl::detail;
-      Half(half<T, Shape::width>(both.vector(), Lower{})).store(to_x + whole * Shape::width);
-      Half(half<T, Shape::width>(both.vector(), Upper{})).store(to_y + whole * Shape::width);
-    };
-    store(sin[2 * whole], sin_x, sin_y);
-    store(cos[2 * whole], cos_x, cos_y);
+    detail::sincos_row<N>(x, sin, cos);
   }
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording to an MCAP file and back.
+// A recorded run, read from its MCAP file.
 #pragma once
-
-#include <memory>
 
 #include "skinctl/recording/mcap_file.hpp"
 #include "skinctl/recording/recording.hpp"
@@ -65,34 +63,6 @@ template <class C>
 [[nodiscard]] ReplayedRun replay(const std::string& path, const C& cycle, const RunIdentity& identity) {
   const auto run = load_run<C>(path, identity);
   return {replay(cycle, run.recording), run.whole, run.missing_cycles};
-}
-
-/// Writes a recording as a file of its own. Throws `ConfigurationError` where it cannot be written.
-template <class C>
-void save_run(const Recording<C>& recording, const std::string& path, const RunIdentity& identity) {
-  FileSink sink(path);
-  McapWriter writer(sink);
-  bool fine = writer.metadata(RunIdentity::name, identity.facts<C>());
-  const auto start = writer.channel(CycleTopic::start, CycleTopic::start_encoding);
-  const auto cycle = writer.channel(CycleTopic::cycle, CycleTopic::cycle_encoding);
-  std::vector<unsigned char> bytes;
-  const auto put = [&](McapChannel channel, Nanoseconds time, std::size_t most, auto&& write) {
-    bytes.resize(most);
-    detail::BytePlace place(bytes.data());
-    write(place);
-    fine = writer.write(channel, time, std::span<const unsigned char>(bytes).first(place.size())) && fine;
-  };
-  using Format = CycleBytes<C>;
-  const auto begin = [&]<class... Told>(const typename Format::State& measured, const Told&... told) {
-    const typename Format::Position* at = nullptr;
-    ((at = &told), ...);
-    put(start, measured.time, Format::fixed_size, [&](auto& place) { Format::write(place, measured, at); });
-  };
-  recording.visit(begin, [&](const auto& input, const auto& command) {
-    put(cycle, input.now, Format::max_size(input),
-        [&](auto& place) { Format::write(place, input, command); });
-  });
-  if (!writer.finish() || !fine) refuse("skinctl: " + path + ": cannot be written");
 }
 
 SKINCTL_END_NAMESPACE

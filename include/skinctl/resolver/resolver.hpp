@@ -4,7 +4,6 @@
 
 #include <span>
 
-#include "skinctl/core/detail/copy_whole.hpp"
 #include "skinctl/resolver/detail/resolver_driven.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
@@ -31,7 +30,7 @@ struct Resolved {
   /// Writes each member once: GCC would first zero the aggregate, by an instruction that starts slowly.
   SKINCTL_INLINE Resolved(const JointCommand<N, T>& given, Status found,
                           const std::array<JointTorque<N, T>, Terms>& parts) noexcept
-      : command(given.copy()), status(found), shares(parts) {}
+      : command(given), status(found), shares(parts) {}
 };
 
 /// The torque resolver of the paper's section 4.5: one robot, one law, one fused torque, and joints in
@@ -211,7 +210,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
                                           Part<k.value>::of(torque), Movers::smooth);
     });
     this->compose(m, torque);
-    out.command.assign(m.command());
+    out.command = m.command();
     return out;
   }
 
@@ -278,15 +277,15 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
           this->drive(m, law, law_memory, this->state(m, at, this->velocity(m)), begun.swing, h,
                       Base::ahead(touch, rests ? nullptr : change, T(this->force_lead_ / h)), touch);
       out.status |= moved.status;
-      detail::copy_row(moved.velocity, v1);
+      v1 = moved.velocity;
       if (!this->affords(m, v1)) [[unlikely]]
         out.status |= Reason::energy_held;
       if (!moved.status.has(Reason::torque_not_finite)) [[likely]] {
-        detail::copy_row(moved.torque, torque);
+        torque = moved.torque;
         // A plan waits, and an integral, for a robot that is held.
         if (!begun.held) [[likely]]
-          detail::copy_whole(moved.law.memory, law_memory);
-        detail::copy_whole(moved.law.shares, out.shares);
+          law_memory = moved.law.memory;
+        out.shares = moved.law.shares;
       }
     }
     [[maybe_unused]] const auto from = this->position(m);

@@ -66,8 +66,8 @@ class DelayLag {
     if (m.count == Capacity) drop(m);
     const std::uint32_t k = (m.first + m.count) % Capacity;
     m.time[k] = time;
-    detail::copy_row(value, m.value[k]);
-    detail::copy_row(slope, m.slope[k]);
+    m.value[k] = value;
+    m.slope[k] = slope;
     ++m.count;
   }
   /// Replaces position and velocity of the last command, which was sent with other values than `send` was

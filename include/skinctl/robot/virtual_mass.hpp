@@ -2,7 +2,6 @@
 // The inertia of a virtual robot, as its laws read it.
 #pragma once
 
-#include "skinctl/dynamics/detail/bias_beside.hpp"
 #include "skinctl/robot/joint_limits.hpp"
 #include "skinctl/robot/tool_shape.hpp"
 
@@ -40,7 +39,6 @@ class RealMass {
  public:
   using Limits = JointLimits<N, T>;
   static constexpr bool is_virtual = false;
-  static constexpr bool carries_bias = false;
   /// Keeps references: both must outlive this object.
   /// @param motors  inertia of the motors, seen at the joints [kg m^2], >= 0.
   SKINCTL_INLINE RealMass(const JointLimits<N, T>& limits, const JointTorque<N, T>& motors) noexcept
@@ -61,24 +59,18 @@ class RealMass {
 /// of its tool. With it `Quantities` gives laws the inertia of the robot that they move: projections into a
 /// null space, postures and dampers that used the bare M would disturb the task.
 ///
-/// @tparam S        the joints of the virtual robot; the others, by torque, have their model's inertia.
-/// @tparam Carries  whether laws may compute the virtual robot's bias beside their own recursion.
-template <std::size_t N, Real T = double, class Tool = NoToolShape, class S = AllJoints<N>,
-          bool Carries = false>
+/// @tparam S  the joints of the virtual robot; the others, by torque, have their model's inertia.
+template <std::size_t N, Real T = double, class Tool = NoToolShape, class S = AllJoints<N>>
 class VirtualMass {
  public:
   using Limits = JointLimits<N, T>;
   static constexpr bool is_virtual = true;
   static constexpr bool shaped = !std::same_as<Tool, NoToolShape>;
-  static constexpr bool carries_bias = Carries;
-  using Beside = detail::BiasBeside<N, T>;
   /// Keeps references: all must outlive this object.
   /// @param inertia  virtual inertia of the joints [kg m^2], >= 0.
-  /// @param beside   the bias that laws compute beside their own recursion; null: it is not computed.
   SKINCTL_INLINE VirtualMass(const JointLimits<N, T>& limits, const JointTorque<N, T>& inertia,
-                             const Tool& tool, Beside* beside = nullptr) noexcept
-      : limits_(limits), inertia_(inertia), tool_(tool), beside_(beside) {}
-  [[nodiscard]] SKINCTL_INLINE Beside* bias_beside() const noexcept { return beside_; }
+                             const Tool& tool) noexcept
+      : limits_(limits), inertia_(inertia), tool_(tool) {}
   [[nodiscard]] SKINCTL_INLINE const JointLimits<N, T>& limits() const noexcept { return limits_; }
 
   /// Turns the model's mass matrix `m` at `angles` into that of the virtual robot, M_v.
@@ -104,7 +96,6 @@ class VirtualMass {
   const JointLimits<N, T>& limits_;
   const JointTorque<N, T>& inertia_;
   const Tool& tool_;
-  Beside* beside_;
 };
 
 SKINCTL_END_NAMESPACE

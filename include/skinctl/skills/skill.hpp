@@ -107,29 +107,6 @@ struct Skill {
   GripperGoal grip{};  ///< goal of the gripper if `grips`, unless a request has its own
 };
 
-/// The effect of a change of skill on the controllers, in this order: new ones load as the new recipe lists
-/// them; after the change of torque, old ones unload, the last loaded first.
-template <std::size_t Terms>
-struct Transition {
-  std::array<std::uint8_t, Terms> load{}, keep{}, unload{};
-  std::uint8_t loads = 0, keeps = 0, unloads = 0;
-};
-template <std::size_t Terms>
-[[nodiscard]] constexpr Transition<Terms> transition(const Skill<Terms>& from,
-                                                     const Skill<Terms>& to) noexcept {
-  Transition<Terms> out;
-  for (std::uint8_t k = 0; k < to.controllers; ++k) {
-    const auto i = to.order[k];
-    if (from.weights[i] > 0)
-      out.keep[out.keeps++] = i;
-    else
-      out.load[out.loads++] = i;
-  }
-  for (std::uint8_t k = from.controllers; k > 0; --k)
-    if (const auto i = from.order[k - 1]; !(to.weights[i] > 0)) out.unload[out.unloads++] = i;
-  return out;
-}
-
 /// The phase of a skill.
 enum class SkillPhase : unsigned char {
   loading,   ///< the torque changes over to the skill

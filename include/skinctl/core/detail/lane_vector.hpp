@@ -123,50 +123,9 @@ template <class Bits>
   }
 }
 
-/// Whether a comparison holds in every lane: from the signs as they are, not from those of its opposite,
-/// which compilers put together in three steps more.
-template <class Bits>
-[[nodiscard]] SKINCTL_INLINE bool every_bit(Bits bits) noexcept {
-#if defined(__AVX__)
-  if constexpr (sizeof(Bits) == 32) {
-    if constexpr (sizeof(bits[0]) == 8)
-      return __builtin_ia32_movmskpd256(__builtin_bit_cast(LaneVector<double, 4>, bits)) == 0xF;
-    else
-      return __builtin_ia32_movmskps256(__builtin_bit_cast(LaneVector<float, 8>, bits)) == 0xFF;
-  }
-#endif
-#if defined(__SSE2__)
-  if constexpr (sizeof(Bits) == 16)
-    return __builtin_ia32_movmskps(__builtin_bit_cast(LaneVector<float, 4>, bits)) == 0xF;
-#endif
-  return !any_bit(~bits);
-}
-
-/// The square roots of the lanes. A loop over `__builtin_sqrt` becomes scalar code with calls (errno), on
-/// both compilers: hence the vector built-ins.
+/// The square roots of the lanes.
 template <class T, std::size_t W>
 [[nodiscard]] SKINCTL_INLINE LaneVector<T, W> square_root(LaneVector<T, W> v) noexcept {
-#if defined(__has_builtin)
-#if __has_builtin(__builtin_elementwise_sqrt)
-  if constexpr (W > 1) return __builtin_elementwise_sqrt(v);
-#endif
-#endif
-#if defined(__SSE2__)
-  if constexpr (W * sizeof(T) == 16) {
-    if constexpr (sizeof(T) == 4)
-      return __builtin_ia32_sqrtps(v);
-    else
-      return __builtin_ia32_sqrtpd(v);
-  }
-#endif
-#if defined(__AVX__)
-  if constexpr (W * sizeof(T) == 32) {
-    if constexpr (sizeof(T) == 4)
-      return __builtin_ia32_sqrtps256(v);
-    else
-      return __builtin_ia32_sqrtpd256(v);
-  }
-#endif
   if constexpr (W == 1) {
     if constexpr (sizeof(T) == 4)
       return __builtin_sqrtf(v);

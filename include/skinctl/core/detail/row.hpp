@@ -285,13 +285,6 @@ class Row {
 template <class Kind, std::size_t N, Real T>
 Row(const JointVector<Kind, N, T>&) -> Row<N, T>;
 
-/// `to = from` in the blocks in which rows are written: GCC copies a whole vector in one wider piece, and
-/// such a load waits for the stores of the blocks.
-template <class Kind, std::size_t N, Real T>
-SKINCTL_INLINE void copy_row(const JointVector<Kind, N, T>& from, JointVector<Kind, N, T>& to) noexcept {
-  Row<N, T>(from).store(to);
-}
-
 }  // namespace detail
 
 /// A row is a scalar like a lane: compensated sums accept both.

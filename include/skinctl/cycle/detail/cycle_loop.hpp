@@ -139,7 +139,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
         status |= given.status;
         found |= given.status;
         slowed = given.altered;
-        resolved.command.assign(given.command);
+        resolved.command = given.command;
       }
     }
     const auto guarded = guard_.step(m.guard, resolved.command, m.robot.measured(), interval,

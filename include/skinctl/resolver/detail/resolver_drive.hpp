@@ -27,7 +27,6 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
   using Base = ResolverEnergy<M, T, Sets, Integrator, History, PassivityParts, Tool>;
 
  public:
-  using Base::carries_bias;
   using Base::each;
   using Base::has_driven;
   using Base::has_tank;
@@ -40,8 +39,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
       has_virtual ? Integrator::needs |
                         Needs{.angles = has_tank, .gravity = has_tank, .mass = has_tank, .touch = has_tank}
                   : Needs{.angles = has_tank, .mass = has_tank};
-  using Mass =
-      std::conditional_t<has_virtual, VirtualMass<joints, T, Tool, Stiff, carries_bias>, RealMass<joints, T>>;
+  using Mass = std::conditional_t<has_virtual, VirtualMass<joints, T, Tool, Stiff>, RealMass<joints, T>>;
   /// The input of a law: the state of all joints, and the quantities that law and integrator need of it.
   template <class L, class Touch = NoTouch>
   using Knows = Quantities<M, L::needs | passivity_needs, T, Touch, Mass>;
@@ -49,11 +47,10 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
   /// The input of a law at `state`, for a torque that is held for `dt` seconds; `state` and `touch` must
   /// outlive it.
   template <class L, class Touch>
-  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(
-      const State<joints, T>& state, const T& dt, const Touch& touch,
-      [[maybe_unused]] BiasBeside<joints, T>* beside = nullptr) const noexcept {
+  [[nodiscard]] SKINCTL_INLINE Knows<L, Touch> known(const State<joints, T>& state, const T& dt,
+                                                     const Touch& touch) const noexcept {
     if constexpr (has_virtual) {
-      return Knows<L, Touch>(model_, state, dt, touch, Mass(limits_, shape_.inertia, tool_, beside));
+      return Knows<L, Touch>(model_, state, dt, touch, Mass(limits_, shape_.inertia, tool_));
     } else {
       return Knows<L, Touch>(model_, state, dt, touch, Mass(limits_, shape_.inertia));
     }
@@ -96,9 +93,7 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
                                   const State<joints, T>& now, [[maybe_unused]] const Acceleration& swing,
                                   const T& h, const LawTouch<Touch>& total,
                                   [[maybe_unused]] const Touch& touch) const noexcept {
-    BiasBeside<joints, T> beside;
-    const Knows<L, LawTouch<Touch>> known = this->template known<L>(now, h, total, &beside);
-    if constexpr (carries_bias) beside.v = middle_velocity<Stiff>(known, this->last(m));
+    const Knows<L, LawTouch<Touch>> known = this->template known<L>(now, h, total);
     Moved<L> out([&]() SKINCTL_INLINE_LAMBDA { return evaluate(law, law_memory, known, h); });
     if (!is_finite(out.law.torque)) [[unlikely]] {
       out.status |= Reason::torque_not_finite;

@@ -61,9 +61,6 @@ class ResolverNumbers : public InterfaceOfSets<typename Sets::StiffGroups, typen
   static constexpr bool feeds_forward = []<class... G>(std::tuple<G...>*) {
     return (takes_torque(G::interface) || ...);
   }(static_cast<Groups*>(nullptr));
-  /// Whether laws may compute the bias of the virtual robot beside their own recursion.
-  static constexpr bool carries_bias =
-      Stiff::is_all && std::same_as<Integrator, CrankNicolson> && std::same_as<Tool, NoToolShape>;
   static_assert(has_virtual || !has_passivity_observer,
                 "by torque no command runs ahead of the robot: its Passivity is an EnergyTank, leave "
                 "PassivityObserver out");

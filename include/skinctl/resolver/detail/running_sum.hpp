@@ -15,10 +15,6 @@ struct RunningPosition {
   JointPosition<N, T> value;
   JointPosition<N, T> rest;
 
-  SKINCTL_INLINE void copy(const RunningPosition& from) noexcept {
-    copy_row(from.value, value);
-    copy_row(from.rest, rest);
-  }
   SKINCTL_INLINE void set(std::size_t i, const T& x) noexcept {
     value[i] = x;
     rest[i] = T(0);

@@ -62,7 +62,7 @@ struct OwnTorque {
       if (acts) [[unlikely]]
         (reactive + kept).store(torque);
       kept.store(last);
-      copy_row(torque, total);
+      total = torque;
       known = true;
       return acts;
     }

@@ -78,21 +78,11 @@ template <class Policy, class S, class K, Real T>
     const K& known, const JointAcceleration<S::count, T>& last) noexcept {
   if constexpr (Policy::midpoint) {
     const JointVelocity<K::joints, T> v_mid = middle_velocity<S>(known, last);
-    const auto ahead = [&]() SKINCTL_INLINE_LAMBDA {
-      if constexpr (K::carries_bias)
-        if (const auto* const beside = known.bias_beside(); beside != nullptr && beside->known)
-          return beside->bias;
-      if constexpr (K::needs.gravity) {
-        return coriolis_torque(known.model(), known.middle(), v_mid);
-      } else {
-        return bias_torque(known.model(), known.middle(), v_mid);
-      }
-    };
     // Where laws of the half step evaluate the model too, so that compensated gravity cancels.
     if constexpr (K::needs.gravity) {
-      return ahead() + known.gravity();
+      return coriolis_torque(known.model(), known.middle(), v_mid) + known.gravity();
     } else {
-      return ahead();
+      return bias_torque(known.model(), known.middle(), v_mid);
     }
   } else {
     return bias_at_start<T>(known, known.angles());

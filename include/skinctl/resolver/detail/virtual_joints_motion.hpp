@@ -66,9 +66,9 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
     const Row q = m.q.value;
     const JointRoom<N, T> leash{Position(q - c.leash.least), Position(Row(c.leash.most) - q)};
     const auto take_motion = [&](const auto& motion) SKINCTL_INLINE_LAMBDA {
-      copy_row(motion.displacement, out.displacement);
-      copy_row(motion.velocity, out.rate);
-      copy_row(motion.velocity, out.own);
+      out.displacement = motion.displacement;
+      out.rate = motion.velocity;
+      out.own = motion.velocity;
       out.status |= motion.status;
     };
     if constexpr (std::is_same_v<Mover, Abrupt>) {
@@ -114,9 +114,9 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
       m.q.add(T(T(0.5) * h) * (Row(m.rate) + planned.rate) + drift);
       m.offset.add(drift);
     }
-    copy_row(planned.rate, m.rate);
-    copy_row(planned.own, m.v);
-    copy_row(planned.last, m.last);
+    m.rate = planned.rate;
+    m.v = planned.own;
+    m.last = planned.last;
     m.cut |= planned.cut;
     m.returns = planned.returns;
     return planned.status;
@@ -138,14 +138,14 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
     auto& command = m.command;
     const Row before = command.velocity, u = m.rate;
     command.time = m.time;
-    copy_row(m.q.value, command.position);
-    copy_row(m.rate, command.velocity);
+    command.position = m.q.value;
+    command.velocity = m.rate;
     if (smooth) {
       command.acceleration = m.last;
     } else {
       ((u - before) / Row(c.share * c.dt)).store(command.acceleration);
     }
-    copy_row(torque, command.torque);
+    command.torque = torque;
     command.valid = true;
     servo_.send(m.under_way, m.time, under_way(m), !takes_position(Ix) ? command.velocity : Velocity{});
   }

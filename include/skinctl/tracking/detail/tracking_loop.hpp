@@ -82,27 +82,17 @@ class TrackingLoop : public Composable {
     const JointVelocity<N, T> dq_r(v_r);
     const JointAcceleration<N, T> ddq_r(decayed);
     JointTorque<N, T> tau;
-    const JointAngles<M, T> angles(known.model(), R(mid.q) + dx);
+    const JointAngles<M, T> angles(known.model(), JointPosition<N, T>(R(mid.q) + dx));
     const R shaped = R(added_friction<K>(known.model(), angles, dq_r)) + shape.inertia * decayed;
     constexpr bool weighs = G == GravityTerm::included;
-    if constexpr (K::carries_bias) {
-      BiasBeside<N, T> unasked;
-      auto* const beside = known.bias_beside();
-      run_recursion_beside<weighs || !K::needs.gravity>(
-          known.model(),
-          RecursionMotion<JointAngles<M, T>, N, T>{angles, dq_h, dq_r, ddq_r,
-                                                   weighs ? share.feed_forward : T(0)},
-          tau, known.middle(), K::needs.gravity ? T(0) : T(1), beside != nullptr ? *beside : unasked);
+    const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
+      run_recursion<T>(known.model(), angles, Values<T>{dq_h.data}, Values<T>{dq_r.data},
+                       Values<T>{ddq_r.data}, a0, tau.data);
+    };
+    if constexpr (weighs) {
+      run(T(-share.feed_forward) * known.model().template gravity<T>());
     } else {
-      const auto run = [&](const auto& a0) SKINCTL_INLINE_LAMBDA {
-        run_recursion<T>(known.model(), angles, Values<T>{dq_h.data}, Values<T>{dq_r.data},
-                         Values<T>{ddq_r.data}, a0, tau.data);
-      };
-      if constexpr (weighs) {
-        run(T(-share.feed_forward) * known.model().template gravity<T>());
-      } else {
-        run(ZeroTriple{});
-      }
+      run(ZeroTriple{});
     }
     (R::of([&](auto i) SKINCTL_INLINE_LAMBDA { return tau[i]; }) + shaped).store(tau);
     if constexpr (!inertial) {

@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// SHA-256 (FIPS 180-4), for the hashes of message types.
+// SHA-256 (FIPS 180-4): what tells files and types apart.
 #pragma once
 
 #include <array>
@@ -9,10 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "skinctl/core/config.hpp"
-
-SKINCTL_BEGIN_NAMESPACE
-namespace detail {
+namespace examples {
 
 /// The first 32 bits of the fractional parts of the cube roots of the first 64 primes.
 inline constexpr std::array<std::uint32_t, 64> sha256_constants = {
@@ -64,5 +60,4 @@ inline void sha256_block(std::array<std::uint32_t, 8>& state, const unsigned cha
   return out;
 }
 
-}  // namespace detail
-SKINCTL_END_NAMESPACE
+}  // namespace examples

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-3-Clause
 // What a gripper with skin reads while it squeezes a body: a generator.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-3-Clause
 // Bodies that are not as their drawing says.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-3-Clause
 // A block that is held by friction and dragged, and the shear of a fingertip on it: a generator.
 #pragma once
 

@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-3-Clause
 // A cup between the fingertips of a hand, which feel it along three axes: a plant for tests of grasps.
 #pragma once
 

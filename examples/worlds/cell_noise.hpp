@@ -1,4 +1,3 @@
-// SPDX-License-Identifier: BSD-3-Clause
 // Noise of untouched cells: Gaussian with heavier tails, drift, rounded to the sensor's steps.
 #pragma once
 

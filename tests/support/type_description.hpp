@@ -1,5 +1,4 @@
-// SPDX-License-Identifier: BSD-3-Clause
-// The description of a message type (REP 2016) from its definition.
+// The hash of a message type (REP 2016), computed from its definition: the oracle of the hashes that are written down.
 #pragma once
 
 #include <map>
@@ -9,11 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "examples/support/sha256.hpp"
 #include "skinctl/core/contract.hpp"
-#include "skinctl/io/detail/sha256.hpp"
 
-SKINCTL_BEGIN_NAMESPACE
-namespace detail {
+namespace skinctl::testing {
 
 /// Reads a definition with its dependencies; writes the text whose SHA-256 is the type's hash.
 class TypeDescription {
@@ -125,5 +123,10 @@ class TypeDescription {
   std::map<std::string, std::vector<Field>> types_;
 };
 
-}  // namespace detail
-SKINCTL_END_NAMESPACE
+/// The hash of the type `name` with the definition `schema`: the type's `.msg` text, then each type that it uses.
+/// Throws for a definition that is no ROS message, or lacks a type.
+[[nodiscard]] inline std::string hash_of_message(const std::string& name, const std::string& schema) {
+  return "RIHS01_" + examples::sha256(TypeDescription(name, schema).json());
+}
+
+}  // namespace skinctl::testing
