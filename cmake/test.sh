@@ -54,7 +54,7 @@ if [[ -z $nightly ]]; then
   by_gcc="/tests/(control|cycle|dynamics|extremes|fusion|hardware|limits|oracles|passivity|repository|sensing|support|testing|tracking"
   by_gcc+="|trajectory)/"
   memory="calibration|clearance|core|frames|guard|io|kinematics|law|math|model|recording|resolver|robots?|semantics|skills|skin_network"
-  sanitized=${sanitized:-"/tests/(($memory|support|tactile)/|cycle/(apart|configurations|cycle|input|start|stop)_test)"}
+  sanitized=${sanitized:-"/tests/(($memory|support|tactile)/|cycle/(apart|cycle|input|start)_test)"}
 fi
 configuration release "GCC" "$gcc_flags" "-DSKINCTL_TEST_FILTER=$by_gcc"
 if [[ -z $nightly ]]; then

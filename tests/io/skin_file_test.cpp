@@ -170,7 +170,7 @@ TEST_CASE("Skin file: quaternions are rotations, forth and back") {
 
 TEST_CASE("Skin file: written and read, it is the same to the bit; written again, to the byte") {
   oracle::Random random(1);
-  for (int k = 0; k < (sanitized ? 50 : 300); ++k) {
+  for (int k = 0; k < (sanitized ? 15 : 300); ++k) {
     const SkinFile file = any_skin(random);
     const std::string text = skin_file_text(file);
     const SkinFile again = without_lines(parse_skin_file(text));

@@ -7,6 +7,7 @@
 #include "skinctl/kinematics/jacobian.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/random.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/support/sliding_robots.hpp"
 
@@ -43,7 +44,7 @@ std::array<double, 2> shares_of_bounds(const M& model, double slides_by) {
     }(std::make_index_sequence<n>{});
     return reach;
   };
-  for (int k = 0; k < 3000; ++k) {
+  for (int k = 0; k < rounds(3000); ++k) {
     JointPosition<n> q;
     JointVelocity<n> u, over;
     const double size = std::pow(10, uniform(rng, -3.0, 0.0));

@@ -18,6 +18,7 @@
 #include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/limits/governor.hpp"
 #include "skinctl/testing/random.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/ur5_clearance.hpp"
 
@@ -93,7 +94,7 @@ Run held_up(const Scene& scene, std::uint64_t seed, Nanoseconds hold) {
 }
 }  // namespace
 
-TEST_CASE_TEMPLATE("Resolver: torques beyond the limits accelerate as asked, only less", T, float, double) {
+TEST_CASE_TEMPLATE("Resolver: torques beyond the limits accelerate as asked, only less", T, SKINCTL_SCALARS) {
   const std::array<double, 6> pose{0.1, -1.5, 1.2, -1, -1.5, 0.3};
   RobotConfiguration<6, T> c{
       .limits = limits_of<ur5::Description, T>(T(4000)), .period = 8ms, .virtual_damping = T(0)};

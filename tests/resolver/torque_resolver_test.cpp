@@ -7,6 +7,7 @@
 #include "skinctl/dynamics/energy.hpp"
 #include "skinctl/resolver/resolver_of.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/wrong_text.hpp"
 
@@ -77,8 +78,8 @@ TEST_CASE("Resolver for torques: refuses shapes that it cannot give a real robot
 }
 
 TEST_CASE_TEMPLATE(
-    "Resolver for torques: the command is the law's torque at the measured state, less friction", T, float,
-    double) {
+    "Resolver for torques: the command is the law's torque at the measured state, less friction", T,
+    SKINCTL_SCALARS) {
   auto c = configuration<T>();
   c.viscous_friction = {T(4), T(4), T(4), T(1), T(1), T(1)};
   const Robot<T> robot(ur5::Model{}, c);
@@ -104,7 +105,7 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE("Resolver for torques: laws and friction know the motors, which outweigh a wrist", T,
-                   float, double) {
+                   SKINCTL_SCALARS) {
   auto c = configuration<T>();
   c.viscous_friction = JointTorque<6, T>::constant(T(4));
   const Robot<T> light(ur5::Model{}, c);
@@ -128,7 +129,7 @@ TEST_CASE_TEMPLATE("Resolver for torques: laws and friction know the motors, whi
             doctest::Approx(double(links(i, j)) + (i == j ? double(c.virtual_inertia[i]) : 0)).epsilon(1e-6));
 }
 
-TEST_CASE_TEMPLATE("Resolver for torques: torques are cut to the limits", T, float, double) {
+TEST_CASE_TEMPLATE("Resolver for torques: torques are cut to the limits", T, SKINCTL_SCALARS) {
   const Robot<T> robot(ur5::Model{}, configuration<T>());
   auto m = robot.start(at<T>(0ns));
   Yield::Memory law;
@@ -140,7 +141,7 @@ TEST_CASE_TEMPLATE("Resolver for torques: torques are cut to the limits", T, flo
 }
 
 TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, the robot brakes and gravity is held", T,
-                   float, double) {
+                   SKINCTL_SCALARS) {
   auto c = configuration<T>();
   c.viscous_friction = JointTorque<6, T>::constant(T(2));
   const Robot<T> robot(ur5::Model{}, c);
@@ -177,8 +178,8 @@ TEST_CASE_TEMPLATE("Resolver for torques: when no law can be asked, the robot br
   holds(out, false);  // nobody knows how it moves: braking by an old velocity would push
 }
 
-TEST_CASE_TEMPLATE("Resolver for torques: a push moves a robot that obeys, friction stops it", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("Resolver for torques: a push moves a robot that obeys, friction stops it", T,
+                   SKINCTL_SCALARS) {
   // One turn of the real thing: M ddq = command + push - C dq - G, integrated finely by its definition.
   auto c = configuration<T>();
   c.viscous_friction = {T(20), T(20), T(10), T(2), T(1), T(0.5)};

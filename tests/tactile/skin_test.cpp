@@ -11,6 +11,7 @@
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/tactile/skin_torque.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/random_skin.hpp"
 #include "tests/support/robots.hpp"
 #include "tests/tactile/skin_oracle.hpp"
@@ -96,7 +97,7 @@ static_assert(std::is_trivially_copyable_v<Small::Memory>);
 static_assert(Small::links == 0b100110 && Small::cells == 74 && Small::patches == 3);
 static_assert(sizeof(Ur5Skin<10000>::Memory) <= 10000 * 17);
 
-TEST_CASE_TEMPLATE("Skin: held samples are the per-cell Jacobian form", T, float, double) {
+TEST_CASE_TEMPLATE("Skin: held samples are the per-cell Jacobian form", T, SKINCTL_SCALARS) {
   Random rng = seeded(1);
   const CellGains gains{12, 3};
   const auto patches = random_patches(rng, gains, std::index_sequence<0, 1, 2, 2, 4, 5>{},
@@ -204,7 +205,7 @@ TEST_CASE("Skin: a gate with hysteresis is closed again after a silence") {
   CHECK(one.push({}, 410ms, 420ms) == 0);
 }
 
-TEST_CASE_TEMPLATE("Skin: a contact held for a day does not fade", T, float, double) {
+TEST_CASE_TEMPLATE("Skin: a contact held for a day does not fade", T, SKINCTL_SCALARS) {
   OneCell<T> one;
   one.push({sample(7, 0ns, 0.3f)}, 0ns, 100ms);
   const T first = one.push({sample(7, 200ms, 0.3f)}, 100ms, 200ms);
@@ -214,8 +215,8 @@ TEST_CASE_TEMPLATE("Skin: a contact held for a day does not fade", T, float, dou
   CHECK(same);
 }
 
-TEST_CASE_TEMPLATE("Skin: the impulse is that of the force, whatever the rate of the cycle", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("Skin: the impulse is that of the force, whatever the rate of the cycle", T,
+                   SKINCTL_SCALARS) {
   // Cells with a lever each; forces and proximities; silences up to 400 ms; latencies up to 12 ms.
   Random rng = seeded(2);
   const SkinSettings settings = open_gates();

@@ -18,13 +18,14 @@
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/tactile/told_skin.hpp"
+#include "tests/support/by_day.hpp"
 
 using namespace adapters::skin;
 using namespace std::chrono_literals;
 using simulated_pads::MagneticPad;
 using simulated_pads::Terminal;
 using skinctl::Nanoseconds;
-using skinctl::testing::seeded;
+using skinctl::testing::rounds, skinctl::testing::seeded;
 using Bytes = std::vector<std::uint8_t>;
 using Packets = std::vector<AnySkinPacket>;
 
@@ -91,13 +92,12 @@ TEST_CASE(
   CHECK(ends > 82 * 20 * 5);  // several beside the packet's own
 }
 
-TEST_CASE(
-    "AnySkin: bytes lost or added at one place of 20 000 streams cost the packets they hit, and give none") {
+TEST_CASE("AnySkin: bytes lost or added at one place of a stream cost the packets they hit, and give none") {
   auto random = seeded(2);
   MagneticPad pad(2);
   constexpr std::size_t packets = 8, size = AnySkinParser::size;
   std::size_t seams = 0, also_lost = 0;
-  for (int k = 0; k < 20'000; ++k) {
+  for (int k = 0; k < rounds(20'000); ++k) {
     const bool line_ends = k % 2 == 0;
     Bytes stream;
     Packets sent;
@@ -139,14 +139,15 @@ TEST_CASE(
   }
   MESSAGE("whole packets lost with the end before them: ", also_lost,
           "; seams taken among line ends: ", seams);
-  CHECK(seams < 200);  // of 10 000 streams in which every second number holds a line end; of others none
+  CHECK(seams <
+        rounds(200u));  // of 10 000 streams in which every second number holds a line end; of others none
 }
 
-TEST_CASE("AnySkin: 20 000 streams full of damage: every byte is accounted for, every number is likely") {
+TEST_CASE("AnySkin: streams full of damage: every byte is accounted for, every number is likely") {
   auto random = seeded(3);
   MagneticPad pad(3);
   std::size_t whole = 0, got = 0;
-  for (int k = 0; k < 20'000; ++k) {
+  for (int k = 0; k < rounds(20'000); ++k) {
     Bytes stream;
     for (int i = 0; i < 6; ++i) add(stream, with_line_ends(random, pad));
     for (std::size_t hits = below(random, 12); hits > 0; --hits) {

@@ -14,12 +14,13 @@
 
 #include "examples/adapters/socket.hpp"
 #include "examples/adapters/tests/simulated_pads.hpp"
+#include "tests/support/by_day.hpp"
 
 using namespace adapters::skin;
 using namespace std::chrono_literals;
 using simulated_pads::Terminal;
 using skinctl::Nanoseconds;
-using skinctl::testing::seeded;
+using skinctl::testing::rounds, skinctl::testing::seeded;
 using Bytes = std::vector<std::uint8_t>;
 using Frames = std::vector<TfLunaFrame>;
 
@@ -95,7 +96,7 @@ TEST_CASE("TF-Luna: what another program packed is read; near from 1 m to 0.2 m,
 TEST_CASE("TF-Luna: behind damage frames are found again, and every byte is accounted for") {
   auto random = seeded(2);
   std::size_t lost = 0, wrong = 0, frames = 0;
-  for (int k = 0; k < 20'000; ++k) {
+  for (int k = 0; k < rounds(20'000); ++k) {
     Bytes stream;
     Frames sent;
     for (int i = 0; i < 12; ++i) {
@@ -120,9 +121,10 @@ TEST_CASE("TF-Luna: behind damage frames are found again, and every byte is acco
     for (const auto& f : got) wrong += std::find(sent.begin(), sent.end(), f) == sent.end();
     frames += got.size();
   }
-  MESSAGE(lost << " of 60000 frames lost behind the damage, " << wrong << " of " << frames << " wrong");
-  CHECK(lost < 60);
-  CHECK(wrong < 400);
+  MESSAGE(lost << " of " << rounds(60'000) << " frames lost behind the damage, " << wrong << " of " << frames
+               << " wrong");
+  CHECK(lost < rounds(60u));
+  CHECK(wrong < rounds(400u));
 
   Bytes noise(1 << 16);
   for (auto& b : noise) b = static_cast<std::uint8_t>(random());

@@ -18,10 +18,11 @@
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/tactile/skin.hpp"
 #include "skinctl/testing/random.hpp"
+#include "tests/support/by_day.hpp"
 
 using namespace adapters::skin;
 using namespace std::chrono_literals;
-using skinctl::testing::seeded;
+using skinctl::testing::rounds, skinctl::testing::seeded;
 using xela_server::message;
 using xela_server::Server;
 using xela_server::tcp;
@@ -121,16 +122,17 @@ TEST_CASE("XELA: a module that contradicts itself is left out, and the others st
                  m) == XelaText::message);
   CHECK(m.modules.empty());
   CHECK(m.refused == 3);
-  CHECK(parse_xela(std::string(1 << 20, '['), m) == XelaText::nonsense);  // deep, and within the size
+  CHECK(parse_xela(std::string(rounds(1u << 20), '['), m) ==
+        XelaText::nonsense);  // deep, and within the size
 }
 
-TEST_CASE("XELA: 100 000 damaged texts: what is read is a message whose parts agree") {
+TEST_CASE("XELA: damaged texts: what is read is a message whose parts agree") {
   auto random = seeded(1);
   const auto below = [&](std::size_t n) { return std::size_t(random() % n); };
   const std::string whole =
       message(5, 1e9, 4, plain, R"("calibrated": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12])");
   std::size_t messages = 0, modules = 0;
-  for (int k = 0; k < 100'000; ++k) {
+  for (int k = 0; k < rounds(100'000); ++k) {
     std::string text = whole;
     for (std::size_t hits = 1 + below(4); hits > 0 && !text.empty(); --hits) {
       const std::size_t at = below(text.size());
@@ -159,7 +161,7 @@ TEST_CASE("XELA: 100 000 damaged texts: what is read is a message whose parts ag
     }
   }
   MESSAGE(messages, " were messages still, with ", modules, " modules");
-  CHECK(messages > 1000);
+  CHECK(messages > rounds(1000u));
   CHECK(messages > modules);
 }
 
@@ -242,7 +244,7 @@ TEST_CASE("XELA: silence, other protocols and a nobody are named within the time
 TEST_CASE("XELA: random bytes after the handshake, and a text without end, close the connection") {
   auto random = seeded(2);
   int closed = 0;
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < rounds(300); ++k) {
     std::string bytes(1 + random() % 400, ' ');
     for (char& b : bytes) b = static_cast<char>(random());
     if (k % 3 == 0) bytes[0] = '\x81', bytes[1 % bytes.size()] = static_cast<char>(random() % 126);  // a text
@@ -259,7 +261,7 @@ TEST_CASE("XELA: random bytes after the handshake, and a text without end, close
     }
     closed += client.closed() ? 1 : 0;
   }
-  CHECK(closed == 300);
+  CHECK(closed == rounds(300));
   Server server(telling({"{\"message\": 1, \"x\": \"" + std::string(2 << 20, 'x') + "\"}"}));
   XelaClient client("127.0.0.1", server.port());
   CHECK(client.next(in(5s)) == nullptr);

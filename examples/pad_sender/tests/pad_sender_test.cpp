@@ -21,11 +21,13 @@
 #include "examples/adapters/skin/serial_datagrams.hpp"
 #include "skinctl/sensing/unrest.hpp"
 #include "skinctl/testing/random.hpp"
+#include "tests/support/by_day.hpp"
 
 namespace {
 
 using namespace adapters::skin;
 using skinctl::Nanoseconds;
+using skinctl::testing::rounds;
 
 /// The pad of pad.c, as its receiver states it.
 struct HomeMade {
@@ -155,7 +157,7 @@ TEST_CASE("pad_sender: on a serial line its datagrams are found again behind dam
   auto random = skinctl::testing::seeded(1);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
   std::size_t hit = 0, kept = 0, others = 0;
-  for (int run = 0; run < 500; ++run) {
+  for (int run = 0; run < rounds(500); ++run) {
     SerialDatagrams found;
     std::vector<const std::vector<std::uint8_t>*> whole;
     std::vector<std::vector<std::uint8_t>> got;
@@ -193,7 +195,7 @@ TEST_CASE("pad_sender: on a serial line its datagrams are found again behind dam
     REQUIRE(next <= whole.size());
     if (run == 0) REQUIRE(got == sent);
   }
-  const std::size_t written = 500 * sent.size();
+  const std::size_t written = rounds(500u) * sent.size();
   MESSAGE(written, " datagrams, ", hit, " of them hit: ", kept, " whole ones found, ", others, " others");
   CHECK(kept + hit <= written);
   CHECK(kept > (written - hit) * 99 / 100);  // the last ones may be held back behind a damaged length

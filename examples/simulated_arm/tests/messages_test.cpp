@@ -19,7 +19,9 @@
 #include "examples/adapters/egm/messages.hpp"
 #include "examples/adapters/fri/messages.hpp"
 #include "examples/adapters/stream_motion/packets.hpp"
+#include "tests/support/by_day.hpp"
 
+using skinctl::testing::rounds;
 namespace rsi = adapters::rsi;
 namespace stream = adapters::stream_motion;
 
@@ -149,7 +151,7 @@ TEST_CASE("RSI: of damaged datagrams nothing is read that the other reader refus
   rsi::Rob rob;
   rsi::Sen sen;
   int read = 0;
-  for (int k = 0; k < 20000; ++k) {
+  for (int k = 0; k < rounds(20'000); ++k) {
     const std::string bytes = damaged(k % 2 == 0 ? rob_text : printed(rsi::Sen{.ipoc = 4}), rng);
     // In a buffer of its own, so that a reader that runs over its end is seen.
     const std::vector<char> exact(bytes.begin(), bytes.end());
@@ -164,7 +166,7 @@ TEST_CASE("RSI: of damaged datagrams nothing is read that the other reader refus
     // Names in another case close each other here, and do not there.
     CHECK((error == tinyxml2::XML_SUCCESS || error == tinyxml2::XML_ERROR_MISMATCHED_ELEMENT));
   }
-  CHECK(read > 100);
+  CHECK(read > rounds(100));
 }
 
 TEST_CASE("Stream motion: sizes and places of the maker's packets") {
@@ -205,7 +207,7 @@ TEST_CASE("Stream motion: packets of another length or type are refused, whateve
   CHECK_FALSE(parse(std::span<const std::uint8_t>(b).first(344), command));
   const std::vector<std::uint8_t> good(b.begin(), b.begin() + static_cast<std::ptrdiff_t>(size));
   int taken = 0;
-  for (int k = 0; k < 20000; ++k) {
+  for (int k = 0; k < rounds(20'000); ++k) {
     const auto bytes = damaged(good, rng);
     taken += parse(std::span<const std::uint8_t>(bytes), read);
     stream::Limits limits;
@@ -215,7 +217,7 @@ TEST_CASE("Stream motion: packets of another length or type are refused, whateve
     static_cast<void>(parse(std::span<const std::uint8_t>(bytes), capability));
     static_cast<void>(parse(std::span<const std::uint8_t>(bytes), header));
   }
-  CHECK(taken > 100);
+  CHECK(taken > rounds(100));
 }
 
 namespace egm = adapters::egm;
@@ -278,7 +280,7 @@ TEST_CASE("EGM: cut, damaged and random bytes do no harm, and what is read is fi
   const std::vector<std::uint8_t> good(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size));
   std::mt19937 rng(5);
   std::size_t read = 0;
-  for (int k = 0; k < 200'000; ++k) {
+  for (int k = 0; k < rounds(200'000); ++k) {
     const auto bytes = damaged(good, rng);
     egm::RobotMessage robot;
     egm::SensorMessage sensor;
@@ -290,7 +292,7 @@ TEST_CASE("EGM: cut, damaged and random bytes do no harm, and what is read is fi
     if (parse(bytes, sensor))
       for (const double q : sensor.planned) REQUIRE(std::isfinite(q));
   }
-  CHECK(read > 1000);
+  CHECK(read > rounds(1000u));
   for (std::size_t n = 0; n < size; ++n) {
     egm::RobotMessage robot;
     static_cast<void>(parse({good.data(), n}, robot));
@@ -380,7 +382,7 @@ TEST_CASE("FRI: a message of the controller comes back as it was, and others are
   }
 }
 
-TEST_CASE("FRI: 200 000 damaged messages do no harm, and what is read is finite") {
+TEST_CASE("FRI: damaged messages do no harm, and what is read is finite") {
   const auto good = bytes_of(full_monitoring());
   fri::Command c{.axes = fri::joints, .position = {1, 2, 3, 4, 5, 6, 7}, .torque = fri::SevenJoints{}};
   const auto answer = bytes_of(c);
@@ -389,7 +391,7 @@ TEST_CASE("FRI: 200 000 damaged messages do no harm, and what is read is finite"
     return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
   };
   std::size_t read = 0;
-  for (int k = 0; k < 200'000; ++k) {
+  for (int k = 0; k < rounds(200'000); ++k) {
     const auto bytes = damaged(k % 2 == 0 ? good : answer, rng);
     fri::Monitoring m;
     if (parse(bytes, m)) {
@@ -408,5 +410,5 @@ TEST_CASE("FRI: 200 000 damaged messages do no harm, and what is read is finite"
       REQUIRE(all_finite(command.torque.value_or(fri::SevenJoints{})));
     }
   }
-  CHECK(read > 1000);
+  CHECK(read > rounds(1000u));
 }

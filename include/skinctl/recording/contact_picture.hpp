@@ -23,15 +23,12 @@ class ContactPicture {
   /// @param newtons  force at which a cell's readings add up to 1 [N].
   /// Throws `ConfigurationError` for more than 8192 cells, or another number of ids.
   ContactPicture(const PressedCells& skin, double newtons)
-      : finder_(skin.places, CellGraph(skin.places)),
+      : finder_(skin.places, CellGraph(checked(skin).places)),
         newtons_(newtons),
         threshold_(skin.threshold),
         push_(skin.places.size()),
         rest_(skin.places.size(), 1e9),
         memory_(std::make_unique<Memory>()) {
-    require(push_.size() <= max_cells, "ContactPicture: cells", double(push_.size()), "at most 8192");
-    require(skin.ids.size() == push_.size(), "ContactPicture: ids", double(skin.ids.size()),
-            "one for each cell");
     for (std::size_t i = 0; i < skin.ids.size(); ++i) index_[skin.ids[i]] = i;
   }
   void take(const CellSample& s) noexcept {
@@ -70,6 +67,13 @@ class ContactPicture {
 
  private:
   using Memory = SkinContactMemory<max_cells, most>;
+  /// Before its neighbours are looked for, which takes long for too many cells.
+  static const PressedCells& checked(const PressedCells& skin) {
+    const std::size_t cells = skin.places.size();
+    require(cells <= max_cells, "ContactPicture: cells", double(cells), "at most 8192");
+    require(skin.ids.size() == cells, "ContactPicture: ids", double(skin.ids.size()), "one for each cell");
+    return skin;
+  }
   ContactFinder<> finder_;
   double newtons_, threshold_;
   std::vector<double> push_, rest_;
