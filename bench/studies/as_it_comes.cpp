@@ -9,7 +9,8 @@
 // of up to 5 kg of which the robot does not know; by position or velocity, 125 or 500 Hz. Twins have the same
 // servos, friction, payload, noise and jitter, but their lag is declared and their encoders are calibrated.
 // They are touched at the same cells; where a case is not as promised beside one twin, four further twins
-// start where the robot may stand in its gap, and those that are held fast are let go at other moments.
+// start where the robot may stand in its gap, and those that are held fast are let go at other moments. Such a
+// case is run again without each of its causes: the list tells which of them it takes.
 #include "bench/studies/worlds/as_it_comes.hpp"
 
 #include <algorithm>
@@ -88,6 +89,45 @@ const Cause causes[] = {
     {"125 Hz", [](const AsItComes& c) { return c.period == 8ms; }},
     {"500 Hz", [](const AsItComes& c) { return c.period == 2ms; }}};
 
+/// What is not as declared, one at a time, and the case without it.
+struct Cure {
+  const char* cause;
+  void (*cure)(AsItComes&);
+};
+const Cure cures[] = {
+    {"lag not declared", [](AsItComes& c) { c.declared_lag = c.truth.lookahead + c.truth.lag; }},
+    {"encoders off", [](AsItComes& c) { c.truth.gap = {}; }},
+    {"friction", [](AsItComes& c) { c.friction = 0, c.truth.coulomb = c.truth.stiction = {}; }},
+    {"servo that gives way",
+     [](AsItComes& c) {
+       for (double& k : c.truth.stiffness) k = std::max(k, 1e5);
+     }},
+    {"payload", [](AsItComes& c) { c.payload = 0; }},
+    {"jitter, skipped outputs",
+     [](AsItComes& c) { c.truth.delay_jitter = c.truth.stamp_jitter = c.truth.skipped = 0; }}};
+
+/// Which of its causes a case must be without to be as promised, each alone.
+struct Cured {
+  bool by[std::size(cures)] = {};
+  bool any = false;
+
+  explicit Cured(const AsItComes& c) {
+    for (std::size_t k = 0; k < std::size(cures); ++k) {
+      AsItComes without = c;
+      cures[k].cure(without);
+      const auto twin = worst_twin(without, run_as_it_comes(without, true), further_twins);
+      by[k] = AsItComesVerdict(without, run_as_it_comes(without, false), twin).good();
+      any = any || by[k];
+    }
+  }
+  [[nodiscard]] std::string list() const {
+    std::string out;
+    for (std::size_t k = 0; k < std::size(cures); ++k)
+      if (by[k]) out += (out.empty() ? " (" : ", ") + std::string(cures[k].cause);
+    return out.empty() ? " (several)" : out + ")";
+  }
+};
+
 void tell(const AsItComes& c) {
   std::printf("seed %llu: %s, by %s, %.0f ms; link %zu, hand %.0f N/m, wall %.0f N/m, way %.3f m\n",
               static_cast<unsigned long long>(c.seed), as_it_comes_scenes[static_cast<int>(c.scene)],
@@ -151,6 +191,7 @@ int main(int argc, char** argv) {
   int led_further = 0, first_harder = 0, twin_too = 0, beside_too = 0;
   int asked = 0, asked_at_start = 0, asked_again = 0, asked_if_held = 0;
   double most_alone = 0;
+  int without[std::size(cures)] = {}, by_several = 0;
   for (std::uint64_t seed = first; seed < first + cases; ++seed) {
     AsItComes c(seed);
     c.dead_band = dead_band;
@@ -193,7 +234,10 @@ int main(int argc, char** argv) {
                                      {v.goal, " goal"},
                                      {v.silent, " no reason"}})
         if (is) what += name;
-      bad.push_back(what);
+      const Cured cured(c);
+      for (std::size_t k = 0; k < std::size(cures); ++k) without[k] += cured.by[k];
+      by_several += !cured.any;
+      bad.push_back(what + cured.list());
     }
   }
   std::printf(
@@ -241,7 +285,11 @@ int main(int argc, char** argv) {
       "twin: %d\n",
       most_alone, led_further);
   if (!bad.empty()) {
-    std::printf("\nnot as promised (%zu):", bad.size());
+    std::printf("\n| not as promised, but as promised without | cases of %zu |\n|---|---|\n", bad.size());
+    for (std::size_t k = 0; k < std::size(cures); ++k)
+      std::printf("| %s | %d |\n", cures[k].cause, without[k]);
+    std::printf("| none of these alone | %d |\n", by_several);
+    std::printf("\nnot as promised (%zu), in brackets each cause without which it is:", bad.size());
     for (std::size_t k = 0; k < bad.size() && k < 1000; ++k)
       std::printf("%s %s", k > 0 ? ";" : "", bad[k].c_str());
     std::printf("\n");

@@ -20,6 +20,7 @@
 
 #include "bench/studies/attack/common.hpp"
 #include "skinctl/dynamics/energy.hpp"
+#include "skinctl/math/ldlt.hpp"
 #include "skinctl/testing/plant.hpp"
 
 using namespace skinctl;
@@ -33,7 +34,7 @@ constexpr double rounding = 1e-4;  ///< share of a limit that is no breach
 constexpr double held_torque = 0.05;
 constexpr double beyond_end =
     5e-3;                        ///< the same of an end, of a joint that was inside when nobody pushed [rad]
-constexpr double runs_away = 2;  ///< speed, in limits of it, that no push of these gives
+constexpr double runs_away = 2;  ///< speed, in limits of it, that no push of these gives, and no letting go
 constexpr double rests = 0.02;   ///< speed of a joint at rest, when nothing has happened for long [rad/s]
 constexpr double quiet = 20;     ///< time in which nobody does anything [s]
 constexpr double watched = 5;    ///< last part of it, in which nothing may swing [s]
@@ -137,6 +138,20 @@ class Arm {
     for (std::size_t i = 0; i < 6; ++i) sum += 0.5 * declared_.virtual_inertia[i] * x.dq[i] * x.dq[i];
     return sum;
   }
+  /// Lets go a joint that was held fast. No controller prevents the speed that this returns [rad/s]: the torque
+  /// that it was held against acts for a delay and a period, and turns back at the rate that the guard allows.
+  [[nodiscard]] double let_go(std::size_t i) {
+    fast[i] = false;
+    const double net = std::abs(tau_[i] - gravity_torque(ur5::Model{}, x.q)[i]);
+    auto mass = mass_matrix(ur5::Model{}, x.q);
+    for (std::size_t j = 0; j < 6; ++j) mass(j, j) += declared_.virtual_inertia[j] + (fast[j] ? 1e9 : 0);
+    JointTorque<6> unit;
+    unit[i] = 1;
+    JointAcceleration<6> by_unit;
+    math::Ldlt<6, double>(mass.data).solve(unit.data, by_unit.data);
+    const double turns = net / (declared_.torque_rate * declared_.limits.torque()[i]);
+    return by_unit[i] * net * (seconds<double>(declared_.delay + declared_.period) + 0.5 * turns);
+  }
   void advance(Nanoseconds now) {
     for (; x.time < now; x.time += plant_step) {
       for (; !under_way_.empty() && under_way_.front().first <= x.time; under_way_.pop_front())
@@ -193,6 +208,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   Swings swings(rests);
   std::array<double, 6>
       left{};  // how far pushes have left each joint beyond its end, and it has not come back
+  std::array<double, 6> freed{};  // speed that a joint may have as it was let go
   while (seconds<double>(now) < ends + stops_in + 1) {
     const Nanoseconds before = now;
     now += d.robot.period * (roll(0, 1) < d.late ? 2 + long(rng() % 3) : 1);
@@ -213,7 +229,10 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
           break;
         case 4: {
           const std::size_t i = rng() % 6;
-          robot.fast[i] = !robot.fast[i];
+          if (robot.fast[i])
+            freed[i] = robot.let_go(i), last_push = t;
+          else
+            robot.fast[i] = true;
           break;
         }
         case 5:
@@ -225,7 +244,9 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
           input.goal = {goal, nanoseconds(roll(0.5, 4))};
         }
       }
-    if (t >= busy) robot.force = {}, robot.fast = {};
+    if (t >= busy) robot.force = {};
+    for (std::size_t i = 0; i < 6; ++i)
+      if (t >= busy && robot.fast[i]) freed[i] = robot.let_go(i), last_push = t;
     if (t >= busy && t < busy + 2 * dt) input.request = CycleRequest::resume;
     if (t >= ends && !stopping) input.request = CycleRequest::stop, stopping = true;
     for (const double f : robot.force)
@@ -245,7 +266,9 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
                       std::abs(tau - last[i]) / (d.robot.torque_rate * most * seconds<double>(now - before)));
       const double v = std::abs(robot.x.dq[i]);
       fastest = std::max(fastest, v);
-      (alone ? velocity : pushed) = std::max(alone ? velocity : pushed, v / limits.velocity()[i]);
+      if (alone) freed[i] = 0;
+      (alone ? velocity : pushed) =
+          std::max(alone ? velocity : pushed, (v - freed[i]) / limits.velocity()[i]);
       const double past = std::max(robot.x.q[i] - limits.upper()[i], limits.lower()[i] - robot.x.q[i]);
       if (!alone || past < left[i]) left[i] = std::max(past, 0.0);
       if (alone) beyond = std::max(beyond, past - left[i]);

@@ -21,7 +21,6 @@ inline constexpr const char* as_it_comes_scenes[] = {"untouched", "held goal", "
 /// One robot in one scene, from a seed.
 struct AsItComes {
   static constexpr double guided = 11;  ///< until then the arm is led or moves to goals [s]
-  static constexpr double declared_lag = 0.008;
 
   AsItComesScene scene;
   Interface interface;
@@ -33,6 +32,7 @@ struct AsItComes {
   JointPosition<6> touched_at;  ///< the pose in which the touched cells were chosen: twins have the same ones
   bool reports_held = false;    ///< its controller reports the position that it holds (`target_q` of a UR)
   double dead_band = 0.02;      ///< of the configuration [rad]
+  double declared_lag = 0.008;  ///< of the configuration [s]
   std::uint64_t seed;
   std::size_t link;        ///< that is touched
   double hand, wall, way;  ///< stiffness [N/m] of both; amplitude of the hand [m]

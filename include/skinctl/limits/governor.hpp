@@ -207,8 +207,8 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
     const auto acted = Driven::of(in.last.torque);
     auto braked = drive.asked;
     if constexpr (of_torque < count)
-      this->template part<of_torque>().observe(this->template own<of_torque>(m), drive.mass, drive.bias,
-                                               in.measured, acted, in.delay, in.dt);
+      this->template part<of_torque>().observe(this->template own<of_torque>(m), limits_, drive.mass,
+                                               drive.bias, in.measured, acted, in.delay, going.ahead, in.dt);
     bool predicted = true;
     if constexpr (judges_velocity) predicted = slow(m, in, going, drive, hold, seen, braked, left, out);
     if constexpr (has_motion) move(m, in, going, left, out);
@@ -239,12 +239,12 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
     }
     Velocity u = left.velocity;
     Driven::put(led, u);
-    Driven::put(counted(in, going, led), left.velocity);
+    Driven::put(counted(m, in, going, led), left.velocity);
     each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
       if constexpr (detail::OfTheDrive<Limit<K>>) this->template act<K>(m, going, seen, left);
     });
     Driven::put(Driven::of(u) + world, u);
-    Driven::put(counted(in, going, Driven::of(left.velocity) + world), left.velocity);
+    Driven::put(counted(m, in, going, Driven::of(left.velocity) + world), left.velocity);
     each_limit([&]<std::size_t K>() SKINCTL_INLINE_LAMBDA {
       if constexpr (!detail::OfTheDrive<Limit<K>>) this->template act<K>(m, going, seen, left);
     });
@@ -259,9 +259,11 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   /// all slow alike, it is what the joints' own limits will leave of it: a finger that is pressed against its
   /// end slows no arm.
   [[nodiscard]] SKINCTL_INLINE JointVelocity<Driven::count, T> counted(
-      const Input& in, const Going& going, JointVelocity<Driven::count, T> u) const noexcept {
+      const Memory& m, const Input& in, const Going& going,
+      JointVelocity<Driven::count, T> u) const noexcept {
     if constexpr (has_motion && of_torque < count) {
-      const auto box = this->template part<of_torque>().box(limits_, in.measured, going.ahead);
+      const auto box = this->template part<of_torque>().box(this->template own<of_torque>(m), limits_,
+                                                            in.measured, going.ahead);
       for (std::size_t i = 0; i < Driven::count; ++i) u[i] = detail::clamp(u[i], box.lower[i], box.upper[i]);
     }
     return u;

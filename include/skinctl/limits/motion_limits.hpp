@@ -6,6 +6,7 @@
 #include "skinctl/core/joint_subset.hpp"
 #include "skinctl/core/state.hpp"
 #include "skinctl/dynamics/inverse_dynamics.hpp"
+#include "skinctl/limits/detail/beyond_end.hpp"
 #include "skinctl/limits/detail/nearest_in_box.hpp"
 #include "skinctl/limits/limit.hpp"
 #include "skinctl/model/model.hpp"
@@ -25,8 +26,13 @@ struct MotionByTorque {};
 /// in a few cycles, `u = dq + t M^-1 (tau - C dq - G - r)`. Each joint has a largest u to either side: its
 /// velocity limit, or the speed from which its acceleration limit stops it before its end. A joint that would
 /// exceed it loses torque, and only such a joint does, and only towards the inside: the stops of
-/// `nearest_in_box`. So the joints of a light finger do not turn each other, and beyond an end, and above the
-/// limit, a joint is only braked. External forces beyond the joints' torques prevail.
+/// `nearest_in_box`. So the joints of a light finger do not turn each other, and above the limit a joint is
+/// only braked. External forces beyond the joints' torques prevail.
+///
+/// Beyond an end a joint is held where it is, or at the end if it came from inside: by a spring on the way out,
+/// as stiff as the braking damps it critically. It moves back inside freely, and the place with it, so an arm
+/// that starts beyond an end does not move by itself. Above `hold_share` of its torque the place gives way, as
+/// that of a stop does, and what pushes harder is braked to a creep.
 ///
 /// r is the torque that resisted in the last cycles, the least of `tau - M ddq - C dq - G`: friction, or an
 /// object in the hand. A joint that moves freely stays below its speed, one that holds something has its
@@ -50,9 +56,10 @@ class MotionLimits {
   static constexpr int cycles = 3;
   /// The torques that resisted in the last cycles. Trivially copyable.
   struct Memory {
-    JointVelocity<n, T> dq;  ///< joint velocity in the last cycle [rad/s]
-    Torque resists[cycles];  ///< torques that resisted in the last cycles, newest first
-    bool known = false;      ///< whether `dq` is the velocity in the last cycle
+    JointVelocity<n, T> dq;                   ///< joint velocity in the last cycle [rad/s]
+    Torque resists[cycles];                   ///< torques that resisted in the last cycles, newest first
+    bool known = false;                       ///< whether `dq` and the places are those of the last cycle
+    detail::BeyondEnd<T> below[n], above[n];  ///< where joints are held beyond their lower and upper ends
     detail::ActedTorque<n, T> sent;
   };
   /// The torque that keeps the limits, the velocity to which it leads, and the limits that acted.
@@ -66,12 +73,14 @@ class MotionLimits {
   explicit MotionLimits(const M& model) : model_(model) {}
   [[nodiscard]] const M& model() const noexcept { return model_; }
 
-  /// Records, once a cycle, the torque that resisted the motors' torque; other parameters as of `within`.
+  /// Records, once a cycle, the torque that resisted the motors' torque, and where joints are held beyond
+  /// their ends; other parameters as of `within`.
   ///
   /// @param delay  time from sending a torque until it acts [s].
-  SKINCTL_INLINE void observe(Memory& m, const MassMatrix<joints, T>& mass,
-                              const JointTorque<joints, T>& bias, const State<joints, T>& measured,
-                              const Torque& last, const T& delay, const T& dt) const noexcept {
+  SKINCTL_INLINE void observe(Memory& m, const JointLimits<joints, T>& limits,
+                              const MassMatrix<joints, T>& mass, const JointTorque<joints, T>& bias,
+                              const State<joints, T>& measured, const Torque& last, const T& delay,
+                              const T& ahead, const T& dt) const noexcept {
     const JointVelocity<n, T> dq = Set::of(measured.dq);
     for (int k = cycles - 1; k > 0; --k) m.resists[k] = m.resists[k - 1];
     m.resists[0] = {};
@@ -79,6 +88,12 @@ class MotionLimits {
     if (m.sent.step(last, dt, delay, acted) && m.known) {
       const Torque gained = momentum_of<Set>(mass, measured.dq - whole(m.dq)), still = Set::of(bias);
       for (std::size_t i = 0; i < n; ++i) m.resists[0][i] = acted[i] - still[i] - gained[i] / dt;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t k = Set::index[i];
+      const T q = measured.q[k], play = T(past_end) * limits.velocity()[k], limit = limits.torque()[k];
+      m.below[i].observe(T(limits.lower()[k] - q), ahead, play, mass(k, k), limit, m.known);
+      m.above[i].observe(T(q - limits.upper()[k]), ahead, play, mass(k, k), limit, m.known);
     }
     m.dq = dq;
     m.known = true;
@@ -103,15 +118,20 @@ class MotionLimits {
     bool by_position[2][n];
   };
   /// The bounds of the velocities to which torques lead `ahead` seconds later.
-  [[nodiscard]] SKINCTL_INLINE Box box(const JointLimits<joints, T>& limits, const State<joints, T>& measured,
-                                       const T& ahead) const noexcept {
-    const T reaction = T(reaction_leads) * ahead;
+  [[nodiscard]] SKINCTL_INLINE Box box(const Memory& m, const JointLimits<joints, T>& limits,
+                                       const State<joints, T>& measured, const T& ahead) const noexcept {
+    const T reaction = detail::BeyondEnd<T>::lag(ahead);
     Box out;
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t k = Set::index[i];
       const T V = limits.velocity()[k], a = limits.acceleration()[k],
-              above = speed_to_stop(T(limits.upper()[k] - measured.q[k]), reaction, a),
-              below = speed_to_stop(T(measured.q[k] - limits.lower()[k]), reaction, a);
+              over = measured.q[k] - limits.upper()[k], under = limits.lower()[k] - measured.q[k];
+      T above = speed_to_stop(T(-over), reaction, a), below = speed_to_stop(T(-under), reaction, a);
+      // Held beyond the end, and on the way back not faster than the other end and the limit allow.
+      if (m.known && over > T(0))
+        above = detail::clamp(m.above[i].speed(over, ahead), below < V ? T(-below) : T(-V), T(0));
+      if (m.known && under > T(0))
+        below = detail::clamp(m.below[i].speed(under, ahead), above < V ? T(-above) : T(-V), T(0));
       out.by_position[0][i] = below < V;
       out.by_position[1][i] = above < V;
       out.lower[i] = below < V ? T(-below) : T(-V);
@@ -141,7 +161,7 @@ class MotionLimits {
     const JointVelocity<n, T> dq = Set::of(measured.dq);
     Kept out{asked, dq, {}, false};
     const auto& own = block_of<Set>(mass);
-    auto [lower, upper, by_position] = box(limits, measured, ahead);
+    auto [lower, upper, by_position] = box(m, limits, measured, ahead);
     Torque from, least, most;
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t k = Set::index[i];
@@ -151,16 +171,12 @@ class MotionLimits {
       from[i] = detail::clamp(asked[i], least[i], most[i]);
     }
     const Torque still = Set::of(bias);
-    Torque net;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t k = Set::index[i];
-      const T d = from[i] - still[i], V = limits.velocity()[k];
-      net[i] = d > T(0) ? left(m, i, T(1), d, upper[i], dq[i], V, T(measured.q[k] - limits.upper()[k]))
-                        : T(-left(m, i, T(-1), T(-d), T(-lower[i]), T(-dq[i]), V,
-                                  T(limits.lower()[k] - measured.q[k])));
-    }
+    Torque net = drive(m, limits, measured, from - still, lower, upper);
     const math::Ldlt<n, T> factors(own.data);
     if (!factors.positive_definite()) return out;
+    for (std::size_t i = 0; i < n; ++i)
+      detail::brake_return(T(ahead * net[i] / own(i, i)), lower[i], upper[i], by_position[0][i],
+                           by_position[1][i]);
     const auto lead_to = [&] {
       JointAcceleration<n, T> given;
       factors.solve(net.data, given.data);
@@ -194,9 +210,6 @@ class MotionLimits {
   }
 
  private:
-  /// Reaction time of a joint before its end, in times of prediction: the velocity follows with a lag of one,
-  /// and comes to rest without overshoot from four on, the critical damping.
-  static constexpr int reaction_leads = 4;
   /// Number of passes over the joints whose torque cannot change fast enough; one that is left brakes as it
   /// can.
   static constexpr int passes = 3;
@@ -211,13 +224,12 @@ class MotionLimits {
     Set::put(part, out);
     return out;
   }
-  struct Spread {
-    T least, most;
-  };
   /// The smallest and largest torque that resisted joint `i` in the last cycles, times the side `to`, 1 or -1
   /// [N m]; > 0 resists motion to that side.
-  [[nodiscard]] static SKINCTL_INLINE Spread spread(const Memory& m, std::size_t i, const T& to) noexcept {
-    Spread out{T(to * m.resists[0][i]), T(to * m.resists[0][i])};
+  [[nodiscard]] static SKINCTL_INLINE auto spread(const Memory& m, std::size_t i, const T& to) noexcept {
+    struct {
+      T least, most;
+    } out{T(to * m.resists[0][i]), T(to * m.resists[0][i])};
     for (int k = 1; k < cycles; ++k) {
       const T r = to * m.resists[k][i];
       out.least = r < out.least ? r : out.least;
@@ -229,14 +241,16 @@ class MotionLimits {
   /// joint that is too fast and pushed on, with the torque that pushes it.
   ///
   /// Resistance is taken to grow with speed: of a joint that is too fast only the part counts that it would
-  /// have at `may`, or the joint would push on through friction beyond its end; and none of it `deepest`
+  /// have at `bound`, or the joint would push on through friction beyond its end; and none of it `deepest`
   /// behind the end.
   ///
-  /// @param may     the largest speed to that side, `v` the present one, `V` the velocity limit [rad/s].
+  /// @param bound   the largest speed to that side, `v` the present one, `V` the velocity limit [rad/s].
   /// @param beyond  the distance beyond the end [rad]; negative before it.
   [[nodiscard]] static SKINCTL_INLINE T left(const Memory& m, std::size_t i, const T& to, const T& d,
-                                             const T& may, const T& v, const T& V, const T& beyond) noexcept {
-    const T excess = v - may, creep = T(slowest) * V, deepest = T(past_end) * V;
+                                             const T& bound, const T& v, const T& V,
+                                             const T& beyond) noexcept {
+    const T may = bound > T(0) ? bound : T(0), excess = v - may, creep = T(slowest) * V,
+            deepest = T(past_end) * V;
     const auto [least, most] = spread(m, i, to);
     if (most < T(0))  // it pushes on
       return excess > T(0) ? T(d - most * (excess < creep ? T(excess / creep) : T(1))) : d;
@@ -244,6 +258,27 @@ class MotionLimits {
     T r = excess > T(0) ? T(least * ((may + creep) / (v + creep))) : least;
     if (beyond > T(0)) r = r * (T(1) - beyond / deepest);
     return d > r ? T(d - r) : T(0);
+  }
+  /// The drive `d` of each joint with what resists it or pushes it on; beyond `deepest` behind an end with what
+  /// pushes more than is held.
+  [[nodiscard]] SKINCTL_INLINE Torque drive(const Memory& m, const JointLimits<joints, T>& limits,
+                                            const State<joints, T>& measured, const Torque& d,
+                                            const JointVelocity<n, T>& lower,
+                                            const JointVelocity<n, T>& upper) const noexcept {
+    Torque net;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t k = Set::index[i];
+      const T V = limits.velocity()[k], v = measured.dq[k], over = measured.q[k] - limits.upper()[k],
+              under = limits.lower()[k] - measured.q[k], beyond = over > under ? over : under;
+      net[i] = d[i] > T(0) ? left(m, i, T(1), d[i], upper[i], v, V, over)
+                           : T(-left(m, i, T(-1), T(-d[i]), T(-lower[i]), T(-v), V, under));
+      if (!(beyond > T(0))) continue;
+      const T to = over > T(0) ? T(1) : T(-1), deepest = T(past_end) * V, creep = T(slowest) * V;
+      const T share = beyond < deepest ? T(beyond / deepest) : T(1), push = -spread(m, i, to).most;
+      const T more = detail::BeyondEnd<T>::prevails(push, T(to * v), creep, limits.torque()[k]);
+      net[i] += share * (d[i] + to * more - net[i]);
+    }
+    return net;
   }
 
   [[no_unique_address]] M model_;
