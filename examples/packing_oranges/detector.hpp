@@ -58,7 +58,8 @@ class Detector {
     if (world.now() < next_) return;
     next_ = world.now() + s_.period;
     if (blind) return;
-    Picture p{world.now(), world.now() + s_.latency, {}, {}};
+    Picture p;
+    p.taken = world.now(), p.arrives = p.taken + s_.latency;
     if (!s_.numbers) {
       if (base != nullptr) p.base = *base, p.range = camera_range;
       look(world, p);
