@@ -93,9 +93,9 @@ int main(int argc, char** argv) {
   app.add_option("--touch-force", s.touch_force, "with so much [N]")
       ->check(CLI::Range(0.0, 300.0))
       ->capture_default_str();
-  app.add_flag(
-      "!--nobody-answers", s.answers,
-      "no person comes when an arm asks; else one does after 5 to 60 s (--world ideal: after a second)");
+  app.add_flag("!--nobody-answers", s.answers,
+               "no person comes when an arm asks, and it goes on after 20 s; else one does after 5 to 60 s "
+               "(--world ideal: after a second)");
   app.add_option("--dead-cells", s.dead_cells,
                  "of the 40 cells that feel on each forearm, so many say nothing")
       ->check(CLI::Range(0, 40))

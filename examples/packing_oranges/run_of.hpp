@@ -348,26 +348,28 @@ class Run {
     }
     held_ += static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
   }
-  /// Whether somebody comes whom an arm asks.
-  [[nodiscard]] bool somebody_comes(std::size_t a) const {
-    return s_.answers && !(a == 0 && s_.fault == Fault::arm_stopped && time() >= s_.fault_at);
+  /// Whether the first arm is stopped for good: no person sets it right.
+  [[nodiscard]] bool is_stopped(std::size_t a) const {
+    return a == 0 && s_.fault == Fault::arm_stopped && time() >= s_.fault_at;
   }
-  /// Whether an arm has finished, or asks a person who does not come.
+  /// Whether an arm has finished, or is stopped and has asked for a while.
   [[nodiscard]] bool is_out(std::size_t a) const {
     constexpr double patience = 10;  // [s]
     return workers_[a]->finished() ||
-           (asked_since_[a] >= 0 && !somebody_comes(a) && time() > asked_since_[a] + patience);
+           (is_stopped(a) && asked_since_[a] >= 0 && time() > asked_since_[a] + patience);
   }
-  /// A person who is asked comes when the fault is over, and takes a while; in an ideal world a second.
+  /// A person who is asked comes when the fault is over, and takes a while; in an ideal world a second. Where nobody
+  /// comes an arm goes on by itself, as long as it does not give up.
   bool answers(std::size_t a) {
+    constexpr double goes_on_after = 20;  // [s]
     if (asked_since_[a] < 0) {
       asked_since_[a] = time();
       ++out_.arm[a].asked;
       std::uniform_real_distribution<double> after(s_.answers_after, s_.answers_within);
-      comes_after_[a] = s_.honest ? after(person_) : 1;
-      if (s_.honest && somebody_comes(a)) waits_for_person_ += comes_after_[a];
+      comes_after_[a] = !s_.answers ? goes_on_after : s_.honest ? after(person_) : 1;
+      if (s_.honest && !is_stopped(a)) waits_for_person_ += comes_after_[a];
     }
-    if (!somebody_comes(a)) return false;
+    if (is_stopped(a)) return false;
     const bool passed = s_.fault == Fault::arm_stopped || time() >= s_.fault_at + lasts_;
     const bool over = passed && time() > asked_since_[a] + comes_after_[a];
     if (over) asked_since_[a] = -1;

@@ -62,9 +62,9 @@ skinctl::PlaceRequest Worker<R>::place_request() const {
       plan_.phase == Phase::begin || plan_.phase == Phase::run || plan_.phase == Phase::confirm;
   const auto& p = X_WH_.origin();
   const std::uint8_t to = now_at().place;
-  const bool at_box = to != skinctl::no_place && mark() != orange_class && is_near_box(hand_at(to));
+  const bool goes_there = to != skinctl::no_place && mark() != orange_class && is_near_box(hand_at(to));
   skinctl::PlaceRequest out;
-  out.wants = at_work && at_box && !waits_for_room() ? std::uint8_t(0) : std::uint8_t(255);
+  out.wants = at_work && goes_there && !waits_for_room() ? std::uint8_t(0) : std::uint8_t(255);
   out.leaves = 1;
   out.step_failed = !at_work;
   out.away = is_near_box(p) ? 0u : ~0u;
