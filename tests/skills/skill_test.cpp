@@ -4,10 +4,15 @@
 
 using namespace skinctl;
 
-static_assert(closed().which == 1 && closed().on == 1 && opened(2).which == 4 && opened(2).on == 0);
-static_assert(opened().then(closed()) == closed());
-static_assert(closed().then(opened(1)) == SkillSwitches{3, 1});
-static_assert(closed(1).then(opened(0)).then(opened(1)) == SkillSwitches{3, 0});
-static_assert(SkillSwitches{3, 1}.stand(closed()) && SkillSwitches{3, 1}.stand(opened(1)) &&
-              SkillSwitches{}.stand(SkillSwitches{}));
-static_assert(!SkillSwitches{3, 1}.stand(closed(1)) && !SkillSwitches{2, 2}.stand(closed(0)));
+TEST_CASE("SkillSwitches: what one command leaves of another, and whether a gripper stands as told") {
+  static_assert(closed().then(opened(1)) == SkillSwitches{3, 1});
+  CHECK((closed().which == 1 && closed().on == 1));
+  CHECK((opened(2).which == 4 && opened(2).on == 0));
+  CHECK(opened().then(closed()) == closed());
+  CHECK(closed(1).then(opened(0)).then(opened(1)) == SkillSwitches{3, 0});
+  CHECK(SkillSwitches{3, 1}.stand(closed()));
+  CHECK(SkillSwitches{3, 1}.stand(opened(1)));
+  CHECK(SkillSwitches{}.stand(SkillSwitches{}));
+  CHECK_FALSE(SkillSwitches{3, 1}.stand(closed(1)));
+  CHECK_FALSE(SkillSwitches{2, 2}.stand(closed(0)));
+}
