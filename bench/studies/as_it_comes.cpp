@@ -9,8 +9,8 @@
 // of up to 5 kg of which the robot does not know; by position or velocity, 125 or 500 Hz. Twins have the same
 // servos, friction, payload, noise and jitter, but their lag is declared and their encoders are calibrated.
 // They are touched at the same cells; where a case is not as promised beside one twin, four further twins
-// start where the robot may stand in its gap, and those that are held fast are let go at other moments. Such a
-// case is run again without each of its causes: the list tells which of them it takes.
+// start where the robot may stand in its gap, and those that are held fast are let go at other moments. Such
+// a case is run again without each of its causes: the list tells which of them it takes.
 #include "bench/studies/worlds/as_it_comes.hpp"
 
 #include <algorithm>

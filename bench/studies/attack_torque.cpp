@@ -138,8 +138,9 @@ class Arm {
     for (std::size_t i = 0; i < 6; ++i) sum += 0.5 * declared_.virtual_inertia[i] * x.dq[i] * x.dq[i];
     return sum;
   }
-  /// Lets go a joint that was held fast. No controller prevents the speed that this returns [rad/s]: the torque
-  /// that it was held against acts for a delay and a period, and turns back at the rate that the guard allows.
+  /// Lets go a joint that was held fast. No controller prevents the speed that this returns [rad/s]: the
+  /// torque that it was held against acts for a delay and a period, and turns back at the rate that the guard
+  /// allows.
   [[nodiscard]] double let_go(std::size_t i) {
     fast[i] = false;
     const double net = std::abs(tau_[i] - gravity_torque(ur5::Model{}, x.q)[i]);

@@ -16,8 +16,8 @@ namespace packing {
 
 /// Where the robot stands, by its wheels, and by marks that its camera sees while it stands.
 ///
-/// A Kalman filter of x, y and yaw. Wheels slip by a share that is the same on a whole drive, so the deviations grow with
-/// the way since the last stand; a mark is a measurement of two of the three.
+/// A Kalman filter of x, y and yaw. Wheels slip by a share that is the same on a whole drive, so the
+/// deviations grow with the way since the last stand; a mark is a measurement of two of the three.
 class Whereabouts {
  public:
   /// What the wheels tell, every cycle.
@@ -46,8 +46,8 @@ class Whereabouts {
   double way_ = 0;  ///< since it stood [m]
 };
 
-/// A base that drives: three joints by velocity with limits of their own, and a spline to each place. It halts while
-/// somebody touches the robot.
+/// A base that drives: three joints by velocity with limits of their own, and a spline to each place. It
+/// halts while somebody touches the robot.
 class Carriage {
  public:
   static constexpr std::size_t nowhere = 99;

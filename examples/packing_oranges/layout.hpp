@@ -43,8 +43,8 @@ inline constexpr Tray box_tray{0, 0, 0.17, 0.13, 0.08};
 inline constexpr std::size_t tray_count = 1 + arms;
 using Trays = std::array<Tray, tray_count>;
 inline constexpr Trays first_trays{box_tray, bin_tray(0), bin_tray(1)};
-/// With a robot that drives there are two tables along y: oranges and bins on the first one, around the World's origin, the
-/// box on the second one, whose middle is so far away [m].
+/// With a robot that drives there are two tables along y: oranges and bins on the first one, around the
+/// World's origin, the box on the second one, whose middle is so far away [m].
 inline constexpr double second_table = 1.6;
 [[nodiscard]] constexpr Trays trays_at_first(bool drives) noexcept {
   Trays out = first_trays;

@@ -25,7 +25,8 @@ struct RunSettings {
   std::uint64_t seed = 1;
   double touch_every = 20;  ///< a person pushes each forearm so often [s]; 0: never
   double touch_force = 12;  ///< [N]
-  /// A person who is asked comes after so long, at least and at most [s]; a second after a fault in an ideal world.
+  /// A person who is asked comes after so long, at least and at most [s]; a second after a fault in an ideal
+  /// world.
   double answers_after = 5, answers_within = 60;
   bool answers = true;            ///< a person comes at all
   double touch_lasts = 0.6;       ///< [s]

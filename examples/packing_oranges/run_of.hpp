@@ -29,7 +29,8 @@ class Toucher {
     const auto& X = cells_[cell_].X_LC;
     world.push(arm, forearm, X.origin(), -force * X.axis_z());
   }
-  /// What else presses on the forearm, for the next samples: each contact as the person's, on the nearest cell.
+  /// What else presses on the forearm, for the next samples: each contact as the person's, on the nearest
+  /// cell.
   void feel(std::span<const World::Contact> contacts) {
     pressed_.assign(cells_.size(), 0);
     for (const World::Contact& c : contacts) {
@@ -358,8 +359,8 @@ class Run {
     return workers_[a]->finished() ||
            (is_stopped(a) && asked_since_[a] >= 0 && time() > asked_since_[a] + patience);
   }
-  /// A person who is asked comes when the fault is over, and takes a while; in an ideal world a second. Where nobody
-  /// comes an arm goes on by itself, as long as it does not give up.
+  /// A person who is asked comes when the fault is over, and takes a while; in an ideal world a second. Where
+  /// nobody comes an arm goes on by itself, as long as it does not give up.
   bool answers(std::size_t a) {
     constexpr double goes_on_after = 20;  // [s]
     if (asked_since_[a] < 0) {

@@ -21,8 +21,8 @@ namespace packing {
 [[nodiscard]] teach::Activities activities_here();
 
 /// The plan of a process of tasks that repeats, from their files in their order. Things count by their names:
-/// also "full box", and the "shelf" where an arm puts one. Where one of the tasks puts full boxes away, all find
-/// a box that has room.
+/// also "full box", and the "shelf" where an arm puts one. Where one of the tasks puts full boxes away, all
+/// find a box that has room.
 ///
 /// Throws as `plan_of`, and for tasks that do not follow each other, with the task and its step.
 [[nodiscard]] Plan plan_of_process(std::span<const std::string> files, const HandRoom& room);

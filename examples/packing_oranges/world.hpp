@@ -100,8 +100,8 @@ class World {
   /// Where the robot really stands: both arms stand on it.
   [[nodiscard]] Standing robot() const;
 
-  /// What presses on the forearm of an arm besides the person, since this was called last: where, and with which mean
-  /// force, in the link's frame [N].
+  /// What presses on the forearm of an arm besides the person, since this was called last: where, and with
+  /// which mean force, in the link's frame [N].
   struct Contact {
     skinctl::Xyz<double> at{0, 0, 0}, force{0, 0, 0};
   };

@@ -2,14 +2,14 @@
 //
 // Promise: after a stop a motion goes on from where the robot stands: it neither leaps back to where its plan
 // was, nor runs past its goal, however slowly the robot brakes
-// Tried: UR5 by position and velocity, splines of joints and of the tool, a reactive target, in sums and skills;
-// accelerations from 0.3 to 15 rad/s^2, a stop at each tenth of the way, resumed at rest, while it still brakes,
-// twice, with the goal sent once more: back by at most 0.5 mrad, past the goal by 1 mrad (up to 2 rad where the
-// plan goes on where it was). A resume without a stop changes nothing
+// Tried: UR5 by position and velocity, splines of joints and of the tool, a reactive target, in sums and
+// skills; accelerations from 0.3 to 15 rad/s^2, a stop at each tenth of the way, resumed at rest, while it
+// still brakes, twice, with the goal sent once more: back by at most 0.5 mrad, past the goal by 1 mrad (up to
+// 2 rad where the plan goes on where it was). A resume without a stop changes nothing
 //
 // Promise: a spline asks for no more acceleration than the robot has: it takes longer, and says so
-// Tried: UR5, goals that would take up to 87 times the limits' acceleration, joints and tool, 0.1 to 15 rad/s^2:
-// past the goal by at most 4 mrad (by 0.5 to 2 rad with accelerations beyond the limits)
+// Tried: UR5, goals that would take up to 87 times the limits' acceleration, joints and tool, 0.1 to 15
+// rad/s^2: past the goal by at most 4 mrad (by 0.5 to 2 rad with accelerations beyond the limits)
 
 #include <doctest/doctest.h>
 

@@ -2,9 +2,9 @@
 // back inside freely
 // Tried: UR5 that starts up to 50 mrad beyond three ends, 1 to 8 ms, delay 0 to 20 ms, dry friction of 0 to 3
 // N m that nobody declared: 8 N m or 1 kg move it by 10 to 110 mrad, as stiffly as its delay allows, and no
-// further, where they moved it on for as long as they pushed. Noise does not move it. A hand and a law move it
-// inside, a hand as if there were no end. Led on by 60 N m it stays where it is let go, or comes back by what
-// its spring gave. Also: `bench/studies/attack_torque`
+// further, where they moved it on for as long as they pushed. Noise does not move it. A hand and a law move
+// it inside, a hand as if there were no end. Led on by 60 N m it stays where it is let go, or comes back by
+// what its spring gave. Also: `bench/studies/attack_torque`
 
 #include <doctest/doctest.h>
 

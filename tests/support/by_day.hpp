@@ -3,7 +3,8 @@
 
 #include "skinctl/testing/sanitized.hpp"
 
-// The scalars of a test that the gate compiles twice: as users do, in both, and with the sanitizers' checks, in one.
+// The scalars of a test that the gate compiles twice: as users do, in both, and with the sanitizers' checks,
+// in one.
 #if defined(SKINCTL_GATE) && SKINCTL_SANITIZED
 #define SKINCTL_SCALARS double
 #else

@@ -1,12 +1,13 @@
-// Promise: a robot with two arms drives between two tables: it looks again at each, and packs what lies on one
-// into a box on the other
-// Tried: 12 oranges by two UR5 and two UR10e, wheels that slip by 1 % and 8 mrad a metre, pushes on both arms every
-// 6 s: all right, no wall touched; with hands too. 200 drives by themselves, with a share of slip of their own: where
-// it stands it is within 4 deviations of where it takes itself to be, wheels alone are off by ten times as much
+// Promise: a robot with two arms drives between two tables: it looks again at each, and packs what lies on
+// one into a box on the other
+// Tried: 12 oranges by two UR5 and two UR10e, wheels that slip by 1 % and 8 mrad a metre, pushes on both arms
+// every 6 s: all right, no wall touched; with hands too. 200 drives by themselves, with a share of slip of
+// their own: where it stands it is within 4 deviations of where it takes itself to be, wheels alone are off
+// by ten times as much
 //
 // Promise: a base that drives halts while somebody touches the robot, and goes on from where it stands
-// Tried: touches of 0.5 s at every phase of a drive, also one after the other: it stands within v^2 / 2a and the
-// delays, never drives back, and ends at the other table
+// Tried: touches of 0.5 s at every phase of a drive, also one after the other: it stands within v^2 / 2a and
+// the delays, never drives back, and ends at the other table
 
 #include <doctest/doctest.h>
 

@@ -26,8 +26,7 @@ enum class Sum : unsigned char {
 ///   `Y_r Theta`; where none is, `Y_r Theta` contains it. (In a plain sum without a gravity law the weights
 ///   of the tracking laws also multiply G, so they should sum to one.)
 /// - Each law is computed once for the torque, its share and the opposition of skin and tracking, which then
-///   freezes and resets the tracking laws.
-/// - Quantities that torque and memory of a law share (`now`) are computed once.
+///   freezes and resets the tracking laws; what its torque and memory share (`now`) is computed once, too.
 template <Sum Policy, LawMembers... L>
 class Fused : public Composable,
               public detail::GoalOf<std::tuple<>, L...>,

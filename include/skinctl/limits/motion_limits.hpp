@@ -29,10 +29,10 @@ struct MotionByTorque {};
 /// `nearest_in_box`. So the joints of a light finger do not turn each other, and above the limit a joint is
 /// only braked. External forces beyond the joints' torques prevail.
 ///
-/// Beyond an end a joint is held where it is, or at the end if it came from inside: by a spring on the way out,
-/// as stiff as the braking damps it critically. It moves back inside freely, and the place with it, so an arm
-/// that starts beyond an end does not move by itself. Above `hold_share` of its torque the place gives way, as
-/// that of a stop does, and what pushes harder is braked to a creep.
+/// Beyond an end a joint is held where it is, or at the end if it came from inside: by a spring on the way
+/// out, as stiff as the braking damps it critically. It moves back inside freely, and the place with it, so
+/// an arm that starts beyond an end does not move by itself. Above `hold_share` of its torque the place gives
+/// way, as that of a stop does, and what pushes harder is braked to a creep.
 ///
 /// r is the torque that resisted in the last cycles, the least of `tau - M ddq - C dq - G`: friction, or an
 /// object in the hand. A joint that moves freely stays below its speed, one that holds something has its
@@ -259,8 +259,8 @@ class MotionLimits {
     if (beyond > T(0)) r = r * (T(1) - beyond / deepest);
     return d > r ? T(d - r) : T(0);
   }
-  /// The drive `d` of each joint with what resists it or pushes it on; beyond `deepest` behind an end with what
-  /// pushes more than is held.
+  /// The drive `d` of each joint with what resists it or pushes it on; beyond `deepest` behind an end with
+  /// what pushes more than is held.
   [[nodiscard]] SKINCTL_INLINE Torque drive(const Memory& m, const JointLimits<joints, T>& limits,
                                             const State<joints, T>& measured, const Torque& d,
                                             const JointVelocity<n, T>& lower,

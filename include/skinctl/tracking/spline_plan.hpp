@@ -88,8 +88,8 @@ struct SplinePlan {
     return {spline, clock.changed(!holds, Space::tracking(s).bumpless_transfer), asked, heard};
   }
 
-  /// The plan that leads on from the motion `now` to where it led: in the time that it had left, or in so much
-  /// more that it asks for no more acceleration than before, `tf sqrt(way left / whole way)`.
+  /// The plan that leads on from the motion `now` to where it led: in the time that it had left, or in so
+  /// much more that it asks for no more acceleration than before, `tf sqrt(way left / whole way)`.
   [[nodiscard]] SplinePlan resumed(const typename Space::Reference& now, const Settings& s) const noexcept {
     const Where& where = Space::where_of(now);
     const auto end = spline.at(std::numeric_limits<T>::infinity());

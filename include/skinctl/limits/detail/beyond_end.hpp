@@ -37,8 +37,8 @@ struct BeyondEnd {
     const T over = past - place;
     return over > T(0) ? T(-over / lag(ahead)) : T(0);
   }
-  /// The part of `push` > 0 outwards that prevails over what holds a joint [N m]; counted as it moves on at `v`,
-  /// all of it from the speed `creep` on [rad/s].
+  /// The part of `push` > 0 outwards that prevails over what holds a joint [N m]; counted as it moves on at
+  /// `v`, all of it from the speed `creep` on [rad/s].
   [[nodiscard]] static SKINCTL_INLINE T prevails(const T& push, const T& v, const T& creep,
                                                  const T& limit) noexcept {
     const T more = push - T(hold_share) * limit;

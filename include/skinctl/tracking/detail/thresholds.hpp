@@ -11,8 +11,8 @@ namespace detail {
 inline constexpr double standing_speed = 1e-3;
 /// Magnitude below which a decaying motion is zero: long before its denormal numbers, which are slow.
 inline constexpr double smallest_motion = 1e-30;
-/// Share of a joint's largest acceleration that plans use: the rest leads it back to its course. With all of it
-/// a robot that is off its course cannot catch up, and swings about its goal.
+/// Share of a joint's largest acceleration that plans use: the rest leads it back to its course. With all of
+/// it a robot that is off its course cannot catch up, and swings about its goal.
 inline constexpr double planned_share = 0.8;
 
 }  // namespace detail

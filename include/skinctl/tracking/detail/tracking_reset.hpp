@@ -53,8 +53,8 @@ class TrackingReset : public TrackingLoop<Space, Plan, Damping> {
     }
     return status;
   }
-  /// The shortest time of a spline to `goal` within the joints' accelerations, by the Jacobian where it begins
-  /// [s].
+  /// The shortest time of a spline to `goal` within the joints' accelerations, by the Jacobian where it
+  /// begins [s].
   template <class Site, class Goal>
   [[nodiscard]] SKINCTL_COLD T time_to_accelerate(const Memory& memory, const Site& site,
                                                   const Goal& goal) const noexcept {
