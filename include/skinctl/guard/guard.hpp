@@ -100,6 +100,7 @@ class Guard {
             guard.step(memory, part_of<S>(wish), part_of<S>(measured), interval, S::of(fallback), found);
         out.status |= one.status;
         out.altered = out.altered || one.altered;
+        out.brakes = out.brakes || one.brakes;
         out.command.time = one.command.time;
         out.command.valid = out.command.valid && one.command.valid;
         put_part<S>(one.command, out.command);

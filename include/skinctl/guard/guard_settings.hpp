@@ -64,6 +64,7 @@ struct Guarded {
   JointCommand<N, T> command;
   Status status;
   bool altered = false;
+  bool brakes = false;  ///< whether it brakes or fades whatever is asked for, until a fault is over
 };
 
 SKINCTL_END_NAMESPACE

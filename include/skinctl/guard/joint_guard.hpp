@@ -150,6 +150,7 @@ class JointGuard : public detail::GuardReach<Ix, N, T> {
       Guarded<N, T> out = brake(m, measured, given, status);
       if constexpr (beside_motion)
         out.status |= turn_beside(m.command.torque, {}, measured, dt, out.command.torque);
+      out.brakes = !good;
       return let_out(m, interval.to, out);
     }
   }
@@ -268,7 +269,7 @@ class JointGuard : public detail::GuardReach<Ix, N, T> {
     const bool limited = good && any(within != wanted), slowed = any(given != within);
     if (limited) status |= Reason::torque_limited;
     if (slowed) status |= Reason::step_limited;
-    Guarded<N, T> out{good ? wish : m.command, status, !good || limited || slowed};
+    Guarded<N, T> out{good ? wish : m.command, status, !good || limited || slowed, !good};
     given.store(out.command.torque);
     return out;
   }

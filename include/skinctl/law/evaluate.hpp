@@ -112,7 +112,8 @@ template <class L, class K>
   }
 }
 
-/// The memory of `law` after a stop, in which others moved the robot: by its own `resumed`, else unchanged.
+/// The memory of `law` after a stop or a brake, in which others moved the robot: by its own `resumed`, else
+/// unchanged.
 template <class L, class K>
 [[nodiscard]] SKINCTL_COLD typename L::Memory resumed(const L& law, const typename L::Memory& memory,
                                                       const K& known) noexcept {

@@ -66,7 +66,7 @@ concept LawMembers = detail::HasMemory<L> && detail::HasNeeds<L> && detail::HasR
 /// |---|---|---|---|
 /// | `status(memory)` | the reasons for what it limits, holds or ramps out in this cycle | none | of all |
 /// | `settled(memory, known, still)` | whether it is at rest at its goal | no joint is faster than `still` | all are |
-/// | `resumed(memory, known)` | the memory after a stop, in which others moved the robot | as it was | of all |
+/// | `resumed(memory, known)` | the memory after a stop, a brake or old states, in which others moved the robot | as it was | of all |
 /// | `Goal`, `receive`, `follow` | see `GoalLaw` | takes no goals | the one that takes such a goal |
 /// | `distance(known, goal)` | `position` [m], `orientation` and `joint` [rad] from a goal | unknown | not asked |
 /// | `presses` | a tracking law that presses against a contact: the skin does not oppose it | false | each its own |

@@ -95,6 +95,7 @@ struct ResolverMemory {
   static constexpr bool one_group = std::tuple_size_v<Groups> == 1 && Sets::Driven::count == 0;
   bool started = false;
   bool stop = false;                       ///< a stop was requested
+  bool left = false;                       ///< the robot did not follow its law in the last cycle
   std::uint8_t short_intervals = 0;        ///< intervals that were too short, in a row, up to 255
   Nanoseconds time{};                      ///< the end of the last interval
   Nanoseconds odd_time = detail::no_time;  ///< the last cycle's time, if the clock had gone back

@@ -172,6 +172,7 @@ class Resolver : public detail::ResolverDriven<M, T, Sets, Integrator, History, 
     const auto begun = this->begin(m, measured, interval, check, dt, this->pushed(m, newest));
     out.status |= begun.status | this->watch(m, pressed, newest, dt);
     [[maybe_unused]] auto load = this->load_of(m, begun, newest, dt);
+    this->resume_law(m, law, law_memory, newest, begun.stale);
 
     Torque torque;
     if constexpr (has_virtual) torque = this->stiff_only(m.command().torque);

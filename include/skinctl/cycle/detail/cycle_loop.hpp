@@ -83,10 +83,8 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
       if (guard_.refuses_start(m.guard)) [[unlikely]] {
         start_anew(m, input);
       } else {
-        const bool stood = resolver_.stops(m.robot);
         resolver_.resume(m.robot);
         guard_.acknowledge(m.guard);
-        if (stood) go_on(m);
       }
     }
     if constexpr (takes_goals)
@@ -146,6 +144,7 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
                                      resolved.fallback, found | status);
     status |= guarded.status | input.observed;
     if (guarded.altered || slowed) resolver_.sent(m.robot, guarded.command);
+    m.robot.left = m.robot.left || guarded.brakes;
     if (!guarded.command.valid) [[unlikely]]
       resolver_.not_sent(m.robot);
     if (guard_.waits(m.guard)) resolver_.stop(m.robot);
@@ -227,12 +226,6 @@ class CycleLoop : public CycleParts<Resolver, GivenLaw, GivenSkin, GivenParts> {
     if constexpr (takes_positions<Resolver>)
       if (m.robot.group().gap_told) return start(m, measured, measured.q - m.robot.group().gap);
     start(m, measured);
-  }
-  /// The laws go on after a stop from where the robot is now.
-  SKINCTL_COLD void go_on(Memory& m) const noexcept {
-    const auto state = resolver_.state(m.robot);
-    const Wrenches touch = skin_.wrenches(m.skin);
-    m.law = resumed(law_, m.law, resolver_.template known<L>(state, period(), touch));
   }
   SKINCTL_COLD Status receive(Memory& m, const Input& input) const noexcept {
     const auto state = resolver_.state(m.robot);

@@ -143,6 +143,20 @@ class ResolverDriven : public ResolverDrive<M, T, Sets, Integrator, History, Pas
     }
   }
 
+  /// Resumes a law that the robot follows again after a stop, stale states or a brake of the guard: others
+  /// moved the robot since then.
+  template <class L, class Touch>
+  SKINCTL_INLINE void resume_law(Memory& m, const L& law, typename L::Memory& law_memory, const Touch& touch,
+                                 bool stale) const noexcept {
+    const bool follows = has_virtual ? this->following(m) : !m.stop && !stale;
+    if (m.left && follows) [[unlikely]] {
+      const T period = seconds<T>(this->period());
+      const State<joints, T> now = this->state(m);
+      law_memory = resumed(law, law_memory, this->template known<L>(now, period, touch));
+    }
+    m.left = !follows;
+  }
+
   /// Evaluates the law at `now` for `load.given`, the torque of joints by torque, which stays if the law's is
   /// not finite. Where all joints take torques, the law's memory advances by `dt`.
   template <class L, class Touch, class Load, class Out>

@@ -88,8 +88,10 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
       m.displaced = m.displaced || any(magnitude(Row(m.gap)) > Row(p_.largest_gap));
     out.leash = this->leash(m);
     if constexpr (!takes_position(Ix)) {
-      m.displaced = m.displaced || any(beyond(m, out.leash) > Row(p_.largest_gap));
-      if (!m.displaced) take_in(m, out);
+      if (!out.status.has(Reason::state_stale)) [[likely]] {  // an old state does not tell where the robot is
+        m.displaced = m.displaced || any(beyond(m, out.leash) > Row(p_.largest_gap));
+        if (!m.displaced) take_in(m, out);
+      }
       before_ends(m, out);
     }
     m.brakes = m.stop || m.displaced || out.status.has(Reason::state_stale);
