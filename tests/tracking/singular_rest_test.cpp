@@ -2,7 +2,8 @@
 //
 // Promise: holding a pose costs no motion, at a singularity and 1e-9 to 0.03 rad from it
 // Tried: wrist, elbow, shoulder of a UR5: 1e-6 rad of all joints together in 120 s; the tool stays within
-// 0.2 mm and 1 mrad of its goal
+// 0.2 mm and 1 mrad of its goal; a goal for a tool that still moves begins no rest (else a torque jumps by up to
+// 5.5 N m for a cycle)
 
 #include "skinctl/tracking/singular_rest.hpp"
 
@@ -160,4 +161,27 @@ TEST_CASE("SingularRest: begins within half the tolerance, ends beyond it, both 
     last = rest.r;
   }
   CHECK(rest.r == 0);
+}
+
+TEST_CASE("SingularRest: a new goal for a tool that moves next to a singularity begins no rest") {
+  const L law = make();
+  double largest_step = 0;
+  for (const Kind kind : {Kind::wrist, Kind::elbow, Kind::shoulder})
+    for (const double d : {0.005, 0.01, 0.02, 0.04}) {
+      State<6> x{0ns, next_to(kind, d), {}};
+      for (double& v : x.dq) v = 0.3;
+      auto memory = law.start(K(model, x, dt, none));
+      memory = law.receive(memory, K(model, x, dt, none), {pose(x.q), 1s}).memory;
+      auto last = law.torque(memory, K(model, x, dt, none));
+      for (int k = 0; k < 6; ++k) {
+        const auto out = evaluate(law, memory, K(model, x, dt, none), dt);
+        memory = out.memory;
+        CHECK(memory.space.rest.r == 0);
+        x = simulate(model, x, out.torque, dt, 4);
+        for (std::size_t i = 0; i < 6; ++i)
+          largest_step = std::max(largest_step, std::abs(out.torque[i] - last[i]));
+        last = out.torque;
+      }
+    }
+  MESSAGE("largest change of a torque in a cycle: ", largest_step, " N m");
 }

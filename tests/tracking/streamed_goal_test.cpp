@@ -4,6 +4,9 @@
 // Tried: splines of joints and of a tool, springs, targets without velocities; the same goal and one of 0.4
 // rad/s in each of 1000 cycles of 8 ms; an arm by position, velocity and torque that is touched, stopped and
 // resumed meanwhile
+//
+// Promise: a goal soon after the last one that no motion of the largest speed leads to begins without a step
+// Tried: a reversal 32 to 184 ms after a goal: 0.003 N m (taken for a sample of one motion: 4.8 N m)
 
 #include <doctest/doctest.h>
 
@@ -187,4 +190,28 @@ TEST_CASE("streamed goals: a goal long after the last one is planned anew from w
   run.send({on_the_way(1), 1s});
   while (run.time() < 9) peak = std::fabs(run.step().position[0] - on_the_way(1)[0]);
   CHECK(peak < 1e-3);
+}
+
+TEST_CASE("streamed goals: one far away, soon after the last one, is a new goal: the torque has no step") {
+  using Robot = Quantities<ur5::Model, SplineJoint<6>::needs>;
+  const SplineJoint<6> law(robot);
+  const double dt = 0.008;
+  double largest_step = 0;
+  for (int cycles = 4; cycles < 24; ++cycles) {
+    State<6> x{0ns, home_position(), {}};
+    const auto known = [&] { return Robot(ur5::Model{}, x, dt, NoTouch{}); };
+    auto memory = law.start(known());
+    memory = law.receive(memory, known(), {on_the_way(0.5), 1s}).memory;
+    for (int k = 0; k < cycles; ++k) {
+      const auto out = evaluate(law, memory, known(), dt);
+      memory = out.memory;
+      x = simulate(ur5::Model{}, x, out.torque + gravity_torque(ur5::Model{}, x.q), dt, 4);
+    }
+    const auto before = law.torque(memory, known());
+    const auto after = law.torque(law.follow(memory, known(), {on_the_way(-0.5), 600ms}).memory, known());
+    for (std::size_t i = 0; i < 6; ++i)
+      largest_step = std::fmax(largest_step, std::fabs(after[i] - before[i]));
+  }
+  CHECK(largest_step < 0.1);
+  MESSAGE("a step of ", largest_step, " N m");
 }

@@ -97,7 +97,7 @@ class Impedance : public Composable {
     if (!detail::within_limits<Space>(known, goal)) return {memory, Reason::goal_refused};
     bool streamed = false;
     if constexpr (!Plan::streams) {
-      streamed = memory.plan.is_streamed(settings_.space);
+      streamed = memory.plan.is_sample(goal, settings_.space);
       if (memory.plan.leads_to(goal, settings_.space)) {
         Received<Memory> same{memory, {}};
         same.memory.plan.heard = 0ns;

@@ -244,6 +244,7 @@ class OperationalSpace : public PoseTargets<N, P, T, What> {
       far = far + per_orientation_ * per_orientation_ * square(get(error.e + 3));
       speed = speed + square(in.target.V.angular);
     }
+    for (const T& v : in.bias.S_d) speed = speed + v * v;  // of a robot that moved when its goal came
     s.rests = rest.reached(far, speed);
     s.q = at.q;
     if (!(rest.r > T(0))) return;

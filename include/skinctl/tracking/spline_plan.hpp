@@ -43,15 +43,19 @@ struct SplinePlan {
                                                                     const Settings&) noexcept {
     return {Space::spline(at, at, T(0)), {}};
   }
-  /// Whether goals come one after the other, as samples of a motion.
-  [[nodiscard]] bool is_streamed(const Settings& s) const noexcept {
-    return heard <= sample_gap * Space::tracking(s).target_age;
+  /// Whether `goal` is a sample of a motion: it comes soon after the last goal, and is no further from it than
+  /// the largest speed covers meanwhile.
+  [[nodiscard]] bool is_sample(const Goal& goal, const Settings& s) const noexcept {
+    if (!(heard <= sample_gap * Space::tracking(s).target_age)) return false;
+    const auto end = spline.at(std::numeric_limits<T>::infinity());
+    const auto moved = Space::distance(standing(Space::place(goal), s).at(T(0), s), end);
+    return Space::slowness(moved, s) <= seconds<T>(later(heard, Space::tracking(s).dt));
   }
   /// Whether `goal` is the one that the plan leads to already, or that it is sent again and again.
   [[nodiscard]] bool leads_to(const Goal& goal, const Settings& s) const noexcept {
     return goal.duration == asked &&
            Space::where_of(spline.at(std::numeric_limits<T>::infinity())) == Space::place(goal) &&
-           (is_streamed(s) || !Space::stands(at(T(0), s)));
+           (is_sample(goal, s) || !Space::stands(at(T(0), s)));
   }
   /// Whether the reference goes on from that of `before` without a step of its velocity.
   [[nodiscard]] bool goes_on_from(const SplinePlan& before, const Settings& s) const noexcept {

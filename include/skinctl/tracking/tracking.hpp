@@ -145,9 +145,9 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   /// is a new goal if it is further from the extrapolation of the last one than the largest speed covers in
   /// the time between both, of which up to four times `dt` count.
   ///
-  /// A goal of a spline within twice `target_age` of the last one is a sample too: the same one changes
-  /// nothing, another one gets a plan that goes on from the reference. Where the reference would step, as in
-  /// a reversal, it is a new goal.
+  /// A goal of a spline within twice `target_age` of the last one, and no further from it, is a sample too:
+  /// the same one changes nothing, another one gets a plan that goes on from the reference. Where the
+  /// reference would step, as in a reversal, it is a new goal.
   template <class K>
   [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known,
                                         const Goal& goal) const noexcept {
@@ -162,7 +162,7 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
       Received<Memory> out{memory, {}};
       out.memory.plan.heard = 0ns;
       return out;
-    } else if (memory.plan.is_streamed(settings_) && detail::within_limits<Space>(known, goal)) {
+    } else if (memory.plan.is_sample(goal, settings_) && detail::within_limits<Space>(known, goal)) {
       const auto from = Space::where_of(memory.plan.at(T(0), settings_));
       const auto planned = memory.plan.to(goal, from, settings_);
       Received<Memory> out{memory, planned.status};
