@@ -2,8 +2,8 @@
 //
 // Promise: holding a pose costs no motion, at a singularity and 1e-9 to 0.03 rad from it
 // Tried: wrist, elbow, shoulder of a UR5: 1e-6 rad of all joints together in 120 s; the tool stays within
-// 0.2 mm and 1 mrad of its goal; a goal for a tool that still moves begins no rest (else a torque jumps by up to
-// 5.5 N m for a cycle)
+// 0.2 mm and 1 mrad of its goal; a goal for a tool that still moves begins no rest (else a torque jumps by up
+// to 5.5 N m for a cycle)
 
 #include "skinctl/tracking/singular_rest.hpp"
 

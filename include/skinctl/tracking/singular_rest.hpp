@@ -29,8 +29,8 @@ struct SingularRest {
 
   /// Whether the goal is reached: within half the tolerances, then until it is out of them.
   /// @param distance_squared  sum of the squared errors of the frame, each over its tolerance.
-  /// @param speed_squared     sum of the squares of the goal's velocity and of the bias S_d, which is what the
-  ///                          robot moved with when the goal came [m^2/s^2 + rad^2/s^2].
+  /// @param speed_squared     sum of the squares of the goal's velocity and of the bias S_d, with which the
+  ///                          robot moved when the goal came [m^2/s^2 + rad^2/s^2].
   [[nodiscard]] bool reached(const T& distance_squared, const T& speed_squared) const noexcept {
     return distance_squared + speed_squared / T(detail::standing_speed * detail::standing_speed) <
            (on ? T(1) : T(inner_share * inner_share));

@@ -43,8 +43,8 @@ struct SplinePlan {
                                                                     const Settings&) noexcept {
     return {Space::spline(at, at, T(0)), {}};
   }
-  /// Whether `goal` is a sample of a motion: it comes soon after the last goal, and is no further from it than
-  /// the largest speed covers meanwhile.
+  /// Whether `goal` is a sample of a motion: it comes soon after the last goal, and is no further from it
+  /// than the largest speed covers meanwhile.
   [[nodiscard]] bool is_sample(const Goal& goal, const Settings& s) const noexcept {
     if (!(heard <= sample_gap * Space::tracking(s).target_age)) return false;
     const auto end = spline.at(std::numeric_limits<T>::infinity());

@@ -126,8 +126,9 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     return out;
   }
 
-  /// The memory that goes on after a stop or a brake, in which others moved the robot: its plan leads from the
-  /// known state to where it led, in the time that it had left; time base, surface and integrals start again.
+  /// The memory that goes on after a stop or a brake, in which others moved the robot: its plan leads from
+  /// the known state to where it led, in the time that it had left; time base, surface and integrals start
+  /// again.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory resumed(const Memory& memory, const K& known) const noexcept {
     Memory out = memory;
