@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "skinctl/limits/detail/group_motion.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 
 using namespace skinctl;
@@ -314,4 +315,46 @@ TEST_CASE("JerkLimits: a motion allocates nothing") {
   const testing::AllocationGuard guard;
   for (int k = 0; k < 1000; ++k) joint.ask(k % 200 < 100 ? 1 : -1, 0.002);
   CHECK(guard.count() == 0);
+}
+
+TEST_CASE("GroupMotion: a motion that another limit slows comes to rest no further than the wished one") {
+  // The resolver's bounds of the rest point, an end by velocity or the leash, hold beside other limits.
+  std::mt19937 rng(11);
+  const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
+  double furthest = 0, furthest_alone = 0;
+  for (int k = 0; k < 1000 / share; ++k) {
+    const double A = roll(3, 40), J = std::max(20 * std::pow(5000.0, roll(0, 1)), A),
+                 h = 5e-4 * std::pow(40.0, roll(0, 1));
+    const auto limits = one_joint<double>(-1e3, 1e3, 3, A, J);
+    const detail::GroupMotion<1, double, JerkLimits<1>> group(limits.joints(), limits);
+    JointCommand<1> last;
+    for (int cycle = 0; cycle < 200; ++cycle) {
+      JointCommand<1> wish = last;  // of four sub-steps
+      const auto target = JointVelocity<1>::constant(roll(-2, 2));
+      for (int part = 0; part < 4; ++part) {
+        const auto room = limits.joints().room(wish.position);
+        const auto m = cycle / 40 % 2 == 0
+                           ? limits.move(room, wish.velocity, wish.acceleration, target, h / 4)
+                           : limits.brake(room, wish.velocity, wish.acceleration, h / 4);
+        wish.position += m.displacement, wish.velocity = m.velocity, wish.acceleration = m.acceleration;
+      }
+      const auto room = limits.joints().room(last.position);
+      const auto slower = roll(0.7, 1) * wish.velocity;
+      const auto kept = group.smoothed(last, wish, slower, h);
+      const auto alone = limits.move(room, last.velocity, last.acceleration, slower, h);
+      const auto stop = limits.brake(room, last.velocity, last.acceleration, h);
+      const double side = wish.velocity[0] < 0 ? -1 : 1;
+      const auto rest = [&](const auto& m) {
+        return side * limits.rest_of(last.velocity, m.velocity, m.acceleration, h)[0];
+      };
+      const double allowed = std::max(rest(wish), rest(stop));
+      furthest = std::max(furthest, rest(kept) - allowed);
+      furthest_alone = std::max(furthest_alone, rest(alone) - allowed);
+      last.position += kept.displacement, last.velocity = kept.velocity,
+                                          last.acceleration = kept.acceleration;
+    }
+  }
+  CHECK(furthest < 1e-3);
+  CHECK(furthest_alone > 0.01);  // so the test can fail
+  MESSAGE("beyond by ", furthest, " rad, towards the slower velocity alone by ", furthest_alone);
 }

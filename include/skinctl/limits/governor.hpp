@@ -152,8 +152,8 @@ class Governor : public detail::LimitsOfScene<M, T, Sets, Limits...> {
   SKINCTL_COLD void move_smoothly(Memory& m, const Input& in, const Going& going, const Velocity& u,
                                   Output& out) const noexcept {
     [&]<std::size_t... K>(std::index_sequence<K...>) SKINCTL_INLINE_LAMBDA {
-      const std::tuple wish(
-          std::get<K>(motions_).smoothed(part_of<Set<K>>(in.last), Set<K>::of(u), in.span)...);
+      const std::tuple wish(std::get<K>(motions_).smoothed(
+          part_of<Set<K>>(in.last), part_of<Set<K>>(out.command), Set<K>::of(u), in.span)...);
       const std::tuple stop(std::get<K>(motions_).stopped(part_of<Set<K>>(in.last), in.span)...);
       const auto breaks = [&](const T& share) {
         Position moved = going.half_way(u);

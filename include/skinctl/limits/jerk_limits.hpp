@@ -101,6 +101,19 @@ class JerkLimits {
       if (a[i] * u[i] >= T(0)) out[i] += a[i] * (a[i] < T(0) ? -a[i] : a[i]) / (T(2) * jerk_[i]);
     return out;
   }
+  /// The distances in which joints rest that move for `h` seconds from the velocity `u0` to `u1`, with the
+  /// acceleration `a1` at the end, and then stop [rad].
+  [[nodiscard]] SKINCTL_COLD JointPosition<N, T> rest_of(const JointVelocity<N, T>& u0,
+                                                         const JointVelocity<N, T>& u1,
+                                                         const JointAcceleration<N, T>& a1,
+                                                         const T& h) const noexcept {
+    JointPosition<N, T> out;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T A = limits_.acceleration()[i], a = a1[i] > A ? A : (a1[i] < -A ? T(-A) : a1[i]);
+      out[i] = T(0.5) * h * (u0[i] + u1[i]) + detail::Stopping<T>(u1[i], a, A, jerk_[i]).rest();
+    }
+    return out;
+  }
   /// The motion over `h` > 0 seconds from velocity `u0` and acceleration `a0` towards the velocity `target`
   /// at its end. Within `room`, see `JointLimits::room`.
   ///

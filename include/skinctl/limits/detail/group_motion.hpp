@@ -26,11 +26,27 @@ class GroupMotion {
   GroupMotion(const JointLimits<N, T>& limits, const Mover& mover) : limits_(limits), mover_(mover) {}
 
   [[nodiscard]] SKINCTL_INLINE const Mover& mover() const noexcept { return mover_; }
-  /// The motion that the mover decides, from `last` towards the velocity `u` in `dt` seconds, and to rest.
-  [[nodiscard]] SKINCTL_INLINE auto smoothed(const Command& last, const JointVelocity<N, T>& u,
-                                             const T& dt) const noexcept {
-    return mover_.move(limits_.room(last.position), last.velocity, last.acceleration, u, dt);
+  /// The motion that the mover decides, from `last` towards the velocity `u` in `dt` seconds, where limits
+  /// left u of the motion to `command`. A joint that is only slowed rests no further than with that motion,
+  /// for whose rest there are reasons that no limit of the scene knows: an end by velocity, the leash. Where
+  /// jerk has to give way the joint's ends decide.
+  [[nodiscard]] SKINCTL_COLD auto smoothed(const Command& last, const Command& command,
+                                           const JointVelocity<N, T>& u, const T& dt) const noexcept {
+    const auto room = limits_.room(last.position);
+    auto motion = mover_.move(room, last.velocity, last.acceleration, u, dt);
+    if (motion.status.has(Reason::jerk_exceeded)) return motion;
+    JointRoom<N, T> leash;
+    leash.above = leash.below = JointPosition<N, T>::constant(std::numeric_limits<T>::infinity());
+    const auto rests = mover_.rest_of(last.velocity, command.velocity, command.acceleration, dt);
+    for (std::size_t i = 0; i < N; ++i) {
+      const T v = command.velocity[i], slower = v - u[i];
+      if (!(slower * v >= T(0)) || magnitude(slower) > magnitude(v)) continue;
+      (v < T(0) ? leash.below : leash.above)[i] = v < T(0) ? T(-rests[i]) : rests[i];
+    }
+    static_cast<void>(mover_.hold_back(motion, room, leash, last.velocity, last.acceleration, dt, false));
+    return motion;
   }
+  /// The motion that the mover decides from `last` to rest.
   [[nodiscard]] SKINCTL_INLINE auto stopped(const Command& last, const T& dt) const noexcept {
     return mover_.brake(limits_.room(last.position), last.velocity, last.acceleration, dt);
   }
