@@ -84,9 +84,12 @@ class Impedance : public Composable {
     memory.plan = Plan::standing(space_.where(space_.site(known)), settings_.space);
     return memory;
   }
-  /// The memory after a stop: the plan leads from the known state to where it led.
+  /// The memory after a stop or a brake: the plan leads from the known state to where it led. As it was where
+  /// the robot is still near its course.
   template <class K>
   [[nodiscard]] Memory resumed(const Memory& memory, const K& known) const noexcept {
+    if constexpr (!Plan::streams)
+      if (memory.plan.is_near(Space::motion(space_.site(known)), settings_.space)) return memory;
     Memory out = start(known);
     out.plan = memory.plan.resumed(Space::motion(space_.site(known)), settings_.space);
     return out;

@@ -92,6 +92,12 @@ struct SplinePlan {
     return {spline, clock.changed(!holds, Space::tracking(s).bumpless_transfer), asked, heard};
   }
 
+  /// Whether the largest speed leads from the motion `now` back to the course within a bumpless transfer.
+  [[nodiscard]] bool is_near(const typename Space::Reference& now, const Settings& s) const noexcept {
+    const T soon = seconds<T>(Space::tracking(s).bumpless_transfer);
+    const auto then = [&](const auto& r) { return Space::ahead(Space::drifting(r), soon); };
+    return Space::slowness(Space::distance(then(now), then(at(T(0), s))), s) <= soon;
+  }
   /// The plan that leads on from the motion `now` to where it led: in the time that it had left, or in so
   /// much more that it asks for no more acceleration than before, `tf sqrt(way left / whole way)`.
   [[nodiscard]] SplinePlan resumed(const typename Space::Reference& now, const Settings& s) const noexcept {

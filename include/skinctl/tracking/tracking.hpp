@@ -128,9 +128,18 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
 
   /// The memory that goes on after a stop or a brake, in which others moved the robot: its plan leads from
   /// the known state to where it led, in the time that it had left; time base, surface and integrals start
-  /// again.
+  /// again. As it was where the robot is near enough to its course to be back within a bumpless transfer.
   template <class K>
   [[nodiscard]] SKINCTL_COLD Memory resumed(const Memory& memory, const K& known) const noexcept {
+    const Surface here = this->look(memory, known);
+    const T soon = seconds<T>(gains().bumpless_transfer);
+    bool near = !memory.held;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T most = gains().joint_acceleration[i];
+      near = near && detail::magnitude(here.S_q[i]) <= soon * most &&
+             detail::magnitude(here.ddq_r[i]) <= most / T(detail::planned_share);
+    }
+    if (near) return memory;
     Memory out = memory;
     out.held = false;
     out.plan = memory.plan.resumed(Space::motion(space_.site(known)), settings_);
