@@ -35,6 +35,15 @@ SkinFile::Link file_link(const Robot::Link& link) {
   return {link.name, link.radius, link.length, {z.x(), z.y(), z.z()}, 0};
 }
 
+/// Leaves the neighbours of a patch to places if no port of its cells is joined to another: ports say then
+/// how it is wired, not who lies beside it and witnesses its touches.
+void leave_open_if_alone(SkinFile::Patch& patch) {
+  for (const auto& cell : patch.cells)
+    for (const std::uint32_t id : cell.neighbours)
+      if (id != SkinFile::nobody) return;
+  for (auto& cell : patch.cells) cell.neighbours.clear();
+}
+
 }  // namespace
 
 SkinFile skin_file_of(const Robot& robot, const Json& found) {
@@ -71,6 +80,7 @@ SkinFile skin_file_of(const Robot& robot, const Json& found) {
       cell.masked = c.at("masked").get<std::string>();
       patch.cells.push_back(std::move(cell));
     }
+    leave_open_if_alone(patch);
     file.patches.push_back(std::move(patch));
   }
   if (!file.patches.empty()) file.check();

@@ -72,7 +72,7 @@ std::vector<JobTouch> main_job_on(const fs::path& folder, const World& world) {
     text += "[[touch]]\nname = \"link " + std::to_string(link) + "\"\ncell = " + std::to_string(best->id) +
             "\nstart = " + std::to_string(2 + 7 * out.size()) +
             "\nstiffness = 3000\ndamping = 20\napproach_speed = 0.06\ntravel = 0.06\nhold = 0.6\n\n";
-    out.push_back({link, best->id, {}, {}});
+    out.push_back({.link = link, .cell = best->id});
   }
   write_text(scenario, text);
 
@@ -94,6 +94,7 @@ std::vector<JobTouch> main_job_on(const fs::path& folder, const World& world) {
     for (std::size_t k = 0; k < out.size(); ++k) {
       out[k].force[which] = log.touches[k].true_peak_force;
       out[k].deflection[which] = log.touches[k].deflection;
+      out[k].left[which] = log.touches[k].return_error;
     }
   }
   return out;

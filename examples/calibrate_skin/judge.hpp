@@ -43,6 +43,7 @@ struct JobTouch {
   std::uint32_t cell = 0;
   double force[2] = {0, 0};       ///< peak of the finger's [N]: calibrated, true
   double deflection[2] = {0, 0};  ///< farthest that the touched point gave way [m]
+  double left[2] = {0, 0};        ///< distance of that point from its task before the next touch [m]
 };
 /// Runs the main job twice on a simulated robot that wears the true skin: with `folder`/skin.json and with
 /// the truth. Upper arm, forearm and first wrist are touched. Throws `std::runtime_error` if a run does not

@@ -204,10 +204,11 @@ int run(int argc, char** argv) {
   };
 
   const auto cells = calibrate(options, seed, again, until, truth);
-  options.say(
-      cells ? folder + ": skin.json with " + std::to_string(*cells) +
-                  " cells, model.urdf, dh.txt; report.html says what is not known, and what would show it"
-            : "ended behind the step " + until);
+  const bool has_model = fs::exists(options.folder / "model.urdf");  // only where all axes are known
+  options.say(cells ? folder + ": skin.json with " + std::to_string(*cells) + " cells, " +
+                          (has_model ? "model.urdf, " : "") +
+                          "dh.txt; report.html says what is not known, and what would show it"
+                    : "ended behind the step " + until);
   return job::code(job::Exit::fine);
 }
 

@@ -52,12 +52,14 @@ std::string in_words(const Skin& skin, const typename Skin::Memory& memory) {
       if (skin.noticed(memory, i) < std::numeric_limits<double>::infinity()) continue;
       if (++blind <= most_named) named += (blind > 1 ? ", " : "") + std::to_string(skin.table()[i].id);
     }
-    if (missing == 0) continue;
-    out += "; " + std::string(link_names[link]) + ": " + std::to_string(missing) + " of " +
-           std::to_string(cells) + " cells do not count";
+    if (missing == 0 && blind == 0) continue;
+    out += "; " + std::string(link_names[link]) + ": ";
+    if (missing > 0)
+      out += std::to_string(missing) + " of " + std::to_string(cells) + " cells do not count" +
+             (blind > 0 ? ", " : "");
     if (blind > 0)
-      out += ", " + std::to_string(blind) + " places feel nothing (cells " + named +
-             (blind > most_named ? ", ...)" : ")");
+      out += std::to_string(blind) + (blind > 1 ? " places feel" : " place feels") + " nothing (cells " +
+             named + (blind > most_named ? ", ...)" : ")");
   }
   return out;
 }

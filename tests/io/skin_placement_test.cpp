@@ -291,6 +291,20 @@ TEST_CASE("Skin on a robot: neighbours are those at the ports of the file, or th
     if (cell.id == other)
       std::replace(cell.neighbours.begin(), cell.neighbours.end(), a.id, SkinFile::nobody);
   CHECK_FALSE(cell_graph(file, placed).joined(index[a.id], index[other]));
+  // A patch of its own, of whose neighbours the file says nothing: those near by, whatever theirs say.
+  SkinFile apart = file;
+  auto& rest = apart.patches[2].cells;
+  for (auto& cell : rest)
+    std::replace(cell.neighbours.begin(), cell.neighbours.end(), a.id, SkinFile::nobody);
+  SkinFile::Patch later = apart.patches[2];
+  later.name = "glued on later", later.cells.resize(1), later.cells[0].neighbours.clear();
+  rest.erase(rest.begin());
+  apart.patches.push_back(later);
+  const auto near_by = place_skin<ur5::Ros2Links>(apart);
+  index.clear();
+  for (const auto& patch : apart.patches)
+    for (const auto& cell : patch.cells) index.emplace(cell.id, index.size());
+  CHECK(cell_graph(apart, near_by).joined(index[a.id], index[other]));
   for (auto& patch : file.patches)
     for (auto& cell : patch.cells) cell.neighbours.clear();
   const SkinOf<ur5::Model, double, 64> skin(skin_patches(file, placed));

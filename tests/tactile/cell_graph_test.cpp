@@ -88,6 +88,7 @@ TEST_CASE("CellGraph: the pairs are those of the definition, pair by pair") {
       for (std::size_t j = 0; j < count; ++j) {
         const double a = pitches[cells[i].patch], b = pitches[cells[j].patch];
         double reach = std::isinf(a) || std::isinf(b) ? 2 * std::min(a, b) : a + b;
+        if (std::isinf(reach)) reach = 2 * *std::min_element(pitches.begin(), pitches.end());
         if (std::isinf(reach)) reach = -1;
         const bool close =
             i != j && cells[i].link == cells[j].link && facing(i, j) && distance(i, j) <= reach;
@@ -98,6 +99,22 @@ TEST_CASE("CellGraph: the pairs are those of the definition, pair by pair") {
       }
     CHECK_FALSE(lists_itself(graph));
   }
+}
+
+TEST_CASE("CellGraph: patches of one cell side by side are joined by the pitch of another patch") {
+  auto cells = lattice(3, 3, 0.028);
+  for (const double x : {0.0, 0.028, 0.056, 0.2}) {
+    const std::size_t patch = cells.back().patch + 1;
+    cells.push_back({1, patch, {x, 0.0, 0.0}});
+  }
+  const CellGraph graph(cells);
+  CHECK(graph.joined(9, 10));
+  CHECK(graph.joined(10, 11));
+  CHECK_FALSE(graph.joined(9, 11));
+  CHECK(graph.neighbours(12).empty());
+  CHECK_FALSE(lists_itself(graph));
+  cells.erase(cells.begin(), cells.begin() + 9);  // no patch has a pitch
+  CHECK(CellGraph(cells).edges() == 0);
 }
 
 TEST_CASE("CellGraph: a UR5's cells are joined within their link, and to all of its cells") {

@@ -273,6 +273,15 @@ TEST_CASE(
   REQUIRE(run(s, false, soft) == Outcome::fine);
   REQUIRE(soft.touches.size() == 1);
   CHECK(soft.touches[0].deflection > 0.02);
+  // A cell beside which the file says nobody lies reports, but has no witness: its place feels nothing.
+  skinctl::SkinFile lone = shipped;
+  lone.patches.back().cells.resize(1);
+  lone.patches.back().cells[0].neighbours.assign(4, skinctl::SkinFile::nobody);
+  skinctl::write_skin_file(lone, path.string());
+  RunLog stays;
+  REQUIRE(run(s, false, stays) == Outcome::fine);
+  CHECK(fact(stays, "cells that report").find("; wrist 3: 1 place feels nothing (cells ") !=
+        std::string::npos);
   // Every tenth cell of the forearm is masked: its neighbours fill it in. All of them: the robot is blind
   // there.
   for (auto& patch : file.patches)

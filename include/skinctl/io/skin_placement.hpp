@@ -128,7 +128,7 @@ template <NamesLinks D>
   const auto named = [&](std::size_t i) { return !cells[i]->neighbours.empty(); };
   for (std::size_t i = 0; i < cells.size(); ++i) {
     for (const CellGraph::Index j : near.neighbours(i))
-      if (!named(i) && !named(j)) lists[i].push_back(j);
+      if (!named(i) || !named(j)) lists[i].push_back(j);
     for (const std::uint32_t id : cells[i]->neighbours)
       if (id != SkinFile::nobody && places[index.at(id)].link == places[i].link)
         lists[i].push_back(index.at(id));

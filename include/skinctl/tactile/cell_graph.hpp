@@ -68,18 +68,21 @@ class CellGraph {
 
   /// Neighbours are cells of one link that face to the same side, to within 120 degrees, and lie within
   /// `pitches` times the mean of their patches' pitches (`patch_pitches`) of each other. A patch of one cell
-  /// takes the other patch's pitch; two such patches are not joined. Throws `ConfigurationError` unless
-  /// `pitches` is in (0, 10], and for a place that is not finite.
+  /// takes the other patch's pitch; two such patches take the smallest pitch of the skin. Throws
+  /// `ConfigurationError` unless `pitches` is in (0, 10], and for a place that is not finite.
   SKINCTL_COLD explicit CellGraph(std::span<const CellPlace> cells, double pitches = 1.3) {
     require(pitches > 0 && pitches <= 10, "CellGraph: pitches", pitches, "> 0, <= 10");
     for (const CellPlace& c : cells) {
       const double sum = c.place.x + c.place.y + c.place.z + c.normal.x + c.normal.y + c.normal.z;
       require(sum - sum == 0, "CellGraph: place of a cell", sum, "finite m");
     }
+    constexpr double far = std::numeric_limits<double>::infinity();
     const std::vector<double> pitch = patch_pitches(cells);
+    const double smallest = pitch.empty() ? far : *std::min_element(pitch.begin(), pitch.end());
     const auto reach = [&](std::uint32_t i, std::uint32_t j) {
       const double a = pitch[cells[i].patch], b = pitch[cells[j].patch], mean = 0.5 * (a + b);
-      return pitches * (mean < std::numeric_limits<double>::infinity() ? mean : std::min(a, b));
+      const double one = std::min(a, b);
+      return pitches * (mean < far ? mean : one < far ? one : smallest);
     };
     std::vector<std::vector<Index>> lists(cells.size());
     detail::each_pair(cells, [&](std::uint32_t i, std::uint32_t j, double distance) {
