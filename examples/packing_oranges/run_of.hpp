@@ -302,6 +302,7 @@ class Run {
       const auto samples = touchers_[a]->samples(world_.now(), sees ? look(a) : std::span<const double>{});
       if (sees) w.look_around(world_.joints(a), samples);
       if (s_.world.binary) w.feel(world_.wrist(a));
+      if (hands_[a]) w.feel_between(hands_[a]->between());
       const auto out =
           w.step(world_.now(), world_.joints(a), gripper(a), samples, places.grants[a].granted, resume);
       if (out.command.valid) world_.command(a, out.command.position, out.planned.velocity);

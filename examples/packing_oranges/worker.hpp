@@ -46,6 +46,9 @@ class Worker {
   [[nodiscard]] bool is_touched() const { return pushed_last_ == now_; }
   /// A reading of the wrist's force sensor, before a cycle, where there is one.
   void feel(const skinctl::WrenchSample& wrist) { press_.feel(wrist); }
+  /// Where its fingers hold something, beside their middle, in the hand's frame, before a cycle [m]: fingertips that feel
+  /// the joints of their fingers tell it.
+  void feel_between(const skinctl::Xyz<double>& place) { between_ = place, feels_between_ = true; }
   /// What it says about the box, before a cycle.
   [[nodiscard]] skinctl::PlaceRequest place_request() const;
 
@@ -185,6 +188,8 @@ class Worker {
   /// What a take, or fingers that came down on something, tell of the place. A person is asked when camera or
   /// hand are at fault; that a place is empty is no failure that somebody is asked for.
   void learn(const typename Executor::Memory& was, bool resume);
+  /// Where the camera may be off, what was just taken is set down and looked at, see `Believed::set_down`.
+  void set_down_in_doubt(const typename Executor::Memory& was);
 
   /// Every plan ends: ways back are counted until an orange is put, see `WorkSettings::in_vain`.
   void count_ways_back(const typename Executor::Memory& was);
@@ -268,7 +273,7 @@ class Worker {
   /// The hand is turned from how it points down as it was turned in the lesson from how it took.
   [[nodiscard]] skinctl::Rotation<double> turned_at(std::uint8_t place) const;
   [[nodiscard]] skinctl::Rotation<double> turned(double angle) const;
-  [[nodiscard]] FingerRoom room_beside(std::uint8_t orange) const;
+  [[nodiscard]] FingerRoom room_beside(std::uint8_t orange, double turn) const;
 
   /// An orange of its own that is well seen; the one nearest to the hand.
   void look();
@@ -299,7 +304,9 @@ class Worker {
   skinctl::Rotation<double> R_;         ///< of the hand: it points down, or as it was shown
   skinctl::Rotation<double> straight_;  ///< it points down, turned as at first ...
   double turned_ = 0;                   ///< ... and so about the vertical over the orange that it takes [rad]
-  skinctl::Xyz<double> beside_{0, 0, 0};  ///< the hand's place beside an orange that it takes
+  skinctl::Xyz<double> beside_{0, 0, 0};   ///< the hand's place beside an orange that it takes
+  skinctl::Xyz<double> between_{0, 0, 0};  ///< where its fingers hold something, in the hand's frame
+  bool feels_between_ = false;
   skinctl::Sightings<typename A::Model> sight_;
   GivingWay<R> retreat_;
   std::unique_ptr<typename Scene::Memory> memory_;
