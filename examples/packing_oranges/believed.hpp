@@ -119,6 +119,12 @@ class Believed {
   [[nodiscard]] bool doubts_camera() const { return doubts_camera_; }
   /// Whether what has been set down has told how far it is off.
   [[nodiscard]] bool knows_camera() const { return !doubts_camera_ && camera_.known(); }
+  /// Takes over what others have found, until it has found that out itself.
+  void hear_of_camera(const Believed& others) {
+    if (knew_camera_ || !others.camera_.known()) return;
+    camera_ = others.camera_;
+    found_camera(others.m_.bias);
+  }
   /// Turn of the hand about the vertical for the next take [rad]: while the camera is doubted each one comes from 45
   /// degrees further. Fingers that are off by 25 mm along their way stand on what they would take; turned so they do not.
   [[nodiscard]] double turn() const { return doubts_camera_ ? M_PI / 4 * (turns_ % 4) : 0; }
@@ -188,13 +194,20 @@ class Believed {
     return best;
   }
   [[nodiscard]] bool lies_near(const Place& p, double within) const { return nearest(p, within) != nullptr; }
-  /// What was set down is seen there: the search for the bias is over, and failures were not the things'.
   void compare(const Place& seen) {
-    for (const Place& a : along_) m_.bias = m_.bias + camera_.measure(a, dot(a, set_down_ - seen - m_.bias));
+    Place bias = m_.bias;
+    for (const Place& a : along_) bias = bias + camera_.measure(a, dot(a, set_down_ - seen - bias));
     ++turns_;
+    found_camera(bias);
+  }
+  /// The search for the bias is over, and takes that failed tell nothing of real things.
+  void found_camera(const Place& bias) {
+    m_.bias = bias;
     doubts_camera_ = !camera_.known();
+    knew_camera_ = knew_camera_ || camera_.known();
     m_.trial = m_.found = Tracks::no_trial, m_.places = m_.since = 0;
-    for (auto& t : m_.tracks) t.touch = t.real ? 0 : t.touch, t.fails = t.real ? std::uint8_t(0) : t.fails;
+    for (auto& t : m_.tracks)
+      if (t.real) t.touch = 0, t.fails = 0;
   }
   /// Its track now: numbers may change while the hand is on its way.
   [[nodiscard]] std::uint8_t chosen() const {
@@ -214,7 +227,7 @@ class Believed {
   bool asks_ = false, felt_ = false, has_room_ = true;
   int failures_ = 0, wary_ = 1, turns_ = 0;
   CameraOffset camera_;
-  bool doubts_camera_ = false;
+  bool doubts_camera_ = false, knew_camera_ = false;
   Place set_down_{0, 0, 0};   ///< where something was set down ...
   std::vector<Place> along_;  ///< ... and along which it lies there; empty: nothing is looked at
   skinctl::Nanoseconds set_down_at_{};

@@ -532,8 +532,7 @@ const GripperState& Hand::state() const {
   return parts_->grasp.wraps ? parts_->wrap.state() : parts_->firmware.state();
 }
 Xyz<double> Hand::between() const {
-  const Point& p = parts_->between;
-  return {p.z, -p.y, p.x};  // the palm stands so on the tool, see `hand_body`
+  return in_tool(parts_->between);
 }
 Status Hand::status() const {
   return parts_->status;

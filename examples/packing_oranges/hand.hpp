@@ -36,6 +36,10 @@ struct Grasp {
 /// The right hand as bodies; the middle of the grasp is `reach` beyond the flange, on the axis of the last link. The palm
 /// faces along that axis, the fingers point along the link's x axis.
 [[nodiscard]] HandBody hand_body(const Grasp& grasp, double flange, double reach);
+/// A direction of such a hand in the axes of the arm's tool.
+[[nodiscard]] constexpr skinctl::Xyz<double> in_tool(const skinctl::Xyz<double>& way) {
+  return {way.z, -way.y, way.x};
+}
 /// Gravity in the axes of such a hand, from the pose of the arm's tool [m/s^2].
 template <class Pose>
 [[nodiscard]] skinctl::Xyz<double> gravity_in_hand(const Pose& X_WT) {

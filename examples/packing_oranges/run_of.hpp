@@ -271,8 +271,10 @@ class Run {
   }
   void cycle() {
     Picture picture;
-    for (std::size_t a = 0; a < arms; ++a)
+    for (std::size_t a = 0; a < arms; ++a) {
       if (s_.see_each_other) workers_[a]->other_hand(workers_[1 - a]->hand().origin());
+      workers_[a]->hear_of_camera(workers_[1 - a]->believed());
+    }
     while (detector_.take(world_.now(), picture)) {
       if (carriage_) carriage_->see(picture.base, picture.things);
       for (auto& w : workers_) w->see(picture);

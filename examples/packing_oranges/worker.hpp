@@ -61,6 +61,8 @@ class Worker {
   void other_waits(bool waits) { other_waits_ = waits; }
   /// Whether the other arm is out of work for good: what lies before it, in reach, is this one's too.
   void other_is_out(bool out) { other_is_out_ = out; }
+  /// How far the other arm has found the camera off counts for this one, which sees by the same.
+  void hear_of_camera(const Believed& others) { believed_.hear_of_camera(others); }
   /// Where the other arm's hand is: it hides things from the detector, too.
   void other_hand(const skinctl::Xyz<double>& place) { other_hand_ = place; }
   /// Whether it gives way to something that is seen, and the other arm is in its way: the other arm gives way to it then.
@@ -199,7 +201,7 @@ class Worker {
   [[nodiscard]] bool is_over(const skinctl::Xyz<double>& p) const {
     return std::hypot(X_WH_.origin().x - p.x, X_WH_.origin().y - p.y) < 0.05;
   }
-  static constexpr double stands_on = 3;  ///< force of a finger that stands on something [N]
+  static constexpr double comes_down_on = 3;  ///< more force than of carrying: it comes down on something [N]
   static constexpr double clear_of_table =
       0.003;  ///< of what is set down: it may hang lower than it was taken [m]
   static constexpr skinctl::Nanoseconds untouched = 200ms;  ///< since a push, before a press begins
@@ -273,7 +275,7 @@ class Worker {
   /// The hand is turned from how it points down as it was turned in the lesson from how it took.
   [[nodiscard]] skinctl::Rotation<double> turned_at(std::uint8_t place) const;
   [[nodiscard]] skinctl::Rotation<double> turned(double angle) const;
-  [[nodiscard]] FingerRoom room_beside(std::uint8_t orange, double turn) const;
+  [[nodiscard]] FingerRoom room_beside(std::uint8_t orange) const;
 
   /// An orange of its own that is well seen; the one nearest to the hand.
   void look();

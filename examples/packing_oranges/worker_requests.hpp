@@ -147,7 +147,7 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
   }
   // A finger has come down on something: no further.
   if (asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
-      gripper_.force > stands_on) {
+      gripper_.force > s_.stands_on) {
     stood_ = true;
     // Off it: at rest the arm would go on along its spline.
     Part off{Set::start_skill(A::skills(&skinctl::activity::Reach::rule)), true,
@@ -177,7 +177,7 @@ bool Worker<R>::something_lies_there() const {
 
 template <class R>
 bool Worker<R>::has_come_down_in_tray() const {
-  return s_.stay && lowers_in_tray() && asked_ && gripper_.force > grip_.hold() + stands_on;
+  return s_.stay && lowers_in_tray() && asked_ && gripper_.force > grip_.hold() + comes_down_on;
 }
 
 template <class R>

@@ -121,16 +121,16 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
   } else if (r.does == &activity::Reverse::rule) {
     const std::uint8_t let_go = Set::template index<behaviour::LetGo>();
     const bool brings_back = features_.in_hand && features_.carried;
-    constexpr auto untouched_for = 1s;  // a hand that somebody has pushed is not yet back at its place
-    if (s_.honest && gripper_.holding && !brings_back && now_ - pushed_last_ > untouched_for) {
-      const auto in_world = X_WH_.axes() * between_;
-      believed_.set_down(
-          here + in_world - beside_,
-          feels_between_ ? std::vector<Xyz<double>>{{1, 0, 0}, {0, 1, 0}} : std::vector{fingers_along()},
-          now_);
-    }
     // Where it came from; at the other table in front of it.
     const auto from = table_ == 0 ? taken_ : at(waiting_place(), taken_.z);
+    // What it lets go while it stands still lies where its fingers held it.
+    if (s_.honest && gripper_.holding && !brings_back && !features_.moving && !is_touched()) {
+      const Xyz<double> p = here + X_WH_.axes() * between_ - beside_;
+      if (feels_between_)
+        believed_.set_down(p, {{1, 0, 0}, {0, 1, 0}}, now_);
+      else
+        believed_.set_down(p, {fingers_along()}, now_);
+    }
     if (brings_back) {
       add(skill, at(here, s_.carry), passing);
       add(skill, at(from, s_.carry), passing);
@@ -213,15 +213,19 @@ skinctl::Rotation<double> Worker<R>::turned(double angle) const {
 }
 
 template <class R>
-FingerRoom Worker<R>::room_beside(std::uint8_t orange, double turn) const {
+FingerRoom Worker<R>::room_beside(std::uint8_t orange) const {
   std::array<skinctl::Xyz<double>, Objects::capacity> others;
   std::size_t count = 0;
   for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
     const auto& o = known_.objects[k];
     if (k != orange && o.known && now_ - o.time < 1s) others[count++] = o.X_WO.origin();
   }
-  return finger_room(known_.objects[orange].X_WO.origin() + beside_, turned(turn),
-                     std::span(others).first(count), s_.turns);
+  const double turn = s_.turns ? believed_.turn() : 0;
+  FingerRoom out =
+      finger_room(known_.objects[orange].X_WO.origin() + beside_, turned(turn),
+                  std::span(others).first(count), s_.turns && !believed_.doubts_camera(), s_.finger_ways);
+  out.turn = std::remainder(turn + out.turn, M_PI);  // its fingers are alike
+  return out;
 }
 
 /// The object that fits and costs least; `no_object`: none fits.
@@ -254,7 +258,6 @@ void Worker<R>::look() {
   const bool sees = now_ - last_picture_ < 300ms;
   if (!sees) looks_since_ = now_;
   if (believed_.waits_for_set_down(now_)) return;
-  const double turn = s_.turns ? believed_.turn() : 0;
   const auto fits = [&](std::uint8_t k) {
     const auto& o = known_.objects[k];
     const auto p = o.X_WO.origin();
@@ -263,7 +266,7 @@ void Worker<R>::look() {
   };
   // The nearest one with room for its fingers; else where there is most.
   const auto cost = [&](std::uint8_t k) {
-    const double room = room_beside(k, turn).room;
+    const double room = room_beside(k).room;
     return room < FingerRoom::enough
                ? 10 - room
                : norm(skinctl::Xyz<double>(known_.objects[k].X_WO.origin() - X_WH_.origin()));
@@ -271,8 +274,8 @@ void Worker<R>::look() {
   const std::uint8_t chosen = s_.honest ? believed_.choose(fits, cost) : cheapest(fits, cost);
   if (chosen != skinctl::no_object) {
     object_ = chosen;
-    const FingerRoom room = room_beside(chosen, turn);
-    turned_ = std::remainder(turn + room.turn, M_PI);  // fingers are alike
+    const FingerRoom room = room_beside(chosen);
+    turned_ = room.turn;
     believed_.has_room(room.room >= FingerRoom::enough);
     return end(true);
   }
