@@ -264,14 +264,18 @@ void Worker<R>::look() {
     return sees && o.known && now_ - o.time <= 500ms && o.sigma <= 0.003 && o.misses == 0 && p.z <= 0.07 &&
            is_its(p);
   };
-  // The nearest one with room for its fingers; else where there is most.
-  const auto cost = [&](std::uint8_t k) {
-    const double room = room_beside(k).room;
-    return room < FingerRoom::enough
-               ? 10 - room
-               : norm(skinctl::Xyz<double>(known_.objects[k].X_WO.origin() - X_WH_.origin()));
+  // The nearest one with room for its fingers; while there is none, where there is most: fingers that come down beside a
+  // ghost push away what lies there, and is taken first.
+  const auto has_room = [&](std::uint8_t k) { return room_beside(k).room >= FingerRoom::enough; };
+  const auto choose = [&](const auto& fit, const auto& cost) {
+    return s_.honest ? believed_.choose(fit, cost) : cheapest(fit, cost);
   };
-  const std::uint8_t chosen = s_.honest ? believed_.choose(fits, cost) : cheapest(fits, cost);
+  const auto far = [&](std::uint8_t k) {
+    return norm(skinctl::Xyz<double>(known_.objects[k].X_WO.origin() - X_WH_.origin()));
+  };
+  std::uint8_t chosen = choose([&](std::uint8_t k) { return fits(k) && has_room(k); }, far);
+  if (chosen == skinctl::no_object)
+    chosen = choose(fits, [&](std::uint8_t k) { return -room_beside(k).room; });
   if (chosen != skinctl::no_object) {
     object_ = chosen;
     const FingerRoom room = room_beside(chosen);
