@@ -34,7 +34,6 @@ class Believed {
       return std::none_of(hands.begin(), hands.end(), [&](const Place& hand) { return hides(hand, p); });
     };
     static_cast<void>(tracks_.see(m_, picture.taken, std::span(picture.things), shows));
-    std::erase_if(left_, [&](const Place& p) { return !lies_near(p, left_within); });
   }
   /// Writes what is believed to objects with the numbers of the tracks; not the one in the hand.
   void write(Objects::Memory& known) const {
@@ -193,7 +192,7 @@ class Believed {
     }
     return best;
   }
-  [[nodiscard]] bool lies_near(const Place& p, double within) const { return nearest(p, within) != nullptr; }
+  /// What was set down is seen there: a measurement of the camera along each direction in which it lies.
   void compare(const Place& seen) {
     Place bias = m_.bias;
     for (const Place& a : along_) bias = bias + camera_.measure(a, dot(a, set_down_ - seen - bias));

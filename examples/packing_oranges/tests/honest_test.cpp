@@ -110,7 +110,10 @@ TEST_CASE("CameraOffset: two measurements 45 degrees apart tell an offset in any
       const Place along{std::cos(turn), std::sin(turn), 0};
       found = found + camera.measure(along, dot(along, off - found) + noise(random));
     };
-    for (int again = 0; again < 3; ++again) measure(first), CHECK_FALSE(camera.known());
+    for (int again = 0; again < 3; ++again) {
+      measure(first);
+      CHECK_FALSE(camera.known());
+    }
     measure(first + M_PI / 4);
     CHECK(camera.known());
     CHECK(norm(Place(found - off)) < 0.015);
