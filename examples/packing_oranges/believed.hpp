@@ -124,8 +124,9 @@ class Believed {
     camera_ = others.camera_;
     found_camera(others.m_.bias);
   }
-  /// Turn of the hand about the vertical for the next take [rad]: while the camera is doubted each one comes from 45
-  /// degrees further. Fingers that are off by 25 mm along their way stand on what they would take; turned so they do not.
+  /// Turn of the hand about the vertical for the next take [rad]: while the camera is doubted each one comes
+  /// from 45 degrees further. Fingers that are off by 25 mm along their way stand on what they would take;
+  /// turned so they do not.
   [[nodiscard]] double turn() const { return doubts_camera_ ? M_PI / 4 * (turns_ % 4) : 0; }
   /// Sets down there what it took, which lies where the fingers held it along these directions.
   void set_down(const Place& p, std::vector<Place> along, skinctl::Nanoseconds now) {

@@ -8,9 +8,10 @@
 
 namespace packing {
 
-/// A belief of where things are beside where a camera sees them: a normal distribution along the table's x and y. What a
-/// hand has set down lies where its fingers held it, so where the camera sees it then is a measurement: a Kalman filter.
-/// Of a gripper it counts along the fingers' way only, in which closing brings things to their middle.
+/// A belief of where things are beside where a camera sees them: a normal distribution along the table's x
+/// and y. What a hand has set down lies where its fingers held it, so where the camera sees it then is a
+/// measurement: a Kalman filter. Of a gripper it counts along the fingers' way only, in which closing brings
+/// things to their middle.
 class CameraOffset {
  public:
   using Place = skinctl::Xyz<double>;
@@ -23,7 +24,8 @@ class CameraOffset {
 
   /// What was believed so far may be wrong.
   constexpr void doubt() { xx_ = yy_ = at_first * at_first, xy_ = 0; }
-  /// Along this unit vector a thing is `off` from where it was believed to be. Returns the change of the belief.
+  /// Along this unit vector a thing is `off` from where it was believed to be. Returns the change of the
+  /// belief.
   [[nodiscard]] constexpr Place measure(const Place& along, double off) {
     const double x = xx_ * along.x + xy_ * along.y, y = xy_ * along.x + yy_ * along.y;
     const double sum = x * along.x + y * along.y + of_one * of_one;

@@ -22,9 +22,9 @@ struct FingerRoom {
 /// Ways on which the open fingers of a gripper stand around what they take, in the hand's axes.
 inline constexpr std::array<skinctl::Xyz<double>, 2> two_fingers{{{0, 1, 0}, {0, -1, 0}}};
 
-/// For fingers 55 mm from `p` on their `ways`, of a hand that stands as `straight`, among the middles of `others`: as it
-/// stands if there is room, else turned to where there is, or to where there is most. `turns`: false if the hand is not to
-/// be turned.
+/// For fingers 55 mm from `p` on their `ways`, of a hand that stands as `straight`, among the middles of
+/// `others`: as it stands if there is room, else turned to where there is, or to where there is most.
+/// `turns`: false if the hand is not to be turned.
 [[nodiscard]] inline FingerRoom finger_room(const skinctl::Xyz<double>& p,
                                             const skinctl::Rotation<double>& straight,
                                             std::span<const skinctl::Xyz<double>> others, bool turns = true,

@@ -73,8 +73,8 @@ class Hand {
   /// What it reports as a gripper.
   [[nodiscard]] const skinctl::GripperState& state() const;
   [[nodiscard]] skinctl::Status status() const;  ///< of the last cycle
-  /// The middle of the ball that three fingertips hold, beside the grasp's, in the axes of the arm's tool [m]; 0 where they
-  /// hold none.
+  /// The middle of the ball that three fingertips hold, beside the grasp's, in the axes of the arm's tool
+  /// [m]; 0 where they hold none.
   [[nodiscard]] skinctl::Xyz<double> between() const;
 
  private:

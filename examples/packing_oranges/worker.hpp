@@ -46,8 +46,8 @@ class Worker {
   [[nodiscard]] bool is_touched() const { return pushed_last_ == now_; }
   /// A reading of the wrist's force sensor, before a cycle, where there is one.
   void feel(const skinctl::WrenchSample& wrist) { press_.feel(wrist); }
-  /// Where its fingers hold something, beside their middle, in the hand's frame, before a cycle [m]: fingertips that feel
-  /// the joints of their fingers tell it.
+  /// Where its fingers hold something, beside their middle, in the hand's frame, before a cycle [m]:
+  /// fingertips that feel the joints of their fingers tell it.
   void feel_between(const skinctl::Xyz<double>& place) { between_ = place, feels_between_ = true; }
   /// What it says about the box, before a cycle.
   [[nodiscard]] skinctl::PlaceRequest place_request() const;

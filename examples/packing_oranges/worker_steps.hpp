@@ -264,8 +264,8 @@ void Worker<R>::look() {
     return sees && o.known && now_ - o.time <= 500ms && o.sigma <= 0.003 && o.misses == 0 && p.z <= 0.07 &&
            is_its(p);
   };
-  // The nearest one with room for its fingers; while there is none, where there is most: fingers that come down beside a
-  // ghost push away what lies there, and is taken first.
+  // The nearest one with room for its fingers; while there is none, where there is most: fingers that come
+  // down beside a ghost push away what lies there, and is taken first.
   const auto has_room = [&](std::uint8_t k) { return room_beside(k).room >= FingerRoom::enough; };
   const auto choose = [&](const auto& fit, const auto& cost) {
     return s_.honest ? believed_.choose(fit, cost) : cheapest(fit, cost);

@@ -3,12 +3,14 @@
 // Promise: oranges that a detector does not number are packed, whatever it sees besides
 // Tried: six oranges with two ghosts that stay, flashes and wrong classes: all right, at most five takes of
 // nothing, both ghosts named as doubted, no question; a camera that is off by 25 mm across the fingers: all
-// right, each arm finds 17 mm of it or more, at most 20 N on a finger; the numbered world loses some, above 50 N
+// right, each arm finds 17 mm of it or more, at most 20 N on a finger; the numbered world loses some, above
+// 50 N
 //
 // Promise: what a hand has set down tells how far the camera is off, also where takes succeed in spite of it
-// Tried: offsets of 25 mm in 64 directions, by two measurements 45 degrees apart, each with 3 mm of noise: found to 15 mm,
-// 5 mm in the mean; one direction alone is not enough; an orange that was set down and is seen 25 mm off, by one arm for
-// both; all at once (friction 0.3, three ghosts, 25 mm, the box moved, nobody answers), by hands: 12 of 12 right
+// Tried: offsets of 25 mm in 64 directions, by two measurements 45 degrees apart, each with 3 mm of noise:
+// found to 15 mm, 5 mm in the mean; one direction alone is not enough; an orange that was set down and is
+// seen 25 mm off, by one arm for both; all at once (friction 0.3, three ghosts, 25 mm, the box moved, nobody
+// answers), by hands: 12 of 12 right
 //
 // Promise: a hand learns from what slips how firmly it carries, and asks once about what it cannot carry
 // Tried: four oranges of friction 0.15, which 5 N do not hold: all right with at most 10 N, no question (0 by
