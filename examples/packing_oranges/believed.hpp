@@ -1,9 +1,13 @@
 // What an arm believes of oranges, box and bins that its detector sees, and does not number.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "examples/packing_oranges/camera_offset.hpp"
 #include "examples/packing_oranges/detector.hpp"
 #include "skinctl/semantics/tracks_from_base.hpp"
 
@@ -77,7 +81,7 @@ class Believed {
     const auto number = [&](const auto& t) { return static_cast<std::uint8_t>(&t - m_.tracks.data()); };
     const auto is_left = [&](const Place& p) {
       return std::any_of(left_.begin(), left_.end(),
-                         [&](const Place& q) { return norm(Place(p - q)) < left_within; });
+                         [&](const Place& q) { return norm(Place(p + m_.bias - q)) < left_within; });
     };
     const std::uint8_t k = tracks_.choose(
         m_, [&](const auto& t) { return fits(number(t)) && !is_left(t.p); },
@@ -103,6 +107,43 @@ class Believed {
                    [&](const auto& t) { return t.kind == orange_class && feed.holds(t.p); });
     ++failures_;
     wary_ = 3;
+    if (felt_ && has_room_) doubt_camera();
+  }
+  /// Something was missed, has slipped or lies beside the middle of the fingers: the camera may be off.
+  void doubt_camera() {
+    if (!doubts_camera_) camera_.doubt();
+    doubts_camera_ = true, ++turns_;
+  }
+  /// Whether what it takes is set down first, and looked at: that tells how far the camera is off.
+  [[nodiscard]] bool doubts_camera() const { return doubts_camera_; }
+  /// Whether what has been set down has told how far it is off.
+  [[nodiscard]] bool knows_camera() const { return !doubts_camera_ && camera_.known(); }
+  /// Takes over what others have found, until it has found that out itself.
+  void hear_of_camera(const Believed& others) {
+    if (knew_camera_ || !others.camera_.known()) return;
+    camera_ = others.camera_;
+    found_camera(others.m_.bias);
+  }
+  /// Turn of the hand about the vertical for the next take [rad]: while the camera is doubted each one comes
+  /// from 45 degrees further. Fingers that are off by 25 mm along their way stand on what they would take;
+  /// turned so they do not.
+  [[nodiscard]] double turn() const { return doubts_camera_ ? M_PI / 4 * (turns_ % 4) : 0; }
+  /// Sets down there what it took, which lies where the fingers held it along these directions.
+  void set_down(const Place& p, std::vector<Place> along, skinctl::Nanoseconds now) {
+    set_down_ = p, along_ = std::move(along), set_down_at_ = now;
+  }
+  /// Whether what was set down is still to be seen there; if it is, it has told how far the camera is off.
+  [[nodiscard]] bool waits_for_set_down(skinctl::Nanoseconds now) {
+    constexpr auto patience = 2s;      // after it was let go
+    constexpr double settled = 0.002;  // deviation of a place after seven pictures [m]
+    if (along_.empty()) return false;
+    const auto* seen = nearest(set_down_, beside);
+    if (seen != nullptr && seen->seen > set_down_at_ && seen->sigma <= settled)
+      compare(seen->p);
+    else if (now - set_down_at_ < patience)
+      return true;
+    along_.clear();
+    return false;
   }
   /// What it took slipped before it was lifted: that take tells nothing of the camera.
   void slipped() {
@@ -140,8 +181,34 @@ class Believed {
   static constexpr double carried_within =
       0.35;  ///< way of a bin while it is not seen; the bins are 1 m apart [m]
   static constexpr double left_within =
-      0.06;                              ///< what slipped lies so far from where it was taken, at most [m]
-  static constexpr double apart = 0.03;  ///< two things are further apart [m]
+      0.06;                                ///< what slipped lies so far from where it was taken, at most [m]
+  static constexpr double apart = 0.03;    ///< two things are further apart [m]
+  static constexpr double beside = 0.038;  ///< half an orange: no other one's middle is so near [m]
+  /// The orange that is believed to lie nearest to a place, within a distance; none: nullptr.
+  [[nodiscard]] const skinctl::Track<>* nearest(const Place& p, double within) const {
+    const skinctl::Track<>* best = nullptr;
+    for (const auto& t : m_.tracks) {
+      const double far = std::hypot(t.p.x + m_.bias.x - p.x, t.p.y + m_.bias.y - p.y);
+      if (t.kind == orange_class && t.sight > 0 && far < within) best = &t, within = far;
+    }
+    return best;
+  }
+  /// What was set down is seen there: a measurement of the camera along each direction in which it lies.
+  void compare(const Place& seen) {
+    Place bias = m_.bias;
+    for (const Place& a : along_) bias = bias + camera_.measure(a, dot(a, set_down_ - seen - bias));
+    ++turns_;
+    found_camera(bias);
+  }
+  /// The search for the bias is over, and takes that failed tell nothing of real things.
+  void found_camera(const Place& bias) {
+    m_.bias = bias;
+    doubts_camera_ = !camera_.known();
+    knew_camera_ = knew_camera_ || camera_.known();
+    m_.trial = m_.found = Tracks::no_trial, m_.places = m_.since = 0;
+    for (auto& t : m_.tracks)
+      if (t.real) t.touch = 0, t.fails = 0;
+  }
   /// Its track now: numbers may change while the hand is on its way.
   [[nodiscard]] std::uint8_t chosen() const {
     std::uint8_t best = skinctl::no_object;
@@ -158,7 +225,12 @@ class Believed {
   Place goes_for_{0, 0, 0};
   std::vector<Place> left_;
   bool asks_ = false, felt_ = false, has_room_ = true;
-  int failures_ = 0, wary_ = 1;
+  int failures_ = 0, wary_ = 1, turns_ = 0;
+  CameraOffset camera_;
+  bool doubts_camera_ = false, knew_camera_ = false;
+  Place set_down_{0, 0, 0};   ///< where something was set down ...
+  std::vector<Place> along_;  ///< ... and along which it lies there; empty: nothing is looked at
+  skinctl::Nanoseconds set_down_at_{};
 };
 
 }  // namespace packing

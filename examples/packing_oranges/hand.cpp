@@ -101,6 +101,16 @@ struct Line {
     return JointPosition<N>::generate([&](std::size_t i) { return (1 - u) * q[k][i] + u * q[k + 1][i]; });
   }
 };
+/// The point as far from each of the three fingertips that take part, between them.
+Point middle_of(const std::array<Point, 4>& tip, const std::array<double, 4>& takes_part) {
+  std::array<Point, 4> of{};
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < 4; ++f)
+    if (takes_part[f] > 0) of[count++] = tip[f];
+  const Point u = of[1] - of[0], v = of[2] - of[0], w = cross(u, v);
+  return of[0] +
+         (1 / (2 * dot(w, w))) * Point(dot(v, v) * Point(cross(w, u)) + dot(u, u) * Point(cross(v, w)));
+}
 /// The mean distance of the fingertips that take part from their middle.
 double size_of(const std::array<Point, 4>& tip, const std::array<double, 4>& takes_part) {
   double fingers = 0, out = 0;
@@ -470,6 +480,7 @@ struct Hand::Parts {
   WrapFirmware wrap;
   Status status;
   Nanoseconds last{};
+  Point between{0, 0, 0};
 
   using Either = decltype(running);
   Parts(const Grasp& g, const State<N>& measured)
@@ -501,10 +512,13 @@ JointTorque<N> Hand::step(const Input& in) {
       force += w * in.tips[f], fingers += w;
       if (w > 0) least = std::min(least, in.tips[f]);
     }
-    const double size = size_of(stance(p.model, p.tips, in.measured.q).tip, p.grasp.takes_part);
+    const auto tip = stance(p.model, p.tips, in.measured.q).tip;
+    const double size = size_of(tip, p.grasp.takes_part);
     goal.internal = in.led ? p.firmware.led(size, force / fingers, touch[1], in.measured.time, dt)
                            : p.firmware.step(in.command, size, force / fingers, least, in.measured.time, dt);
     goal.springs = p.firmware.springs();
+    p.between =
+        p.firmware.state().holding ? middle_of(tip, p.grasp.takes_part) - p.grasp.centre : Point{0, 0, 0};
   }
   return std::visit(
       [&](auto& r) {
@@ -516,6 +530,9 @@ JointTorque<N> Hand::step(const Input& in) {
 }
 const GripperState& Hand::state() const {
   return parts_->grasp.wraps ? parts_->wrap.state() : parts_->firmware.state();
+}
+Xyz<double> Hand::between() const {
+  return in_tool(parts_->between);
 }
 Status Hand::status() const {
   return parts_->status;

@@ -36,6 +36,10 @@ struct Grasp {
 /// The right hand as bodies; the middle of the grasp is `reach` beyond the flange, on the axis of the last link. The palm
 /// faces along that axis, the fingers point along the link's x axis.
 [[nodiscard]] HandBody hand_body(const Grasp& grasp, double flange, double reach);
+/// A direction of such a hand in the axes of the arm's tool.
+[[nodiscard]] constexpr skinctl::Xyz<double> in_tool(const skinctl::Xyz<double>& way) {
+  return {way.z, -way.y, way.x};
+}
 /// Gravity in the axes of such a hand, from the pose of the arm's tool [m/s^2].
 template <class Pose>
 [[nodiscard]] skinctl::Xyz<double> gravity_in_hand(const Pose& X_WT) {
@@ -69,6 +73,9 @@ class Hand {
   /// What it reports as a gripper.
   [[nodiscard]] const skinctl::GripperState& state() const;
   [[nodiscard]] skinctl::Status status() const;  ///< of the last cycle
+  /// The middle of the ball that three fingertips hold, beside the grasp's, in the axes of the arm's tool
+  /// [m]; 0 where they hold none.
+  [[nodiscard]] skinctl::Xyz<double> between() const;
 
  private:
   struct Parts;

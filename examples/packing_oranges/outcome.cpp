@@ -17,6 +17,11 @@ WorkSettings by_hand(WorkSettings s) {
   s.judge_to = 3.4;
   s.judge_span = 1.5;
   s.turns = false;
+  const Grasp grasp = around_a_ball();
+  s.finger_ways.clear();
+  for (std::size_t f = 0; f < 4; ++f)
+    if (const auto& way = grasp.away[f]; grasp.takes_part[f] > 0) s.finger_ways.push_back(in_tool(way));
+  s.stands_on = 1;  // one fingertip of three stands with 3 N
   s.fingers = {.along = 0.08,
                .across = 0.08,
                .below = 0.015,

@@ -271,8 +271,10 @@ class Run {
   }
   void cycle() {
     Picture picture;
-    for (std::size_t a = 0; a < arms; ++a)
+    for (std::size_t a = 0; a < arms; ++a) {
       if (s_.see_each_other) workers_[a]->other_hand(workers_[1 - a]->hand().origin());
+      workers_[a]->hear_of_camera(workers_[1 - a]->believed());
+    }
     while (detector_.take(world_.now(), picture)) {
       if (carriage_) carriage_->see(picture.base, picture.things);
       for (auto& w : workers_) w->see(picture);
@@ -302,6 +304,7 @@ class Run {
       const auto samples = touchers_[a]->samples(world_.now(), sees ? look(a) : std::span<const double>{});
       if (sees) w.look_around(world_.joints(a), samples);
       if (s_.world.binary) w.feel(world_.wrist(a));
+      if (hands_[a]) w.feel_between(hands_[a]->between());
       const auto out =
           w.step(world_.now(), world_.joints(a), gripper(a), samples, places.grants[a].granted, resume);
       if (out.command.valid) world_.command(a, out.command.position, out.planned.velocity);

@@ -1,6 +1,9 @@
 // The numbers of the work, and its log.
 #pragma once
 
+#include <vector>
+
+#include "examples/packing_oranges/finger_room.hpp"
 #include "examples/packing_oranges/free_spot.hpp"
 #include "examples/packing_oranges/hand.hpp"
 #include "examples/packing_oranges/plan.hpp"
@@ -24,6 +27,10 @@ struct WorkSettings {
   double judge_from = 1.2, judge_to = 5.6;  ///< forces between which a squeeze is judged [N]
   double judge_span = 2.5;                  ///< it must have risen by so much [N]
   bool turns = true;  ///< the hand turns so that its open fingers come down beside what lies near an orange
+  std::vector<skinctl::Xyz<double>> finger_ways{two_fingers.begin(),
+                                                two_fingers.end()};  ///< see `finger_room`
+  /// Mean force of the fingers from which one of them stands on something [N].
+  double stands_on = 3;
   bool stay = false;  ///< oranges stay in box and bins: it lets go beside those that lie there, or just above
   OpenFingers fingers{};
   std::size_t full_box = 8;  ///< number of oranges of a full box

@@ -46,6 +46,9 @@ class Worker {
   [[nodiscard]] bool is_touched() const { return pushed_last_ == now_; }
   /// A reading of the wrist's force sensor, before a cycle, where there is one.
   void feel(const skinctl::WrenchSample& wrist) { press_.feel(wrist); }
+  /// Where its fingers hold something, beside their middle, in the hand's frame, before a cycle [m]:
+  /// fingertips that feel the joints of their fingers tell it.
+  void feel_between(const skinctl::Xyz<double>& place) { between_ = place, feels_between_ = true; }
   /// What it says about the box, before a cycle.
   [[nodiscard]] skinctl::PlaceRequest place_request() const;
 
@@ -58,6 +61,8 @@ class Worker {
   void other_waits(bool waits) { other_waits_ = waits; }
   /// Whether the other arm is out of work for good: what lies before it, in reach, is this one's too.
   void other_is_out(bool out) { other_is_out_ = out; }
+  /// How far the other arm has found the camera off counts for this one, which sees by the same.
+  void hear_of_camera(const Believed& others) { believed_.hear_of_camera(others); }
   /// Where the other arm's hand is: it hides things from the detector, too.
   void other_hand(const skinctl::Xyz<double>& place) { other_hand_ = place; }
   /// Whether it gives way to something that is seen, and the other arm is in its way: the other arm gives way to it then.
@@ -185,6 +190,8 @@ class Worker {
   /// What a take, or fingers that came down on something, tell of the place. A person is asked when camera or
   /// hand are at fault; that a place is empty is no failure that somebody is asked for.
   void learn(const typename Executor::Memory& was, bool resume);
+  /// Where the camera may be off, what was just taken is set down and looked at, see `Believed::set_down`.
+  void set_down_in_doubt(const typename Executor::Memory& was);
 
   /// Every plan ends: ways back are counted until an orange is put, see `WorkSettings::in_vain`.
   void count_ways_back(const typename Executor::Memory& was);
@@ -194,7 +201,7 @@ class Worker {
   [[nodiscard]] bool is_over(const skinctl::Xyz<double>& p) const {
     return std::hypot(X_WH_.origin().x - p.x, X_WH_.origin().y - p.y) < 0.05;
   }
-  static constexpr double stands_on = 3;  ///< force of a finger that stands on something [N]
+  static constexpr double comes_down_on = 3;  ///< more force than of carrying: it comes down on something [N]
   static constexpr double clear_of_table =
       0.003;  ///< of what is set down: it may hang lower than it was taken [m]
   static constexpr skinctl::Nanoseconds untouched = 200ms;  ///< since a push, before a press begins
@@ -299,7 +306,9 @@ class Worker {
   skinctl::Rotation<double> R_;         ///< of the hand: it points down, or as it was shown
   skinctl::Rotation<double> straight_;  ///< it points down, turned as at first ...
   double turned_ = 0;                   ///< ... and so about the vertical over the orange that it takes [rad]
-  skinctl::Xyz<double> beside_{0, 0, 0};  ///< the hand's place beside an orange that it takes
+  skinctl::Xyz<double> beside_{0, 0, 0};   ///< the hand's place beside an orange that it takes
+  skinctl::Xyz<double> between_{0, 0, 0};  ///< where its fingers hold something, in the hand's frame
+  bool feels_between_ = false;
   skinctl::Sightings<typename A::Model> sight_;
   GivingWay<R> retreat_;
   std::unique_ptr<typename Scene::Memory> memory_;

@@ -47,17 +47,32 @@ void Worker<R>::learn(const typename Executor::Memory& was, bool resume) {
   if ((take || squeezes) && began && plan_.step != was.step && !is_at_feed()) believed_.took();
   if (std::exchange(stood_, false)) believed_.failed(feed_tray(arm_)), empty_ = true;
   if (plan_.phase == Phase::reverse && empty_) empty_ = false, plan_ = Executor::forgiven(plan_);
+  if (take && began && plan_.step != was.step) set_down_in_doubt(was);
   const bool slips =
       !take && !failed && (lost || (lift && gives_up && plan_.why == StepFailure::fact_missing));
   if (slips && lift) believed_.slipped();
+  if (slips && !believed_.knows_camera()) believed_.doubt_camera(), plan_ = Executor::forgiven(plan_);
   if (slips && grip_.slipped())
     plan_ = Executor::forgiven(plan_);
-  else if (slips)
+  else if (slips && believed_.knows_camera())
     believed_.leave(taken_);
   if (was.phase == Phase::ask && resume) believed_.answered();
   if (believed_.asks() && plan_.phase == Phase::begin && does(skinctl::activity::Look::rule))
     plan_ = Executor::asking(plan_, now_);
   believed_.write(known_);
+}
+
+template <class R>
+void Worker<R>::set_down_in_doubt(const typename Executor::Memory& was) {
+  constexpr double middle =
+      0.01;  // of a hand that stands over what it takes: three deviations of both places [m]
+  if (std::hypot(between_.x, between_.y) > middle) believed_.doubt_camera();
+  if (!believed_.doubts_camera()) return;
+  believed_.took();
+  plan_ = was;
+  plan_.phase = Executor::Phase::begin_reverse;
+  done_.back() = {was.step,          now_at().does,  true, false, skinctl::StepFailure::none,
+                  done_.back().from, done_.back().to};
 }
 
 template <class R>
@@ -132,7 +147,7 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
   }
   // A finger has come down on something: no further.
   if (asked_ && does(skinctl::activity::Reach::rule) && plan_.phase == Executor::Phase::run &&
-      gripper_.force > stands_on) {
+      gripper_.force > s_.stands_on) {
     stood_ = true;
     // Off it: at rest the arm would go on along its spline.
     Part off{Set::start_skill(A::skills(&skinctl::activity::Reach::rule)), true,
@@ -162,7 +177,7 @@ bool Worker<R>::something_lies_there() const {
 
 template <class R>
 bool Worker<R>::has_come_down_in_tray() const {
-  return s_.stay && lowers_in_tray() && asked_ && gripper_.force > grip_.hold() + stands_on;
+  return s_.stay && lowers_in_tray() && asked_ && gripper_.force > grip_.hold() + comes_down_on;
 }
 
 template <class R>

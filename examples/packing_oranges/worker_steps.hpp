@@ -123,6 +123,14 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
     const bool brings_back = features_.in_hand && features_.carried;
     // Where it came from; at the other table in front of it.
     const auto from = table_ == 0 ? taken_ : at(waiting_place(), taken_.z);
+    // What it lets go while it stands still lies where its fingers held it.
+    if (s_.honest && gripper_.holding && !brings_back && !features_.moving && !is_touched()) {
+      const Xyz<double> p = here + X_WH_.axes() * between_ - beside_;
+      if (feels_between_)
+        believed_.set_down(p, {{1, 0, 0}, {0, 1, 0}}, now_);
+      else
+        believed_.set_down(p, {fingers_along()}, now_);
+    }
     if (brings_back) {
       add(skill, at(here, s_.carry), passing);
       add(skill, at(from, s_.carry), passing);
@@ -212,8 +220,12 @@ FingerRoom Worker<R>::room_beside(std::uint8_t orange) const {
     const auto& o = known_.objects[k];
     if (k != orange && o.known && now_ - o.time < 1s) others[count++] = o.X_WO.origin();
   }
-  return finger_room(known_.objects[orange].X_WO.origin() + beside_, straight_,
-                     std::span(others).first(count), s_.turns);
+  const double turn = s_.turns ? believed_.turn() : 0;
+  FingerRoom out =
+      finger_room(known_.objects[orange].X_WO.origin() + beside_, turned(turn),
+                  std::span(others).first(count), s_.turns && !believed_.doubts_camera(), s_.finger_ways);
+  out.turn = std::remainder(turn + out.turn, M_PI);  // its fingers are alike
+  return out;
 }
 
 /// The object that fits and costs least; `no_object`: none fits.
@@ -245,20 +257,25 @@ void Worker<R>::look() {
   }
   const bool sees = now_ - last_picture_ < 300ms;
   if (!sees) looks_since_ = now_;
+  if (believed_.waits_for_set_down(now_)) return;
   const auto fits = [&](std::uint8_t k) {
     const auto& o = known_.objects[k];
     const auto p = o.X_WO.origin();
     return sees && o.known && now_ - o.time <= 500ms && o.sigma <= 0.003 && o.misses == 0 && p.z <= 0.07 &&
            is_its(p);
   };
-  // The nearest one with room for its fingers; else where there is most.
-  const auto cost = [&](std::uint8_t k) {
-    const double room = room_beside(k).room;
-    return room < FingerRoom::enough
-               ? 10 - room
-               : norm(skinctl::Xyz<double>(known_.objects[k].X_WO.origin() - X_WH_.origin()));
+  // The nearest one with room for its fingers; while there is none, where there is most: fingers that come
+  // down beside a ghost push away what lies there, and is taken first.
+  const auto has_room = [&](std::uint8_t k) { return room_beside(k).room >= FingerRoom::enough; };
+  const auto choose = [&](const auto& fit, const auto& cost) {
+    return s_.honest ? believed_.choose(fit, cost) : cheapest(fit, cost);
   };
-  const std::uint8_t chosen = s_.honest ? believed_.choose(fits, cost) : cheapest(fits, cost);
+  const auto far = [&](std::uint8_t k) {
+    return norm(skinctl::Xyz<double>(known_.objects[k].X_WO.origin() - X_WH_.origin()));
+  };
+  std::uint8_t chosen = choose([&](std::uint8_t k) { return fits(k) && has_room(k); }, far);
+  if (chosen == skinctl::no_object)
+    chosen = choose(fits, [&](std::uint8_t k) { return -room_beside(k).room; });
   if (chosen != skinctl::no_object) {
     object_ = chosen;
     const FingerRoom room = room_beside(chosen);

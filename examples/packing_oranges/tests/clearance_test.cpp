@@ -371,6 +371,12 @@ TEST_CASE("finger_room: open fingers come down beside what lies near an orange, 
   CHECK(among({beside}).room > FingerRoom::enough);
   CHECK(among({beside}, false).turn == 0);
   CHECK(among({beside}, false).room < 0.03);
+  // Three fingers have none where two of a gripper stand beside: it lies in the way of the third.
+  const std::array<Xyz<double>, 3> three{{{0.5, 0.87, 0}, {0.5, -0.87, 0}, {-1, 0, 0}}};
+  const std::vector<Xyz<double>> behind{{0.025, 0.4, 0.04}};
+  CHECK(finger_room(p, down, behind).room > FingerRoom::enough);
+  CHECK(finger_room(p, down, behind, false, three).room < 0.03);
+  CHECK(finger_room(p, down, std::vector{across}, false, three).room > FingerRoom::enough);
   // Shut in: where there is most.
   CHECK(among({beside, across}).room > 0.03);
   CHECK(among({beside, across}).room < FingerRoom::enough);

@@ -3,7 +3,14 @@
 // Promise: oranges that a detector does not number are packed, whatever it sees besides
 // Tried: six oranges with two ghosts that stay, flashes and wrong classes: all right, at most five takes of
 // nothing, both ghosts named as doubted, no question; a camera that is off by 25 mm across the fingers: all
-// right, each arm finds 18 mm of it, at most 20 N on a finger; the numbered world loses some, above 50 N
+// right, each arm finds 17 mm of it or more, at most 20 N on a finger; the numbered world loses some, above
+// 50 N
+//
+// Promise: what a hand has set down tells how far the camera is off, also where takes succeed in spite of it
+// Tried: offsets of 25 mm in 64 directions, by two measurements 45 degrees apart, each with 3 mm of noise:
+// found to 15 mm, 5 mm in the mean; one direction alone is not enough; an orange that was set down and is
+// seen 25 mm off, by one arm for both; all at once (friction 0.3, three ghosts, 25 mm, the box moved, nobody
+// answers), by hands: 12 of 12 right
 //
 // Promise: a hand learns from what slips how firmly it carries, and asks once about what it cannot carry
 // Tried: four oranges of friction 0.15, which 5 N do not hold: all right with at most 10 N, no question (0 by
@@ -84,11 +91,96 @@ TEST_CASE(
   CHECK(o.right() == 6);
   CHECK(questions(o) == 0);
   CHECK(o.worst_force() < 20);
-  for (const auto& a : o.arm) CHECK(norm(a.bias) == doctest::Approx(0.018));
+  for (const auto& a : o.arm) CHECK(norm(a.bias) == doctest::Approx(0.025).epsilon(0.3));
   s.honest = false;
   const Outcome numbered = run_ur5(s);
   CHECK(numbered.lost() > 0);
   CHECK(numbered.worst_force() > 50);
+}
+
+TEST_CASE("CameraOffset: two measurements 45 degrees apart tell an offset in any direction, one does not") {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0, CameraOffset::of_one);
+  using Place = CameraOffset::Place;
+  double sum = 0;
+  for (int n = 0; n < 64; ++n) {
+    const double angle = n * M_PI / 32, first = n * 0.7;
+    const Place off{0.025 * std::cos(angle), 0.025 * std::sin(angle), 0};
+    CameraOffset camera;
+    Place found{0, 0, 0};
+    const auto measure = [&](double turn) {
+      const Place along{std::cos(turn), std::sin(turn), 0};
+      found = found + camera.measure(along, dot(along, off - found) + noise(random));
+    };
+    for (int again = 0; again < 3; ++again) {
+      measure(first);
+      CHECK_FALSE(camera.known());
+    }
+    measure(first + M_PI / 4);
+    CHECK(camera.known());
+    CHECK(norm(Place(found - off)) < 0.015);
+    sum += norm(Place(found - off)) / 64;
+    camera.doubt();
+    CHECK_FALSE(camera.known());
+  }
+  CHECK(sum < 0.005);
+}
+
+TEST_CASE("Believed: an orange that was set down and is seen beside tells the offset, to the other arm too") {
+  using Place = Believed::Place;
+  const Place orange{-0.24, -0.4, 0.037}, seen{-0.225, -0.42, 0.037}, away{0.3, 0.4, 0.2};
+  const std::array hands{away, away};
+  Believed one, other;
+  skinctl::Nanoseconds t = 1s;
+  const auto see = [&](const Place& p, int pictures) {
+    for (int n = 0; n < pictures; ++n) {
+      Picture picture{t += 33ms, t + 60ms, {}, {}};
+      picture.things.push_back({p, 0.005, orange_class});
+      one.see(picture, hands), other.see(picture, hands);
+    }
+  };
+  see(seen, 20);
+  REQUIRE(one.choose([](auto) { return true; }, [](auto) { return 0.0; }) != skinctl::no_object);
+  CHECK_FALSE(one.doubts_camera());
+  one.doubt_camera();
+  CHECK(one.doubts_camera());
+  one.took();
+  one.set_down(orange, {{1, 0, 0}, {0, 1, 0}}, t);
+  see(seen, 2);
+  CHECK(one.waits_for_set_down(t));  // not yet found well enough
+  see(seen, 10);
+  CHECK_FALSE(one.waits_for_set_down(t));
+  CHECK(one.knows_camera());
+  CHECK(norm(Place(one.bias() - (orange - seen))) < 0.002);
+  other.hear_of_camera(one);
+  CHECK(norm(Place(other.bias() - one.bias())) == 0);
+  // What it doubts itself later is not overruled by what it has heard.
+  other.doubt_camera();
+  other.hear_of_camera(one);
+  CHECK(other.doubts_camera());
+  // What is not seen again is not waited for.
+  one.set_down(away, {{1, 0, 0}}, t);
+  CHECK(one.waits_for_set_down(t + 1s));
+  CHECK_FALSE(one.waits_for_set_down(t + 3s));
+}
+
+TEST_CASE("packing_oranges --world honest: all at once, and nobody answers, by hands") {
+  RunSettings s = six(602);
+  s.supply.oranges = 12;
+  s.work.executor.max_place_wait = 12s;
+  s.hand = {true, true};
+  s.world.friction = 0.3;
+  s.detector.ghosts = 3;
+  s.detector.bias = 0.025;
+  s.move_box = 0.12;
+  s.answers = false;
+  const Outcome o = run_ur5(s);
+  CHECK(o.over);
+  CHECK(o.right() == 12);
+  for (const auto& a : o.arm) {
+    CHECK(norm(a.bias) == doctest::Approx(0.025).epsilon(0.3));
+    CHECK(a.slipped.empty());
+  }
 }
 
 TEST_CASE("Detector: an honest one tells no numbers, hides what is under a hand, and its ghosts stay") {
