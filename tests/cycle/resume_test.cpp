@@ -16,6 +16,9 @@
 // Promise: a spline asks for no more acceleration than the robot has: it takes longer, and says so
 // Tried: UR5, goals that would take up to 87 times the limits' acceleration, joints and tool, 0.1 to 15
 // rad/s^2: past the goal by at most 4 mrad (by 0.5 to 2 rad with accelerations beyond the limits)
+//
+// Promise: a joint by velocity that is beyond its end comes back
+// Tried: by 1e-6 to 1e-3 rad, with and without a limit of jerk (with it, it stayed where it was for ever)
 
 #include <doctest/doctest.h>
 
@@ -30,6 +33,7 @@
 #include "skinctl/cycle/cycle.hpp"
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/kinematics/poses.hpp"
+#include "skinctl/limits/jerk_limits.hpp"
 #include "skinctl/robots/ur5.hpp"
 
 using namespace skinctl;
@@ -320,4 +324,24 @@ TEST_CASE("acceleration: a spline takes the time that the robot needs, and says 
         doctest::Approx(1.875 * far / s.max_velocity[0]));
   unbounded.joint_acceleration[2] = 0;
   CHECK_THROWS_AS(SplineJoint<6>{unbounded}, ConfigurationError);
+}
+
+TEST_CASE("end: a joint by velocity that is beyond its end comes back, with a limit of jerk too") {
+  for (const double beyond : {1e-6, 5e-5, 1e-3}) {
+    CAPTURE(beyond);
+    auto c = configuration(15);
+    auto values = c.limits.values();
+    values.upper[0] = home[0] - beyond;
+    c.limits = JointLimits<6>(values);
+    const auto arm = by_velocity(ur5::Model{}, c);
+    const Cycle plain(arm, SplineJoint(arm) + GravityControl{});
+    const auto back = [](int k, auto& input) {
+      if (k == begins) input.goal = JointGoal<6>{turned(-0.5), 2s};
+    };
+    CHECK(std::abs(run(plain, 500, back).end + 0.5) < 0.005);
+    const MaxJerk<6> jerk{JointJerk<6>::constant(300)};
+    const auto smooth =
+        Cycle(arm, SplineJoint<6>(tracking_settings(arm, jerk.jerk)) + GravityControl{}).with(jerk);
+    CHECK(std::abs(run(smooth, 500, back).end + 0.5) < 0.005);
+  }
 }
