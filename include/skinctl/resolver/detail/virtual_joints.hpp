@@ -173,8 +173,9 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
       const T on = p_.reaction * m.rate[i];
       out.speed.most[i] = speed_to_stop(up, p_.reaction, brake);
       out.speed.least[i] = -speed_to_stop(down, p_.reaction, brake);
-      out.speed.ends.most[i] = m.q.value[i] + up - (on > T(0) ? on : T(0));
-      out.speed.ends.least[i] = m.q.value[i] - down - (on < T(0) ? on : T(0));
+      // A joint beyond its end may rest where it is: no single step leads back inside.
+      out.speed.ends.most[i] = m.q.value[i] + (above < T(0) ? T(0) : up) - (on > T(0) ? on : T(0));
+      out.speed.ends.least[i] = m.q.value[i] - (below < T(0) ? T(0) : down) - (on < T(0) ? on : T(0));
     }
   }
 

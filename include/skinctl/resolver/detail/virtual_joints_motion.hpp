@@ -85,10 +85,7 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
       if (!m.brakes)
         out.cut = mover.hold_back(motion, room, leash, m.rate, m.last, given, takes_position(Ix));
       if constexpr (!takes_position(Ix)) {
-        // A joint beyond an end rests where it is, or comes back as fast as it likes.
-        const Row below = q - c.speed.ends.least, above = Row(c.speed.ends.most) - q, none = T(0);
-        const JointRoom<N, T> ends{Position(select(below > none, below, none)),
-                                   Position(select(above > none, above, none))};
+        const JointRoom<N, T> ends{Position(q - c.speed.ends.least), Position(Row(c.speed.ends.most) - q)};
         if (mover.hold_back(motion, room, ends, m.rate, m.last, given, false) != 0)
           out.status |= Reason::position_limited;
       }
