@@ -23,6 +23,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -343,5 +344,19 @@ TEST_CASE("end: a joint by velocity that is beyond its end comes back, with a li
     const auto smooth =
         Cycle(arm, SplineJoint<6>(tracking_settings(arm, jerk.jerk)) + GravityControl{}).with(jerk);
     CHECK(std::abs(run(smooth, 500, back).end + 0.5) < 0.005);
+  }
+}
+
+TEST_CASE("resume: of settings that know no accelerations") {
+  for (const double a : {1.0, 2.0, 15.0}) {
+    CAPTURE(a);
+    const auto arm = by_position(ur5::Model{}, configuration(a));
+    auto settings = tracking_settings(arm);
+    settings.joint_acceleration = JointAcceleration<6>::constant(std::numeric_limits<double>::infinity());
+    const Cycle scene(arm, SplineJoint<6>(settings) + GravityControl{});
+    const Course c = run(scene, cycles_for(a, 4), stopped(JointGoal<6>{turned(far), 4s}, 4, 0.5, 60));
+    CHECK(c.back < 0.01);
+    CHECK(c.furthest < far + 0.01);
+    CHECK(std::abs(c.end - far) < 0.005);
   }
 }

@@ -134,6 +134,8 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
     const Surface here = this->look(memory, known);
     const T soon = seconds<T>(gains().bumpless_transfer);
     bool near = !memory.held;
+    if constexpr (!Plan::streams)  // settings may know no accelerations
+      near = near && memory.plan.is_near(Space::motion(space_.site(known)), settings_);
     for (std::size_t i = 0; i < N; ++i) {
       const T most = gains().joint_acceleration[i];
       near = near && detail::magnitude(here.S_q[i]) <= soon * most &&
@@ -155,9 +157,9 @@ class Tracking : public detail::TrackingReset<Space, Plan, Damping> {
   /// is a new goal if it is further from the extrapolation of the last one than the largest speed covers in
   /// the time between both, of which up to four times `dt` count.
   ///
-  /// A goal of a spline within twice `target_age` of the last one, and no further from it, is a sample too:
-  /// the same one changes nothing, another one gets a plan that goes on from the reference. Where the
-  /// reference would step, as in a reversal, it is a new goal.
+  /// A goal of a spline within twice `target_age` of the last one, and no further from it than the largest
+  /// speed covers, is a sample too: the same one changes nothing, another one gets a plan that goes on from
+  /// the reference. Where the reference would step, as in a reversal, it is a new goal.
   template <class K>
   [[nodiscard]] Received<Memory> follow(const Memory& memory, const K& known,
                                         const Goal& goal) const noexcept {
