@@ -19,9 +19,9 @@ class LivePage {
  public:
   /// Throws `adapters::live::ServerError` where the port is taken.
   /// @param simulated  the robot that the page's pointer presses, which lives longer; null: a real one.
-  /// @param cells  ids of the skin's cells in its order; none: the arm has none.
+  /// @param ids  of the skin's cells in its order; none: the arm has none.
   LivePage(const Settings& s, const std::vector<adapters::live::WeightRange>& weights,
-           simulated_ur5::SimulatedUr5* simulated, std::vector<std::uint32_t> cells) {
+           simulated_ur5::SimulatedUr5* simulated, std::vector<std::uint32_t> ids) {
     if (!s.live) return;
     adapters::live::ServerOptions options;
     options.port = s.live_port;
@@ -30,7 +30,7 @@ class LivePage {
     live_page::put_page(options);
     server_ = std::make_unique<adapters::live::FoxgloveServer>(std::move(options));
     const auto run = run_description(s);
-    if (!cells.empty()) felt_.emplace(std::move(cells));
+    if (!ids.empty()) felt_.emplace(std::move(ids));
     view_ = std::make_unique<adapters::live::LiveView<Scene>>(*server_, requests_, run, weights,
                                                               felt_ ? &*felt_ : nullptr);
     if (simulated != nullptr) server_->add(pointer_.emplace(*simulated, run.frames).inlet());

@@ -49,9 +49,6 @@ skinctl::JointControlSettings<6> tracking(const Arm& arm, const Settings& s, dou
   return t;
 }
 
-/// Standard deviation of a force sensor at rest, as it is declared [steps].
-inline constexpr float force_noise = 0.4f;
-
 /// A touch is what a cell reads beyond this.
 inline skinctl::SkinSettings skin_settings(const Settings& s) {
   skinctl::SkinSettings settings;

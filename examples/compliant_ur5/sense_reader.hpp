@@ -20,7 +20,7 @@ class SenseReader;
 template <>
 class SenseReader<Sense::skin> {
  public:
-  explicit SenseReader(const Settings&) {}
+  SenseReader(const Settings&, const adapters::ur5::Driver&) {}
   static void ask(adapters::ur5::DriverConfig&) {}
 };
 
@@ -29,11 +29,10 @@ class SenseReader<Sense::skin> {
 template <>
 class SenseReader<Sense::wrist> {
  public:
-  explicit SenseReader(const Settings& s) : sensor_(wrist_touch(s)) {}
   static void ask(adapters::ur5::DriverConfig& config) { config.tool = true; }
   /// Throws `adapters::ConnectionError` for a robot without such a sensor, or whose base has other axes than
   /// the model.
-  void check(const adapters::ur5::Driver& driver) const {
+  SenseReader(const Settings& s, const adapters::ur5::Driver& driver) : sensor_(wrist_touch(s)) {
     if (driver.controller().major < 5)
       throw adapters::ConnectionError(
           "a CB3 has no sensor in its wrist: its actual_TCP_force is reckoned by its currents; try --sense "
@@ -90,9 +89,8 @@ class SenseReader<Sense::wrist> {
 template <>
 class SenseReader<Sense::motors> {
  public:
-  explicit SenseReader(const Settings& s) : per_ampere_(s.motors.torque_constant) {}
+  SenseReader(const Settings& s, const adapters::ur5::Driver&) : per_ampere_(s.motors.torque_constant) {}
   static void ask(adapters::ur5::DriverConfig& config) { config.motors = adapters::ur5::MotorOutput::torque; }
-  static void check(const adapters::ur5::Driver&) noexcept {}
   /// At the joints [N m].
   skinctl::JointTorque<6> read(const adapters::ur5::Driver& driver) noexcept {
     const adapters::ur5::Report& r = driver.report();

@@ -27,6 +27,10 @@ enum class Sense : unsigned char {
   wrist,  ///< the force-torque sensor in the flange of an e-Series: what touches the tool
   motors  ///< their currents: what pushes any link harder than the gears rub
 };
+[[nodiscard]] constexpr const char* in_words(skinctl::Interface i) noexcept {
+  return i == skinctl::Interface::position ? "position"
+                                           : (i == skinctl::Interface::velocity ? "velocity" : "torque");
+}
 constexpr const char* in_words(Sense s) {
   return s == Sense::skin ? "skin" : s == Sense::wrist ? "wrist" : "motors";
 }

@@ -16,6 +16,9 @@ inline constexpr std::size_t cells = 260;      ///< of the generated skin
 inline constexpr std::size_t max_cells = 512;  ///< of a file: 383 of TUM's size find room
 using UrSkin = skinctl::SkinOf<skinctl::ur5::Model, double, max_cells>;
 
+/// Standard deviation of a force sensor at rest, as it is declared [steps].
+inline constexpr float force_noise = 0.4f;
+
 inline constexpr std::uint32_t palm_cell = 60000;  ///< id of the cell of a carried hand's palm
 
 /// w_p of a link [N per unit of proximity]: 0 unless the arm keeps clear. Throws
