@@ -58,12 +58,13 @@ adapters::live::Answer Pointer::take(std::string_view message) {
   const skinctl::Xyz<double> p = frame->in_link.R * skinctl::Xyz<double>{point->x, point->y, point->z},
                              n = frame->in_link.R * skinctl::Xyz<double>{normal->x, normal->y, normal->z};
   const auto& at = frame->in_link.p;
-  const bool begins = *press != press_;
+  const bool another = *press != press_;
   press_ = *press;
   double force = 0;
   robot_.call([&](simulated_ur5::Controller& c) {
     force = c.finger_force();
-    if (begins) c.press(frame->link, {p.x + at.x, p.y + at.y, p.z + at.z}, {n.x, n.y, n.z});
+    if (another || !c.finger_presses())
+      c.press(frame->link, {p.x + at.x, p.y + at.y, p.z + at.z}, {n.x, n.y, n.z});
     c.lead_finger({*stiffness, *travel, *aside});
   });
   char words[32];

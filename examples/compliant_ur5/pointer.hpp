@@ -15,8 +15,8 @@ namespace compliant_ur5 {
 ///
 /// A message: `{"press": 7, "link": "forearm_link", "point": [x, y, z], "normal": [x, y, z], "stiffness":
 /// 3000, "travel": 0.06, "aside": [x, y, z]}`, several times a second while it presses. A new number of
-/// `press` is a new press, 0 lifts the finger. Point and normal in the frame of the link that `/tf` calls so,
-/// aside in the base's; m, N/m.
+/// `press` is a new press, 0 lifts the finger. After 0.5 s of silence it leaves, and comes with the next
+/// message. Point and normal in the frame of the link that `/tf` calls so, aside in the base's; m, N/m.
 class Pointer {
  public:
   static constexpr const char* topic = "/simulation/finger";

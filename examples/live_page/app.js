@@ -222,7 +222,7 @@ function parameters(list) {
 }
 
 const finger_topic = '/simulation/finger';
-/// The pointer as a finger on a robot that is simulated. What it does is sent while it presses; a silent page's finger leaves.
+/// The pointer as a finger on a robot that is simulated. What it does is sent while it presses, however long a picture takes; a silent page's finger leaves.
 const finger = {offered: false, spot: null, aside: [0, 0, 0], aim: null, by: null};
 function press(x, y, by) {
   if (!finger.offered || finger.spot || !state.view || !state.live || state.file) return false;
@@ -231,10 +231,12 @@ function press(x, y, by) {
   Object.assign(finger, {spot, by, force: 0, peak: 0, aside: [0, 0, 0], number: 1 + Math.floor(1e9 * Math.random())});
   state.view.controls.enabled = false;
   point();
+  finger.sends = setInterval(point, 50);
   return true;
 }
 function release() {
   if (!finger.spot) return;
+  clearInterval(finger.sends);
   finger.spot = finger.by = null;
   state.view.controls.enabled = true;
   state.stream.publish(finger_topic, {press: 0});
@@ -267,13 +269,10 @@ function pointers() {
   canvas.addEventListener('blur', () => { finger.aim = null; if (finger.by === 'key') release(); });
   $('travel').addEventListener('input', () => { $('travel-mm').textContent = `${$('travel').value} mm`; });
 }
-/// Sends and draws the finger, and says what it feels; `newtons`: what the robot's skin does, null without one.
+/// Draws the finger, and says what it feels; `newtons`: what the robot's skin does, null without one.
 function showFinger(newtons) {
   if (!finger.offered || !state.view) return;
-  if (finger.spot) {
-    point();
-    $('pressed').textContent = `On the finger: ${finger.force.toFixed(1)} N, at most ${finger.peak.toFixed(1)} N.` + (newtons === null ? '' : ` The robot feels ${newtons.toFixed(1)} N.`);
-  }
+  if (finger.spot) $('pressed').textContent = `On the finger: ${finger.force.toFixed(1)} N, at most ${finger.peak.toFixed(1)} N.` + (newtons === null ? '' : ` The robot feels ${newtons.toFixed(1)} N.`);
   const aimed = finger.aim && !finger.spot ? state.view.pick(...finger.aim) : null;
   state.view.point(finger.spot || aimed, finger.spot ? 0 : 0.03);
 }

@@ -74,6 +74,7 @@ class Controller {
   void press(std::size_t link, Vec3 point, Vec3 normal);
   void lead_finger(const LedFinger::Wish& wish);
   void release_finger() { finger_.release(); }
+  bool finger_presses() const { return finger_.pressing(); }
   /// On that finger [N].
   double finger_force() const { return led_touch_ ? world_.force_on(*led_touch_) : 0; }
   /// Seconds since the scenario's start, or -1.
