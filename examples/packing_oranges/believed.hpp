@@ -42,7 +42,8 @@ class Believed {
       const auto& t = m_.tracks[k];
       const Place p = tracks_.aim(m_, t.p);
       auto& o = known.objects[k];
-      o.known = t.kind == orange_class && Tracks::belief(m_, t) > 0;
+      o.known = is_taken(t.kind) && Tracks::belief(m_, t) > 0;
+      if (o.known) o.kind = t.kind;
       o.X_WO = skinctl::ObjectPose<>::translation_xyz(p.x, p.y, p.z);
       o.sigma = t.sigma, o.time = t.seen, o.misses = 0;
     }
@@ -65,6 +66,23 @@ class Believed {
         if (fits && t.seen > known.seen[n]) known.seen[n] = t.seen, tray.x = p.x, tray.y = p.y;
       }
     }
+  }
+  /// The believed thing of a class that is nearest to a place, of those for whose places `fits(place)`: its
+  /// place, and when it was seen last; a time of 0: there is none.
+  struct FoundThing {
+    Place p{0, 0, 0};
+    skinctl::Nanoseconds seen{};
+  };
+  template <class Fits>
+  [[nodiscard]] FoundThing nearest_of(skinctl::ObjectClass kind, const Place& to, const Fits& fits) const {
+    FoundThing best;
+    for (const auto& t : m_.tracks) {
+      const Place p = tracks_.aim(m_, t.p);
+      if (t.kind != kind || !(Tracks::belief(m_, t) > 0) || !fits(p)) continue;
+      if (best.seen == skinctl::Nanoseconds(0) || norm(Place(p - to)) < norm(Place(best.p - to)))
+        best = {p, t.seen};
+    }
+    return best;
   }
   /// Oranges that are believed to lie in a tray, or on others in it.
   [[nodiscard]] std::vector<Place> lying_in(const Tray& tray) const {
@@ -104,7 +122,7 @@ class Believed {
   }
   void failed(const Tray& feed) {
     tracks_.failed(m_, chosen(), felt_ && has_room_,
-                   [&](const auto& t) { return t.kind == orange_class && feed.holds(t.p); });
+                   [&](const auto& t) { return is_taken(t.kind) && feed.holds(t.p); });
     ++failures_;
     wary_ = 3;
     if (felt_ && has_room_) doubt_camera();
@@ -163,6 +181,7 @@ class Believed {
   static constexpr double wary_speed = 0.06;
   [[nodiscard]] bool is_wary() const { return wary_ > 0; }
   [[nodiscard]] bool asks() const { return m_.asks || asks_; }
+  void ask() { asks_ = true; }
   void answered() {
     if (m_.asks) tracks_.answered(m_);
     asks_ = false;

@@ -135,7 +135,7 @@ class Detector {
       if (happens(s_.flashes)) add(anywhere_in(happens(0.5) ? 1 : 0), orange_class);
     };
     for (std::size_t k = 0; k < arms * slots; ++k)
-      if (world.there(k)) see(world.orange(k), orange_class);
+      if (world.there(k)) see(world.orange(k), world.has_tool(k) ? tool_class : orange_class);
     for (const Place& p : ghosts_) see(p, orange_class);
     for (std::size_t k = 0; k < tray_count; ++k) {
       const Tray t = world.tray(k);

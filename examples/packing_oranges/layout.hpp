@@ -46,9 +46,13 @@ inline constexpr Trays first_trays{box_tray, bin_tray(0), bin_tray(1)};
 /// With a robot that drives there are two tables along y: oranges and bins on the first one, around the
 /// World's origin, the box on the second one, whose middle is so far away [m].
 inline constexpr double second_table = 1.6;
-[[nodiscard]] constexpr Trays trays_at_first(bool drives) noexcept {
+[[nodiscard]] constexpr Trays trays_at_first(bool drives, bool kitchen = false) noexcept {
   Trays out = first_trays;
   if (drives) out[0].y = second_table;
+  if (!kitchen) return out;
+  // A table on which tools are used has a plate where each bin stands, and no box: that one is far away.
+  out[0].y = 3;
+  for (std::size_t a = 0; a < arms; ++a) out[1 + a].wall = 0.015;
   return out;
 }
 /// Half sides of a table [m]; the arms stand on both sides of it.

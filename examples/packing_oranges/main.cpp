@@ -58,7 +58,7 @@ int run(const RunSettings& settings, const std::string& robot, const std::string
   if (!page.empty() && !plotting::write_svg(page, report(out, settings))) return code(Exit::refused);
   if (out.stopped) return code(Exit::interrupted);
   if (!out.over) return code(Exit::not_following);
-  const bool lost = settings.fault == Fault::none && out.lost() > 0;
+  const bool lost = settings.fault == Fault::none && out.lost() + out.tool[0].lost() + out.tool[1].lost() > 0;
   return code(lost || out.worst_grip() > 10 || out.shake() > 3 ? Exit::broken : Exit::fine);
 }
 int show_grasps(std::uint64_t seed, const std::string& page) {
@@ -122,8 +122,10 @@ int main(int argc, char** argv) {
   app.add_option("--bias", bias, "the detector is off by this, in some direction [mm]")
       ->check(CLI::Range(0.0, 50.0))
       ->capture_default_str();
-  app.add_option("--move-box", s.move_box,
-                 "a person moves the box by this, up to three times [m]; an arm finds it again")
+  app.add_option(
+         "--move-box", s.move_box,
+         "a person moves the box by this, up to three times [m], or the bread once while an arm has its "
+         "tool in the hand; the arm finds it again")
       ->check(CLI::Range(0.0, 0.12))
       ->capture_default_str();
   app.add_option("--obstacle", s.obstacle,
@@ -145,8 +147,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000));
   app.add_flag("--faults", faults, "instead: each fault at each step of the plan, as a table");
   std::string task;
-  app.add_option("--task", task,
-                 "a task that was taught, as `teach learn` writes it: instead of the plan by hand");
+  app.add_option(
+      "--task", task,
+      "a task that was taught, as `teach learn` writes it: instead of the plan by hand; with oranges, or "
+      "with a knife that is used over bread");
   std::vector<std::string> process;
   const auto* by_process = app.add_option("--process", process,
                                           "oranges stay, and an arm puts the full box away: sort, pack, put "
@@ -196,7 +200,8 @@ int main(int argc, char** argv) {
       std::fputs(table_of_faults(s, one, over).c_str(), stdout);
       return code(over ? Exit::fine : Exit::not_following);
     }
-    if (!task.empty()) s.work.plan = plan_of(teach::load(task), robot == "ur10e" ? Ur10e::room : Ur5::room);
+    const teach::NamedTask taught = task.empty() ? teach::NamedTask{} : teach::load(task);
+    if (!task.empty()) s.work.plan = plan_of(taught, robot == "ur10e" ? Ur10e::room : Ur5::room);
     if (*by_process) {
       if (!task.empty() || faults || worlds > 0 || s.obstacle > 0)
         throw std::runtime_error("--process: not with --task, --faults, --worlds or --obstacle");
@@ -225,6 +230,7 @@ int main(int argc, char** argv) {
     if (gripper == "hand" || gripper == "hand_and_gripper") s.hand = {true, gripper == "hand"};
     s.work.by_time = gripper == "open_or_closed";
     if (gripper == "binary") s = with_binary_grippers(s);
+    if (uses_tool(s.work.plan)) s = with_tool(s, taught.ways);
     return run(s, robot, page, live, quiet);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "packing_oranges: %s\n", error.what());

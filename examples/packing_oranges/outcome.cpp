@@ -48,6 +48,28 @@ RunSettings with_binary_grippers(RunSettings s) {
   return s;
 }
 
+RunSettings with_tool(RunSettings s, const Ways& ways) {
+  const auto refuse = [](const char* what, const char* why) {
+    throw std::runtime_error(std::string(what) + ": not with a task that uses a tool: " + why);
+  };
+  if (s.hand[0] || s.hand[1]) refuse("--gripper hand", "three fingertips hold no handle");
+  if (s.world.binary || s.work.by_time)
+    refuse("--gripper", "only the one that measures its opening is tried");
+  if (s.stay) refuse("--stay", "there is one bread for each plate");
+  if (s.obstacle > 0) refuse("--obstacle", "an arm that gives way knows nothing of the tool in its hand");
+  if (s.detector.ghosts > 0) refuse("--ghosts", "a tool is used over what nobody has touched before");
+  if (s.fault == Fault::box_blocked || s.fault == Fault::box_held) refuse("--fault", "there is no box");
+  if (s.detector.bias > 0)
+    refuse("--bias", "what is taken along its handle does not tell how far the camera is off");
+  s.work.ways = ways;
+  s.work.turns = false;   // a tool is taken across its handle
+  s.work.let_go = 0.003;  // what hangs lower than it was taken
+  s.work.in_vain = 6;     // there is one thing to take, not many
+  s.supply.oranges = 0;
+  if (s.longest == 0) s.longest = 180;
+  return s;
+}
+
 int Outcome::right() const {
   return static_cast<int>(
       std::count_if(ended.begin(), ended.end(), [](const Packed& p) { return p.right(); }));

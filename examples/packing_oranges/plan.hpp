@@ -4,17 +4,26 @@
 #include "examples/packing_oranges/layout.hpp"
 #include "skinctl/semantics/drive.hpp"
 #include "skinctl/semantics/task.hpp"
+#include "skinctl/semantics/taught_way.hpp"
 
 namespace packing {
 
 /// A plan: what is done, in which order and where. The one below, or one that a person has taught. Places are
 /// those of the first arm; the second one does the same from its side.
 using Plan = skinctl::TaughtTask<48>;
+/// The way of a tool in use, at each place of a plan; others are empty.
+using Ways = std::array<skinctl::TaughtWay, Plan::max_places>;
 
 /// Classes of objects.
 inline constexpr skinctl::ObjectClass orange_class = 1, box_class = 2, bin_class = 3;
 /// A box that is full, and where full boxes are put: no detector tells them, the arms know them.
 inline constexpr skinctl::ObjectClass full_box_class = 4, shelf_class = 5;
+/// A tool. Where one is used, bread takes the part of the oranges, and plates that of the bins.
+inline constexpr skinctl::ObjectClass tool_class = 7;
+/// Whether hands take such a thing.
+[[nodiscard]] constexpr bool is_taken(skinctl::ObjectClass kind) noexcept {
+  return kind == orange_class || kind == tool_class;
+}
 /// A mark on a table, by which a robot that drives finds out where it stands.
 inline constexpr skinctl::ObjectClass mark_class = 6;
 
@@ -148,6 +157,13 @@ static_assert([](Plan plan) {
 }(press_oranges)
                   .facts == firm_below);
 
+/// Whether a tool is used.
+[[nodiscard]] constexpr bool uses_tool(const Plan& plan) noexcept {
+  for (std::size_t k = 0; k < plan.size; ++k)
+    if (plan.steps[k].does == &skinctl::activity::Use::rule) return true;
+  return false;
+}
+
 /// A step in words.
 [[nodiscard]] constexpr const char* name_of(const Plan& plan, std::uint8_t k) noexcept {
   using namespace skinctl;
@@ -163,6 +179,10 @@ static_assert([](Plan plan) {
   if (s.does == &DriveToOranges::rule) return "drive to the oranges";
   if (s.does == &DriveToBox::rule) return "drive to the box";
   if (s.does == &FindRoom::rule) return "find a box with room";
+  if (uses_tool(plan) && s.does == &activity::Put::rule)
+    return s.role == tool_class ? "put the tool back" : "to the plate";
+  if (uses_tool(plan) && s.does == &activity::Find::rule)
+    return s.role == tool_class ? "find the bread" : "find the plate";
   if (s.does == &activity::Put::rule) return box ? "to box" : "to bin";
   if (s.does == &activity::Find::rule) return box ? "find the box" : "find the bin";
   return s.does == &activity::ReachAbove::rule             ? "reach above"

@@ -80,9 +80,41 @@ std::string put_away(const Outcome& o, const Plan& plan) {
       "%d\n",
       count, count > 0 ? time / count : 0.0, force, failed, o.fetched);
 }
+/// The figures of a task with a tool.
+std::string summary_of_tools(const Outcome& o, const RunSettings& s) {
+  std::string out = text("a tool used by each of two %s, in %.0f s%s\n", o.robot.c_str(), o.time,
+                         o.over      ? ""
+                         : o.stopped ? ": interrupted"
+                                     : ": the time is up");
+  out += text("largest force of a finger %.2f N while holding, %.2f N at all; lost %d\n", o.worst_grip(),
+              o.worst_force(), o.tool[0].lost() + o.tool[1].lost());
+  for (std::size_t a = 0; a < arms; ++a) {
+    const ArmOutcome& m = o.arm[a];
+    const ToolOutcome& t = o.tool[a];
+    out += text(
+        "arm %zu: the tip went %.1f %% of its taught way within %.0f mm, %.1f mm beside it (95 %%), at least "
+        "%.0f mm over the bread (taught: %.0f)\n",
+        a + 1, 100 * t.share, 1e3 * ToolOutcome::tip_within, 1e3 * t.strayed, 1e3 * t.height,
+        1e3 * t.taught_height);
+    out += text(
+        "arm %zu: from where it was taught lies the tool %.1f mm, the bread %.1f mm; a person moved the "
+        "bread "
+        "%d times\n",
+        a + 1, 1e3 * t.tool_off, 1e3 * t.thing_off, t.moved);
+    out += text(
+        "arm %zu: %d steps failed, %d times back, %d times asked; touched %d times; %llu ms at walls or the "
+        "table (%.1f N), %llu ms at the other arm; holds with %.1f N\n",
+        a + 1, failed(m), went_back(m), m.asked, m.touches, static_cast<unsigned long long>(m.walls),
+        m.wall_force, static_cast<unsigned long long>(m.other_arm), m.hold);
+    out += failures(m, s.work.plan);
+  }
+  return out + text("%.1f times real time on one core; %.1f us a cycle of an arm, with its executor\n",
+                    o.computed > 0 ? o.time / o.computed : 0, o.cycle);
+}
 }  // namespace
 
 std::string summary(const Outcome& o, const RunSettings& s) {
+  if (uses_tool(s.work.plan)) return summary_of_tools(o, s);
   std::string out;
   const int ended = static_cast<int>(o.ended.size());
   out += text("%d of %d oranges by two %s in %.0f s%s\n", ended, o.oranges, o.robot.c_str(), o.time,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "examples/packing_oranges/detector.hpp"
+#include "examples/packing_oranges/kitchen.hpp"
 #include "examples/packing_oranges/scenery.hpp"
 #include "examples/packing_oranges/supply.hpp"
 #include "examples/packing_oranges/work.hpp"
@@ -48,6 +49,9 @@ struct RunSettings {
 
 /// The same work by a hand: forces that it can exert, heights and places at which it has room.
 [[nodiscard]] WorkSettings by_hand(WorkSettings settings);
+/// The same run of a task that uses a tool, with the ways of its use. Throws std::runtime_error for what is
+/// not built for tools.
+[[nodiscard]] RunSettings with_tool(RunSettings settings, const Ways& ways);
 /// The same run with grippers that are only open or closed. Throws std::runtime_error for a plan that squeezes what
 /// does not stand.
 [[nodiscard]] RunSettings with_binary_grippers(RunSettings settings);
@@ -108,9 +112,10 @@ struct Outcome {
   Standing wheels_off{};    ///< where it stands in the end, from what the wheels alone tell
   double stood_off = 0;     ///< where it stood while it worked, from where it took itself to stand, most [m]
   double stood_turned = 0;  ///< the same of its turn [rad]
-  int fetched = 0;          ///< of these, boxes that a person fetched where an arm had put them
-  int passes = 0;           ///< of the thing that moves through the room
-  double nearest = 1e9;     ///< it came to an arm, as capsules [m]
+  std::array<ToolOutcome, arms> tool{};  ///< where a tool is used
+  int fetched = 0;                       ///< of these, boxes that a person fetched where an arm had put them
+  int passes = 0;                        ///< of the thing that moves through the room
+  double nearest = 1e9;                  ///< it came to an arm, as capsules [m]
   /// Both plans have ended; all oranges are packed, or the others are doubted (honest), or left by an arm that
   /// gave up.
   bool over = false;

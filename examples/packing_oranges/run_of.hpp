@@ -109,7 +109,12 @@ class Run {
       if (s.obstacle > 0) eyes_.emplace_back(skin.places(), s.seed * 7919 + 9 + a);
     }
     if (worlds(s).drives) carriage_.emplace(world_.wheels());
-    if (s.move_box > 0) mover_.emplace(s.move_box, s.seed * 7919 + 10);
+    if (uses_tool(s.work.plan)) {
+      kitchen_.emplace(tool_lesson(s.work.plan, s.work.ways, R::stands), s.move_box, s.seed * 7919 + 14);
+      kitchen_->lay(world_);
+    } else if (s.move_box > 0) {
+      mover_.emplace(s.move_box, s.seed * 7919 + 10);
+    }
     if (s.obstacle > 0) passer_.emplace(s.obstacle, s.seed * 7919 + 8);
     lasts_ = s.fault_lasts > 0 ? s.fault_lasts : duration(s.fault);
   }
@@ -128,7 +133,10 @@ class Run {
           if (asked != skinctl::CycleRequest::none)
             for (auto& w : workers_) w->request(asked);
         }
-        supply_.step(world_);
+        if (kitchen_)
+          kitchen_->step(world_);
+        else
+          supply_.step(world_);
         happen();
         cycle();
         const bool finished = is_out(0) && is_out(1);
@@ -176,6 +184,7 @@ class Run {
     WorldSettings out = s.world;
     out.trays_move = s.honest || s.move_box > 0;
     out.drives = drives(s.work.plan);
+    out.kitchen = uses_tool(s.work.plan);
     if (s.honest && s.stay) out.room = slots, out.opens_gently = out.loads_trays = true;
     return out;
   }
@@ -359,7 +368,7 @@ class Run {
   /// Whether an arm has finished, or is stopped and has asked for a while.
   [[nodiscard]] bool is_out(std::size_t a) const {
     constexpr double patience = 10;  // [s]
-    return workers_[a]->finished() ||
+    return workers_[a]->finished() || (kitchen_ && workers_[a]->gives_up()) ||
            (is_stopped(a) && asked_since_[a] >= 0 && time() > asked_since_[a] + patience);
   }
   /// A person who is asked comes when the fault is over, and takes a while; in an ideal world a second. Where
@@ -377,6 +386,7 @@ class Run {
     const bool passed = s_.fault == Fault::arm_stopped || time() >= s_.fault_at + lasts_;
     const bool over = passed && time() > asked_since_[a] + comes_after_[a];
     if (over) asked_since_[a] = -1;
+    if (over && kitchen_) kitchen_->bring(world_, a);
     return over;
   }
   /// What the judges note.
@@ -450,6 +460,7 @@ class Run {
     out_.ended = supply_.ended();
     out_.oranges = s_.supply.oranges;
     out_.put_away = supply_.put_away();
+    for (std::size_t a = 0; a < arms && kitchen_; ++a) out_.tool[a] = kitchen_->judge(world_, a);
     out_.fetched = supply_.fetched();
     if (passer_) out_.passes = passer_->passes();
     if (carriage_) {
@@ -516,6 +527,7 @@ class Run {
   std::array<std::uint64_t, arms> samples_{};
   std::optional<Passer> passer_;
   std::optional<BoxMover> mover_;
+  std::optional<Kitchen> kitchen_;
   std::optional<Carriage> carriage_;
   std::vector<Eyes> eyes_;
   std::array<std::vector<skinctl::Capsule<>>, arms> shapes_;

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "examples/packing_oranges/tomm.hpp"
+#include "examples/packing_oranges/tool.hpp"
 #include "examples/support/text.hpp"
 
 namespace packing {
@@ -23,14 +24,19 @@ bool is_done_by_tomm(const ActivityRule* does) {
 class Reader {
  public:
   Reader(const teach::NamedTask& task, const HandRoom& room)
-      : classes_(task.classes), room_(room), plan_(task.task) {}
+      : classes_(task.classes),
+        ways_(task.ways),
+        room_(room),
+        plan_(task.task),
+        uses_tool_(uses_tool(plan_)) {}
 
   Plan plan() {
     for (std::uint8_t k = 0; k < plan_.size; ++k) understand(k);
     for (std::size_t i = 0; i < plan_.place_count; ++i) {
       plan_.places[i].mark = class_here(plan_.places[i].mark);
       // The hand goes beside every orange as at the first such place, whichever step names it.
-      if (plan_.places[i].mark == orange_class) around_orange(0, orange_class, plan_.places[i].X_MH.origin());
+      if (!uses_tool_ && plan_.places[i].mark == orange_class)
+        around_orange(0, orange_class, plan_.places[i].X_MH.origin());
     }
     go_back_after_releases();
     plan_.name = "taught";
@@ -45,6 +51,11 @@ class Reader {
   }
   [[nodiscard]] ObjectClass class_here(ObjectClass kind) const {
     const std::string name = kind == 0 ? "" : classes_.name(kind);
+    if (uses_tool_)
+      return name == "bread"   ? orange_class
+             : name == "plate" ? bin_class
+             : name == "knife" ? tool_class
+                               : ObjectClass(0);
     return name == "orange"     ? orange_class
            : name == "box"      ? box_class
            : name == "bin"      ? bin_class
@@ -56,6 +67,7 @@ class Reader {
   void understand(std::uint8_t k) {
     Step& s = plan_.steps[k];
     const ObjectClass role = class_here(s.role);
+    if (uses_tool_) return understand_with_tool(k, role);
     if (role != orange_class && role != full_box_class)
       refuse(k, "here are oranges, a box and bins, no " + classes_.name(s.role));
     s.role = role;
@@ -85,6 +97,67 @@ class Reader {
     const Rotation<double> turned = place.X_MH.axes() * taken().transpose();
     if (turned.z.z < 0.97) refuse(k, "the hand is tilted from how it took, and here it points down");
   }
+  /// Where a tool is used: it is taken, used over the bread and put back; the bread is put on the plate.
+  void understand_with_tool(std::uint8_t k, ObjectClass role) {
+    using namespace activity;
+    Step& s = plan_.steps[k];
+    if (!is_taken(role)) refuse(k, "here are a knife, bread and plates, no " + classes_.name(s.role));
+    s.role = role;
+    if (s.does == &Look::rule) return;
+    if (s.place == no_place) refuse(k, "it has no place");
+    const auto is = [&](const auto&... rule) { return ((s.does == &rule) || ...); };
+    const TaughtPlace& place = plan_.places[s.place];
+    const ObjectClass mark = class_here(place.mark);
+    const bool tool = role == tool_class;
+    const auto& p = place.X_MH.origin();
+    if (mark == 0 && place.mark != 0)
+      refuse(k, "its place is beside a " + classes_.name(place.mark) + ", and there is none here");
+    if (is(ReachAbove::rule, Reach::rule, Take::rule)) {
+      around_orange(k, mark == role ? orange_class : ObjectClass(0), p);
+    } else if (is(Find::rule, Carry::rule, Use::rule) && tool) {
+      if (mark != orange_class) refuse(k, "a tool is used over the bread here");
+      over_bread(k, place);
+    } else if (is(Find::rule, Put::rule, Release::rule)) {
+      if (tool ? mark != 0 : mark != bin_class)
+        refuse(k, "here tools are put back to a place in the world, and bread is put on the plate");
+      tool ? tool_put_back(k, p) : on_plate(k, p);
+    } else {
+      refuse(k, "these arms have no skill for it, where a tool is used");
+    }
+    if ((place.X_MH.axes() * taken().transpose()).z.z < 0.97)
+      refuse(k, "the hand is tilted from how it took, and here it points down");
+  }
+  /// Nothing is cut here: the tool passes over the bread, wherever in the feed that lies.
+  void over_bread(std::uint8_t k, const TaughtPlace& place) const {
+    constexpr double clear = 0.01,
+                     hangs = 0.034;  // of the bread; from between the fingers down to the tool's edge
+    const TaughtWay& way = ways_[plan_.steps[k].place];
+    if (way.size < 2) refuse(k, "the way of its use is not in the file: learn it anew");
+    const Tray feed = feed_tray(0);
+    for (std::size_t i = 0; i < way.size; ++i) {
+      const Xyz<double> p = place.X_MH.origin() + place.X_MH.axes() * way.corners[i];
+      if (p.z < bread_half + hangs + clear)
+        refuse(k, text("the hand comes down to %.0f mm over the bread's middle, where the tool touches it: "
+                       "nothing is "
+                       "cut here",
+                       1e3 * p.z));
+      reached(k, {feed.x + p.x + (p.x > 0 ? 0.1 : -0.1), feed.y + p.y, p.z + bread_half});
+    }
+  }
+  void tool_put_back(std::uint8_t k, const Xyz<double>& p) const {
+    const Xyz<double> here{p.x - room_.stands, p.y, 0.2};
+    reached(k, here);
+    constexpr double own_half = -0.1;  // of the table, with room for a hand [m]
+    if (here.y > own_half) refuse(k, "it is put back in the half of the table that is the other arm's here");
+  }
+  void on_plate(std::uint8_t k, const Xyz<double>& p) const {
+    const Tray plate = bin_tray(0);
+    const double room = plate.half_x - bread_radius;
+    if (std::abs(p.x) > room || std::abs(p.y) > room || p.z < 0 || p.z > 0.1)
+      refuse(k, text("the hand opens at %+.2f %+.2f %+.2f m from the plate: beside it, or too high", p.x, p.y,
+                     p.z));
+    reached(k, {p.x + plate.x, p.y + plate.y, 0.2});
+  }
   /// A full box is taken by the wall on the arm's side, and put where a person fetches it.
   void understand_box(std::uint8_t k) {
     using namespace activity;
@@ -109,17 +182,20 @@ class Reader {
   /// How the hand stood when it took an orange.
   [[nodiscard]] Rotation<double> taken() const {
     for (std::size_t i = 0; i < plan_.place_count; ++i)
-      if (class_here(plan_.places[i].mark) == orange_class) return plan_.places[i].X_MH.axes();
+      if (class_here(plan_.places[i].mark) == (uses_tool_ ? tool_class : orange_class))
+        return plan_.places[i].X_MH.axes();
     return {};
   }
   void around_orange(std::uint8_t k, ObjectClass mark, const Xyz<double>& p) const {
     constexpr double most =
         0.012;  // that open fingers have beside the largest orange, less what a detector is off
-    if (mark != orange_class) refuse(k, "an orange is taken where it is seen");
+    if (mark != orange_class) refuse(k, "a thing is taken where it is seen");
     if (norm(p) > most)
-      refuse(k, text("the hand closes %.0f mm from the orange's middle, where its fingers come down on it: "
-                     "%.0f mm at most",
-                     1e3 * norm(p), 1e3 * most));
+      refuse(
+          k,
+          text("the hand closes %.0f mm from the middle of what it takes, where its fingers come down on it: "
+               "%.0f mm at most",
+               1e3 * norm(p), 1e3 * most));
   }
   /// A hand that is pushed between walls needs room beside it: what is nearer to a wall than that comes nearer
   /// to the middle.
@@ -164,8 +240,10 @@ class Reader {
   }
 
   const teach::Classes& classes_;
+  const Ways& ways_;
   HandRoom room_;
   Plan plan_;
+  bool uses_tool_;
 };
 }  // namespace
 

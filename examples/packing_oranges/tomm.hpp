@@ -104,6 +104,7 @@ inline constexpr auto done_by_tomm = boost::hana::make_map(
     skinctl::done_by<skinctl::activity::Squeeze, Squeezes>(),
     skinctl::done_by<SetDown, behaviour::ForceCartesian>(), skinctl::done_by<Lift, behaviour::Putting>(),
     skinctl::done_by<skinctl::activity::Carry, behaviour::Putting>(),
+    skinctl::done_by<skinctl::activity::Use, behaviour::Putting>(),
     skinctl::done_by<skinctl::activity::Find, behaviour::Rest>(),
     skinctl::done_by<FindRoom, behaviour::Rest>(),
     skinctl::done_by<skinctl::activity::Put, behaviour::Putting>(),

@@ -48,12 +48,31 @@ struct WorkSettings {
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
   /// The gripper is only open or closed: the wrist presses what it holds, and its way over the force judges.
   bool presses = false;
+  Ways ways{};          ///< of a tool in use
   bool drives = false;  ///< the arms stand on a base that drives between two tables
   /// Goal of the force of a press [N]; it ends at `judge_to`, and fingers slide at the friction of both, 8 N.
   double press = 6;
   double feels = 0.8;  ///< force from which what is set down is felt to stand [N]
   Plan plan = pack_oranges;
   skinctl::ExecutorSettings executor{.max_place_wait = 12s};
+};
+
+/// Numbers of the work that no run changes.
+struct WorkNumbers {
+  static constexpr double walls_off = 0.005;  ///< walls are moved; the clearance's margin is 20 mm [m]
+  /// Age of a place that is known, and of one between whose walls a hand may go: nine pictures.
+  static constexpr skinctl::Nanoseconds marked_for = 1s, goes_down_for = 300ms;
+  static constexpr double strays =
+      0.012;  ///< a place that moved is gone for anew; the walls are 50 mm away [m]
+  static constexpr double closing_speed = 0.015;  ///< of `Squeezing` [m/s]
+  static constexpr double comes_down_on = 3;  ///< more force than of carrying: it comes down on something [N]
+  static constexpr double clear_of_table =
+      0.003;  ///< of what is set down: it may hang lower than it was taken [m]
+  static constexpr skinctl::Nanoseconds untouched = 200ms;  ///< since a push, before a press begins
+  static constexpr skinctl::Nanoseconds hesitates = 300ms;  ///< after it saw something for the last time
+  static constexpr double around =
+      0.05;  ///< a hand that is less above an orange's middle has it between its fingers [m]
+  static constexpr double turning = 2;  ///< of the hand, at most [rad/s]
 };
 
 /// A step of the plan, as it went.

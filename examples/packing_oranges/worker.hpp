@@ -14,6 +14,7 @@
 #include "examples/packing_oranges/pressing.hpp"
 #include "examples/packing_oranges/right_of_way.hpp"
 #include "examples/packing_oranges/tomm.hpp"
+#include "examples/packing_oranges/tool.hpp"
 #include "examples/packing_oranges/work.hpp"
 #include "skinctl/clearance/sightings.hpp"
 #include "skinctl/semantics/resources.hpp"
@@ -22,7 +23,7 @@
 namespace packing {
 
 template <class R>
-class Worker {
+class Worker : WorkNumbers {
  public:
   using A = Arm<R>;
   using Scene = typename A::Scene;
@@ -153,8 +154,21 @@ class Worker {
   /// Whether the step is a drive.
   [[nodiscard]] bool is_drive() const { return does(DriveToOranges::rule, DriveToBox::rule); }
   [[nodiscard]] std::size_t drives_to() const { return does(DriveToBox::rule) ? 1 : 0; }
-  /// Whether an orange there is its to take.
-  [[nodiscard]] bool is_its(const skinctl::Xyz<double>& p) const;
+  /// Whether a thing of this class there is its to take, or to use its tool on.
+  [[nodiscard]] bool is_its(const skinctl::Xyz<double>& p, skinctl::ObjectClass kind = orange_class) const;
+  /// Whether the step looks for the thing on which a tool is used, or brings the tool there.
+  [[nodiscard]] bool is_at_thing() const {
+    return uses_tool_ && mark() == orange_class &&
+           does(skinctl::activity::Find::rule, skinctl::activity::Carry::rule);
+  }
+  /// The believed place of that thing, while it is seen; and whether it was, or a hand hides it.
+  void follow_thing();
+  [[nodiscard]] bool has_seen_thing(skinctl::Nanoseconds within) const;
+  /// The hand's place about what it takes, as it was shown; but across its fingers over the middle, where
+  /// they close.
+  void stand_beside(std::uint8_t place);
+  /// The corners of the way in which the tool is used, at the place of the step.
+  void begin_use(std::uint8_t place);
   /// Where its hand waits: over the oranges before it, as high as it carries.
   [[nodiscard]] skinctl::Xyz<double> waiting_place() const;
   /// Box and bins, from the robot's middle.
@@ -163,14 +177,8 @@ class Worker {
   [[nodiscard]] std::size_t tray_number() const { return mark() == bin_class ? 1 + arm_ : 0; }
   /// Walls are where box and bins are believed to be; with others the arm's cycle is built anew.
   void keep_clear_of_trays();
-  static constexpr double walls_off = 0.005;  ///< walls are moved; the clearance's margin is 20 mm [m]
   /// Whether the tray of the present step was seen so lately; what the hand hides is where it was.
   [[nodiscard]] bool has_seen_tray(skinctl::Nanoseconds within) const;
-  /// Age of a place that is known, and of one between whose walls a hand may go: nine pictures.
-  static constexpr skinctl::Nanoseconds marked_for = 1s, goes_down_for = 300ms;
-  static constexpr double strays =
-      0.012;  ///< a place that moved is gone for anew; the walls are 50 mm away [m]
-  static constexpr double closing_speed = 0.015;  ///< of `Squeezing` [m/s]
   using Goal = typename Scene::Goal;
   struct Part {
     Goal request;
@@ -201,14 +209,10 @@ class Worker {
   [[nodiscard]] bool is_over(const skinctl::Xyz<double>& p) const {
     return std::hypot(X_WH_.origin().x - p.x, X_WH_.origin().y - p.y) < 0.05;
   }
-  static constexpr double comes_down_on = 3;  ///< more force than of carrying: it comes down on something [N]
-  static constexpr double clear_of_table =
-      0.003;  ///< of what is set down: it may hang lower than it was taken [m]
-  static constexpr skinctl::Nanoseconds untouched = 200ms;  ///< since a push, before a press begins
   /// Whether it is on its way to a place in box or bin.
   [[nodiscard]] bool goes_to_tray() const {
-    return does(skinctl::activity::Put::rule) && plan_.phase == Executor::Phase::run && mark() != 0 &&
-           !is_about_box();
+    return (does(skinctl::activity::Put::rule) || is_at_thing()) && plan_.phase == Executor::Phase::run &&
+           mark() != 0 && !is_about_box();
   }
   /// Whether it goes down there, or is about to.
   [[nodiscard]] bool lowers_in_tray() const {
@@ -225,11 +229,8 @@ class Worker {
   bool gives_way(const skinctl::JointPosition<6>& q);
   /// Whether it had nothing to do, or was on its way from one place above all to another one.
   [[nodiscard]] bool goes_on_from_anywhere() const;
-  static constexpr skinctl::Nanoseconds hesitates = 300ms;  ///< after it saw something for the last time
   /// Middles of the oranges that lie, for an arm that gives way: not what it holds or has between its fingers.
   [[nodiscard]] std::size_t lying(std::array<skinctl::Xyz<double>, Objects::capacity>& out) const;
-  static constexpr double around =
-      0.05;  ///< a hand that is less above an orange's middle has it between its fingers [m]
   /// Where an arm that gave way is on its way back.
   enum class WayBack : unsigned char { none, up, joints, over, down };
   static WayBack next(WayBack w) {
@@ -238,7 +239,6 @@ class Worker {
   void send(Goal g);
   /// The other arm is in the way, and this one in its: back towards its own base for a while, then the same part again.
   void go_aside(const Goal& request);
-  static constexpr double turning = 2;  ///< of the hand, at most [rad/s]
   /// A part's request, to the cycle.
   void ask(Part& part);
 
@@ -284,8 +284,11 @@ class Worker {
 
   std::size_t arm_;
   WorkSettings s_;
-  Trays walls_at_;                      ///< from the robot's middle
-  std::unique_ptr<const Scene> scene_;  ///< of walls where `walls_at_` says
+  bool uses_tool_;
+  Believed::FoundThing thing_;                  ///< on which a tool is used
+  skinctl::Xyz<double> taken_beside_{0, 0, 0};  ///< the hand from where it was shown, about what it took [m]
+  Trays walls_at_;                              ///< from the robot's middle
+  std::unique_ptr<const Scene> scene_;          ///< of walls where `walls_at_` says
   Believed::FoundTrays found_;
   skinctl::Xyz<double> goes_to_{0, 0, 0};  ///< place in box or bin to which the present step goes
   skinctl::Xyz<double> spot_{0, 0, 0};     ///< place in box or bin, from its middle, where there is room
@@ -347,6 +350,8 @@ class Worker {
 #include "examples/packing_oranges/worker_cycle.hpp"
 #include "examples/packing_oranges/worker_drives.hpp"
 #include "examples/packing_oranges/worker_gives_way.hpp"
+#include "examples/packing_oranges/worker_looks.hpp"
 #include "examples/packing_oranges/worker_moves_box.hpp"
 #include "examples/packing_oranges/worker_requests.hpp"
 #include "examples/packing_oranges/worker_steps.hpp"
+#include "examples/packing_oranges/worker_uses_tool.hpp"

@@ -9,7 +9,8 @@ template <class R>
 Worker<R>::Worker(std::size_t arm, const WorkSettings& settings, const skinctl::State<6>& measured)
     : arm_(arm),
       s_(settings),
-      walls_at_(trays_at_first(settings.drives)),
+      uses_tool_(uses_tool(settings.plan)),
+      walls_at_(trays_at_first(settings.drives, uses_tool_)),
       scene_(new Scene(A::scene(arm, walls_at_))),
       executor_(settings.plan, settings.executor),
       grip_(settings.hold, settings.max_hold),
@@ -18,9 +19,10 @@ Worker<R>::Worker(std::size_t arm, const WorkSettings& settings, const skinctl::
                 .finger_stiffness = 1e9,
                 .swing = 3,
                 .min_span = settings.judge_span}),
-      objects_([] {
+      objects_([this] {
         std::array<skinctl::ObjectClass, Objects::capacity> kinds{};
         kinds.fill(orange_class);
+        for (std::size_t a = 0; a < arms && uses_tool_; ++a) kinds[tool_of(a)] = tool_class;
         return kinds;
       }()),
       known_(objects_.start()),
@@ -122,6 +124,7 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
   if (way_back_ == WayBack::none && X_WH_.origin().z > 0.9 * s_.carry && -X_WH_.axis_z().z > 0.99)
     high_ = measured.q;
 
+  if (is_at_thing()) follow_thing();
   // The plan waits while the arm gives way: nothing fails then because it takes long.
   input_.goal.reset();
   const bool waits_to_drive = table_ != Carriage::nowhere && wants_to_drive() != Carriage::nowhere;
@@ -190,6 +193,7 @@ skinctl::Observed Worker<R>::seen() const {
   // A release forgets the place, though it is still seen.
   const bool matters =
       s_.honest && does(activity::Find::rule, FindRoom::rule, activity::Put::rule) && mark() != 0;
+  if (is_at_thing()) return also(out, fact::marked, has_seen_thing(marked_for));
   return matters ? also(out, fact::marked, has_seen_tray(marked_for)) : out;
 }
 

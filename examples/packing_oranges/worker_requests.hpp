@@ -51,11 +51,15 @@ void Worker<R>::learn(const typename Executor::Memory& was, bool resume) {
   const bool slips =
       !take && !failed && (lost || (lift && gives_up && plan_.why == StepFailure::fact_missing));
   if (slips && lift) believed_.slipped();
-  if (slips && !believed_.knows_camera()) believed_.doubt_camera(), plan_ = Executor::forgiven(plan_);
+  // A tool is taken along its handle, whichever way it is turned: where it lies tells nothing of the camera.
+  if (slips && !uses_tool_ && !believed_.knows_camera())
+    believed_.doubt_camera(), plan_ = Executor::forgiven(plan_);
   if (slips && grip_.slipped())
     plan_ = Executor::forgiven(plan_);
   else if (slips && believed_.knows_camera())
     believed_.leave(taken_);
+  // It does not see how a tool is turned that has fallen: a person lays it back.
+  if (slips && step.role == tool_class) believed_.ask();
   if (was.phase == Phase::ask && resume) believed_.answered();
   if (believed_.asks() && plan_.phase == Phase::begin && does(skinctl::activity::Look::rule))
     plan_ = Executor::asking(plan_, now_);
@@ -100,9 +104,11 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
   using Kind = skinctl::StepRequest::Kind;
   if (r.kind == Kind::start && r.ticket != report_.ticket) begin(r);
   if (report_.phase != skinctl::SkillPhase::running) return;
-  if (does(skinctl::activity::Find::rule)) {
-    if (has_seen_tray(goes_down_for)) end(true);
-    return;
+  const bool reverses = plan_.phase == Executor::Phase::reverse;
+  const bool finds = does(skinctl::activity::Find::rule) && !(uses_tool_ && reverses);
+  if (finds) {
+    if (is_at_thing() ? has_seen_thing(goes_down_for) : has_seen_tray(goes_down_for)) return end(true);
+    if (!is_at_thing() || part_ == parts_.size()) return;
   }
   if (does(FindRoom::rule)) {
     if (has_seen_tray(goes_down_for) && !box_is_full_ && granted_) return end(true);
@@ -140,7 +146,7 @@ void Worker<R>::perform(const skinctl::StepRequest& r) {
       ask(less);
     }
     if (++part_ == parts_.size()) {
-      if (!does(FindRoom::rule) && !is_drive()) end(true);
+      if (!does(FindRoom::rule) && !finds && !is_drive()) end(true);
       return;
     }
     asked_ = false;

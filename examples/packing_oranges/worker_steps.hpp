@@ -47,7 +47,11 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
   const auto here = X_WH_.origin();
   constexpr double passing = 0.06;
   if (r.does == &activity::Look::rule) return;
-  if (r.does == &activity::Find::rule) return;
+  if (r.does == &activity::Find::rule) {
+    // A hand that has just taken its tool may hide what lies beside it.
+    if (is_at_thing()) add(A::skills(&activity::Put::rule), at(here, s_.carry), passing);
+    return;
+  }
   if (r.does == &FindRoom::rule) {
     // It waits where it does not keep the other arm from the box.
     if (!box_is_full_ || !is_near_box(here)) return;
@@ -61,6 +65,7 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
   }
   if (r.does == &activity::ReachAbove::rule) {
     R_ = turned(turned_);
+    if (uses_tool_) stand_beside(r.place);
     const auto p = known_.objects[object_].X_WO.origin();
     if (here.z < 0.8 * s_.carry) {
       add(skill, at(here, s_.carry), passing);
@@ -71,6 +76,7 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
   } else if (r.does == &activity::Reach::rule) {
     const auto p = known_.objects[object_].X_WO.origin();
     taken_ = at(p, std::clamp(p.z, 0.032, 0.044)) + beside_;
+    taken_beside_.z = uses_tool_ ? taken_.z - beside_.z - p.z : 0;
     if (!is_over(taken_) || empty_) return end(false);
     add(skill, taken_, 0.003);
     if (s_.honest && believed_.is_wary())
@@ -92,18 +98,21 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
     parts_.push_back(press({Set::start_skill(skill), false, {}}, 1.25 * s_.feels, s_.feels));
   } else if (r.does == &activity::Carry::rule) {
     R_ = turned_at(r.place);
-    const auto p = hand_at(r.place);
+    const auto p = goes_to_ = hand_at(r.place);
     add(skill, at(here, s_.carry), passing);
-    hold_lightly();
+    if (!uses_tool_) hold_lightly();
     add(skill, at(p, std::max(p.z, s_.carry)), 0.01);
-    hold_lightly();
+    if (!uses_tool_) hold_lightly();
+  } else if (r.does == &activity::Use::rule) {
+    begin_use(r.place);
   } else if (r.does == &Lift::rule) {
     add(skill, at(here, s_.carry), passing);
     grip({0, grip_.hold(), 0.02});
   } else if (r.does == &activity::Put::rule) {
     R_ = turned_at(r.place);
-    const double floor = s_.honest ? tray_bottom : 0;
-    double low = floor + std::max(hand_at(r.place).z, taken_.z + s_.let_go);
+    const double floor = s_.honest && mark() != 0 ? tray_bottom : 0;
+    double low = floor + taken_.z + s_.let_go;
+    if (!uses_tool_) low = floor + std::max(hand_at(r.place).z, taken_.z + s_.let_go);
     if (s_.stay && mark() != 0) {
       const Tray& tray = found_.at[tray_number()];
       spot_ = free_spot(arm_, tray, fingers_along(), s_.fingers, believed_.lying_in(tray), low);
@@ -112,8 +121,8 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
     const auto p = goes_to_ = hand_at(r.place);
     if (here.z < 0.8 * s_.carry && std::hypot(p.x - here.x, p.y - here.y) > strays)
       add(skill, at(here, s_.carry), passing);
-    add(skill, at(p, s_.carry), s_.stay ? 0.006 : passing);
-    add(skill, at(p, low), 0.01);
+    add(skill, at(p, s_.carry), s_.stay || uses_tool_ ? 0.006 : passing);
+    add(skill, at(p, low), uses_tool_ ? 0.003 : 0.01);
   } else if (r.does == &GoBack::rule) {
     R_ = straight_;
     add(skill, at(here, s_.carry), passing);
@@ -143,6 +152,11 @@ void Worker<R>::begin(const skinctl::StepRequest& r) {
     parts_.push_back({Set::start_skill(skill), false, {}});
     // It may wait for the box with the orange in the hand, and somebody pushes it meanwhile.
     if (r.does == &activity::Take::rule && next_does(activity::Carry::rule)) grip({0, s_.lightly, 0.08});
+    // A handle that lies askew comes to lie between the fingers while they close on it slowly, on the table.
+    if (r.does == &activity::Take::rule && uses_tool_) {
+      parts_.push_back({Set::start_skill(skill), false, {}});
+      grip({0, grip_.hold(), closing_speed});
+    }
   }
 }
 
@@ -189,9 +203,10 @@ void Worker<R>::add_squeeze(std::uint8_t skill) {
 template <class R>
 skinctl::Xyz<double> Worker<R>::hand_at(std::uint8_t place) const {
   const auto& [mark, X_MH] = executor_.task().places[place];
-  const auto p = seen_by(arm_, X_MH.origin());
+  const auto p = seen_by(arm_, X_MH.origin()) + taken_beside_;
   if (mark == shelf_class) return p + shelf_place(arm_);
   if (mark == 0) return p + seen_by(arm_, {-R::stands, 0, 0});
+  if (mark == orange_class) return p + thing_.p;
   const Tray& tray = mark == bin_class ? found_.at[1 + arm_] : found_.at[0];
   if (s_.stay && does(skinctl::activity::Put::rule)) return {tray.x + spot_.x, tray.y + spot_.y, p.z};
   return p + skinctl::Xyz<double>{tray.x, tray.y - side(arm_) * s_.aside, 0};
@@ -202,7 +217,7 @@ skinctl::Rotation<double> Worker<R>::turned_at(std::uint8_t place) const {
   const Plan& plan = executor_.task();
   const skinctl::Rotation<double> T{{side(arm_), 0, 0}, {0, side(arm_), 0}, {0, 0, 1}};
   for (std::size_t i = 0; i < plan.place_count; ++i)
-    if (plan.places[i].mark == orange_class)
+    if (plan.places[i].mark == (uses_tool_ ? now_at().role : orange_class))
       return T * (plan.places[place].X_MH.axes() * plan.places[i].X_MH.axes().transpose()) * T * straight_;
   return straight_;
 }
@@ -210,82 +225,6 @@ skinctl::Rotation<double> Worker<R>::turned_at(std::uint8_t place) const {
 template <class R>
 skinctl::Rotation<double> Worker<R>::turned(double angle) const {
   return skinctl::exp_so3(skinctl::Xyz<double>{0, 0, angle}) * straight_;
-}
-
-template <class R>
-FingerRoom Worker<R>::room_beside(std::uint8_t orange) const {
-  std::array<skinctl::Xyz<double>, Objects::capacity> others;
-  std::size_t count = 0;
-  for (std::uint8_t k = 0; k < Objects::capacity; ++k) {
-    const auto& o = known_.objects[k];
-    if (k != orange && o.known && now_ - o.time < 1s) others[count++] = o.X_WO.origin();
-  }
-  const double turn = s_.turns ? believed_.turn() : 0;
-  FingerRoom out =
-      finger_room(known_.objects[orange].X_WO.origin() + beside_, turned(turn),
-                  std::span(others).first(count), s_.turns && !believed_.doubts_camera(), s_.finger_ways);
-  out.turn = std::remainder(turn + out.turn, M_PI);  // its fingers are alike
-  return out;
-}
-
-/// The object that fits and costs least; `no_object`: none fits.
-[[nodiscard]] inline std::uint8_t cheapest(const auto& fits, const auto& cost) {
-  std::uint8_t best = skinctl::no_object;
-  double least = 1e9;
-  for (std::uint8_t k = 0; k < Believed::Objects::capacity; ++k) {
-    if (!fits(k)) continue;
-    if (const double c = cost(k); c < least) best = k, least = c;
-  }
-  return best;
-}
-
-template <class R>
-bool Worker<R>::is_its(const skinctl::Xyz<double>& p) const {
-  if (feed_tray(arm_).holds(p)) return true;
-  return other_is_out_ && feed_tray(1 - arm_).holds(p) && R::room.reaches(seen_by(arm_, {p.x, p.y, 0.035}));
-}
-
-template <class R>
-void Worker<R>::look() {
-  // A person was asked while it held an orange: that one first goes back to where it came from.
-  if (features_.in_hand && in_vain_ <= 2 * s_.in_vain) return end(false);
-  if (gives_up()) return answer_ = false, end(true);
-  if (is_about_box()) {
-    constexpr auto settled = 350ms;  // what the hand hid in the box is seen then
-    if (now_ - looks_since_ >= settled) answer_ = sees_full_box(), end(true);
-    return;
-  }
-  const bool sees = now_ - last_picture_ < 300ms;
-  if (!sees) looks_since_ = now_;
-  if (believed_.waits_for_set_down(now_)) return;
-  const auto fits = [&](std::uint8_t k) {
-    const auto& o = known_.objects[k];
-    const auto p = o.X_WO.origin();
-    return sees && o.known && now_ - o.time <= 500ms && o.sigma <= 0.003 && o.misses == 0 && p.z <= 0.07 &&
-           is_its(p);
-  };
-  // The nearest one with room for its fingers; while there is none, where there is most: fingers that come
-  // down beside a ghost push away what lies there, and is taken first.
-  const auto has_room = [&](std::uint8_t k) { return room_beside(k).room >= FingerRoom::enough; };
-  const auto choose = [&](const auto& fit, const auto& cost) {
-    return s_.honest ? believed_.choose(fit, cost) : cheapest(fit, cost);
-  };
-  const auto far = [&](std::uint8_t k) {
-    return norm(skinctl::Xyz<double>(known_.objects[k].X_WO.origin() - X_WH_.origin()));
-  };
-  std::uint8_t chosen = choose([&](std::uint8_t k) { return fits(k) && has_room(k); }, far);
-  if (chosen == skinctl::no_object)
-    chosen = choose(fits, [&](std::uint8_t k) { return -room_beside(k).room; });
-  if (chosen != skinctl::no_object) {
-    object_ = chosen;
-    const FingerRoom room = room_beside(chosen);
-    turned_ = room.turn;
-    believed_.has_room(room.room >= FingerRoom::enough);
-    return end(true);
-  }
-  if (now_ - looks_since_ < 1500ms) return;
-  answer_ = false;
-  end(true);
 }
 
 template <class R>

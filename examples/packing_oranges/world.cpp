@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "examples/packing_oranges/tool.hpp"
 #include "skinctl/io/formatted.hpp"
 
 namespace packing {
@@ -163,6 +164,23 @@ std::string press_text(const WorldSettings& settings, const std::string& soft) {
   return xml + "</sensor>";
 }
 
+/// Bread and tool, in the places of oranges.
+std::string kitchen_text(std::size_t k, const WorldSettings& settings) {
+  const std::string id = std::to_string(k);
+  const std::string common = " priority='1' condim='6' friction='" + list({settings.friction, 0.01, 0.0005}) +
+                             "' solimp='" + list({solid, solid, 0.001, 0.5, 2}) + "'" +
+                             collides(is_orange, is_table | is_orange) + "/>";
+  std::string xml = "<body name='orange" + id + "' pos='" + list({5 + 0.3 * static_cast<double>(k), 0, 1}) +
+                    "'><freejoint/><geom name='orange" + id + "' ";
+  if (!is_tool(k))
+    return xml + "type='cylinder' size='" + list({bread_radius, bread_half}) + "' mass='" +
+           list({bread_mass}) + "'" + common + "</body>";
+  xml += "type='box' size='" + list(handle_half) + "' mass='" + list({handle_mass}) + "'" + common;
+  return xml + "<geom type='box' size='" + list(blade_half) + "' pos='" +
+         list({handle_half.x + blade_half.x, 0, 0}) + "' mass='" + list({blade_mass}) + "'" + common +
+         "</body>";
+}
+
 /// Two tables above the floor, between which the robot drives.
 void write_tables(std::string& xml) {
   constexpr double thick = 0.02, floor = -0.75;
@@ -188,7 +206,7 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSetti
     write_tables(xml);
   else
     xml += "<geom name='table' type='plane' size='2 2 0.1'" + collides(is_table, 0) + "/>";
-  const Trays stand = trays_at_first(settings.drives);
+  const Trays stand = trays_at_first(settings.drives, settings.kitchen);
   for (std::size_t k = 0; k < tray_count; ++k) write_tray(xml, k, stand[k], settings.trays_move);
   if (settings.drives) xml += robot_body;
   for (std::size_t arm = 0; arm < arms; ++arm) write_arm(xml, arm, bodies[arm]);
@@ -198,7 +216,9 @@ std::string world_text(const std::array<ArmBody, arms>& bodies, const WorldSetti
       collides(is_obstacle, 0) + "/></body>";
   const std::string soft = list({solid, solid, 0.001, 0.5, 2});
   for (std::size_t k = 0; k < arms * slots; ++k)
-    if (k % slots < settings.room)
+    if (settings.kitchen && k % slots < settings.room)
+      xml += kitchen_text(k, settings);
+    else if (k % slots < settings.room)
       xml += "<body name='orange" + std::to_string(k) + "' pos='" +
              list({5 + 0.2 * static_cast<double>(k), 0, 1}) + "'><freejoint/><geom name='orange" +
              std::to_string(k) + "' type='sphere' size='0.038' mass='" + list({orange_mass}) +
@@ -252,6 +272,7 @@ struct World::Bodies {
   };
   struct Slot {
     int q = 0, v = 0, body = 0, geom = 0;
+    int geoms = 1;  // the first of which is `geom`
     int pair = -1;  // with the table
     bool there = false, frozen = true;
     std::array<double, 7> rests{};
@@ -267,7 +288,7 @@ struct World::Bodies {
   };
 
   WorldSettings settings;
-  Trays stand = trays_at_first(settings.drives);  // at first
+  Trays stand = trays_at_first(settings.drives, settings.kitchen);  // at first
   Wheels wheels;
   mjModel* model = nullptr;
   mjData* data = nullptr;
@@ -375,7 +396,8 @@ struct World::Bodies {
         if (model->pair_geom1[p] == o.geom || model->pair_geom2[p] == o.geom) o.pair = p;
       o.q = model->jnt_qposadr[joint];
       o.v = model->jnt_dofadr[joint];
-      orange_of[static_cast<std::size_t>(o.geom)] = static_cast<int>(k);
+      o.geoms = model->body_geomnum[o.body];
+      for (int g = 0; g < o.geoms; ++g) orange_of[static_cast<std::size_t>(o.geom + g)] = static_cast<int>(k);
       for (std::size_t i = 0; i < 7; ++i) o.rests[i] = data->qpos[o.q + static_cast<int>(i)];
       collide(o, false);
     }
@@ -438,8 +460,10 @@ struct World::Bodies {
     for (std::size_t i = 0; settings.drives && i < 3; ++i) wheels.inertia[i] = of(wheels.v[i]);
   }
   void collide(const Slot& o, bool on) {
-    model->geom_contype[o.geom] = on ? is_orange : 0;
-    model->geom_conaffinity[o.geom] = on ? is_table | is_orange : 0;
+    for (int g = o.geom; g < o.geom + o.geoms; ++g) {
+      model->geom_contype[g] = on ? is_orange : 0;
+      model->geom_conaffinity[g] = on ? is_table | is_orange : 0;
+    }
   }
 
   /// Where the servo's reference is `t` after the last command.
@@ -931,8 +955,8 @@ void World::put(std::size_t k, const Xyz<double>& p, const Orange& orange) {
   Bodies::Slot& o = b.slot[k];
   o.there = o.frozen = true;
   o.touched = skinctl::Nanoseconds(-1);
-  o.rests = {p.x, p.y, p.z + orange.radius, 1, 0, 0, 0};
-  b.model->geom_size[3 * o.geom] = b.model->geom_rbound[o.geom] = orange.radius;
+  o.rests = {p.x, p.y, p.z + orange.radius, std::cos(orange.yaw / 2), 0, 0, std::sin(orange.yaw / 2)};
+  if (!b.settings.kitchen) b.model->geom_size[3 * o.geom] = b.model->geom_rbound[o.geom] = orange.radius;
   b.stiffen(o.geom, o.body, b.arm[k / slots].tip[0], orange.stiffness);
   b.stiffen_below(o, orange.stiffness);
   b.model->geom_friction[3 * o.geom] = b.settings.friction;
@@ -950,12 +974,21 @@ void World::take_out(std::size_t k) {
 bool World::there(std::size_t k) const {
   return b_->slot[k].there;
 }
+bool World::has_tool(std::size_t k) const {
+  return b_->settings.kitchen && is_tool(k);
+}
 std::size_t World::room() const {
   return b_->settings.room;
 }
 Xyz<double> World::orange(std::size_t k) const {
   const double* p = b_->data->qpos + b_->slot[k].q;
   return {p[0], p[1], p[2]};
+}
+Xyz<double> World::point(std::size_t k, const Xyz<double>& of_it) const {
+  const double p[3] = {of_it.x, of_it.y, of_it.z};
+  double out[3];
+  mju_rotVecQuat(out, p, b_->data->qpos + b_->slot[k].q + 3);
+  return orange(k) + Xyz<double>{out[0], out[1], out[2]};
 }
 Xyz<double> World::orange_velocity(std::size_t k) const {
   const double* v = b_->data->qvel + b_->slot[k].v;

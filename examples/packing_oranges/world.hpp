@@ -36,6 +36,7 @@ struct WorldSettings {
   double slip = 0.012;       ///< deviation of a drive's way from what the wheels tell, along and across [m/m]
   double slip_turn = 0.008;  ///< the same of its turning [rad/m]
   bool loads_trays = false;  ///< a tray slides the harder the more oranges it holds
+  bool kitchen = false;      ///< before each arm lies a bread and a tool, see tool.hpp; no oranges
   bool opens_gently = false;  ///< a gripper opens with its goal's force at most
   /// Grippers are only open or closed; wrists have force sensors, and the table is to an orange what a finger is.
   bool binary = false;
@@ -45,10 +46,11 @@ struct WorldSettings {
   bool interpolate = true;    ///< false: commands are steps, as a servo without interpolation takes them
 };
 
-/// An orange as it is put on the table.
+/// An orange as it is put on the table; or bread, or a tool.
 struct Orange {
-  double radius = 0.038;    ///< [m]
+  double radius = 0.038;    ///< of bread and tools the half height [m]
   double stiffness = 6000;  ///< of each side, against a stiff finger [N/m]
+  double yaw = 0;           ///< of a tool that lies there [rad]
 };
 
 /// What happened in the world, for judges that stand beside it.
@@ -158,8 +160,11 @@ class World {
   /// It is taken out of the world.
   void take_out(std::size_t slot);
   [[nodiscard]] bool there(std::size_t slot) const;
+  [[nodiscard]] bool has_tool(std::size_t slot) const;
   [[nodiscard]] std::size_t room() const;
   [[nodiscard]] skinctl::Xyz<double> orange(std::size_t slot) const;
+  /// Where a point of it is, that is given from its middle, in its axes.
+  [[nodiscard]] skinctl::Xyz<double> point(std::size_t slot, const skinctl::Xyz<double>& of_it) const;
   [[nodiscard]] skinctl::Xyz<double> orange_velocity(std::size_t slot) const;
   /// When fingers touched it last; never: a negative time.
   [[nodiscard]] skinctl::Nanoseconds touched(std::size_t slot) const;

@@ -28,7 +28,7 @@ const char* const names[] = {"",        "orange", "box",   "bin",   "bottle", "p
                              "spatula", "knife",  "bread", "plate", "cup",    "fork"};
 
 /// What a simulated person of a kind shows.
-Recording simulated(LedTask task, const std::string& people, std::uint64_t seed) {
+Recording simulated(LedTask task, const std::string& people, std::uint64_t seed, double nearer = 0) {
   const auto kinds = kinds_of_people();
   const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& k) { return k.name == people; });
   if (kind == kinds.end()) throw std::runtime_error("there are no such people: " + people);
@@ -40,6 +40,9 @@ Recording simulated(LedTask task, const std::string& people, std::uint64_t seed)
   out.shown =
       shown(led_run(task, person, seed * 10 + 1), by, seed * 10 + 2, {hard_orange, soft_orange, hard_orange});
   for (const auto k : out.shown.kinds) out.classes.names[k] = names[k];
+  const Xyz<double> moved{-nearer, 0, 0};
+  for (auto& x : out.shown.hand) x.X_WH = {x.X_WH.axes(), x.X_WH.origin() + moved};
+  for (auto& x : out.shown.seen) x.X_WO = {x.X_WO.axes(), x.X_WO.origin() + moved};
   return out;
 }
 void save(const std::string& file, const std::string& text) {
@@ -70,9 +73,10 @@ int learn_from(const std::vector<std::string>& files, const std::string& json, c
     return examples::job::code(examples::job::Exit::refused);
   }
   out.task = learnt.task;
+  out.ways = learnt.ways;
   std::printf("%s%d steps, %d places, %d borders; proved\n", to_text(out).c_str(), int(out.task.size),
               int(out.task.place_count), int(out.task.border_count));
-  save(json, to_json(round ? NamedTask{one_round(out.task), out.classes} : out));
+  save(json, to_json(round ? NamedTask{one_round(out.task), out.classes, out.ways} : out));
   save(svg, to_svg(out));
   save(xml, to_xml(out));
   return 0;
@@ -117,7 +121,7 @@ int main(int argc, char** argv) {
   std::string task = "packing", people = "ordinary", file, json, svg, xml;
   std::vector<std::string> files;
   std::uint64_t seed = 1;
-  double speed = 1, pace = 0;
+  double speed = 1, pace = 0, nearer = 0;
   int count = 24;
   bool quiet = false;
   const auto by_whom = [&](CLI::App* command) {
@@ -130,6 +134,8 @@ int main(int argc, char** argv) {
   };
   auto* record = app.add_subcommand("record", "writes what a simulated person shows to a file");
   by_whom(record);
+  record->add_option("--nearer", nearer, "everything stands so much nearer to the arm that is led [m]")
+      ->check(CLI::Range(0.0, 0.3));
   record->add_option("file", file)->required();
   auto* learns = app.add_subcommand("learn", "the task that recordings show, or why there is none");
   learns->add_option("files", files)->required();
@@ -158,7 +164,7 @@ int main(int argc, char** argv) {
     const examples::job::StopSignals signals;
     for (const auto& in : files)
       for (const auto& out : {json, svg, xml}) examples::refuse_own_input(out, {in});
-    if (record->parsed()) write(simulated(tasks.at(task), people, seed), file);
+    if (record->parsed()) write(simulated(tasks.at(task), people, seed, nearer), file);
     if (learns->parsed()) return learn_from(files, json, svg, xml, round);
     if (runs->parsed()) return run_task(file, count, seed, pace, quiet, signals.asked());
     if (lives->parsed())

@@ -81,6 +81,12 @@ Xyz<double> vector(const Json& j) {
   if (!j.is_array() || j.size() != 3) wrong("not three numbers");
   return {number(j[0]), number(j[1]), number(j[2])};
 }
+TaughtWay way(const Json& j) {
+  TaughtWay out;
+  if (!j.is_array() || j.size() > TaughtWay::capacity) wrong("a way is a list of at most 32 corners");
+  for (const auto& corner : j) out.corners[out.size++] = vector(corner);
+  return out;
+}
 Step step(const Json& j, Activities own) {
   Step s;
   for (const auto& known : {Activities(rules), own})
@@ -120,10 +126,12 @@ NamedTask parsed(const Json& j, Activities own) {
   if (!j.at("borders").is_array() || j.at("borders").size() > Task::max_borders) wrong("too many borders");
   if (j.contains("begins")) t.begins = facts_named(j.at("begins"));
   for (const auto& s : j.at("steps")) t.steps[t.size++] = step(s, own);
-  for (const auto& p : j.at("places"))
+  for (const auto& p : j.at("places")) {
+    if (p.contains("way")) out.ways[t.place_count] = way(p.at("way"));
     t.places[t.place_count++] = {
         small(p.at("mark"), "mark", 63),
         Transform<ObjectFrame, Tool>::trusted(exp_so3(vector(p.at("rotation"))), vector(p.at("position")))};
+  }
   for (const auto& b : j.at("borders")) t.borders[t.border_count++] = number(b);
   if (const TaskFault fault = check(t); fault.any())
     wrong("step " + std::to_string(int(fault.step)) + ": " + describe(fault.error));
@@ -156,10 +164,14 @@ std::string to_json(const NamedTask& named) {
     step["needs"] = names_of(s.needs);
     j["steps"].push_back(step);
   }
-  for (std::size_t i = 0; i < t.place_count; ++i)
-    j["places"].push_back({{"mark", int(t.places[i].mark)},
-                           {"position", numbers(t.places[i].X_MH.origin())},
-                           {"rotation", numbers(log_so3(t.places[i].X_MH.axes()))}});
+  for (std::size_t i = 0; i < t.place_count; ++i) {
+    Json place{{"mark", int(t.places[i].mark)},
+               {"position", numbers(t.places[i].X_MH.origin())},
+               {"rotation", numbers(log_so3(t.places[i].X_MH.axes()))}};
+    for (std::size_t k = 0; k < named.ways[i].size; ++k)
+      place["way"].push_back(numbers(named.ways[i].corners[k]));
+    j["places"].push_back(place);
+  }
   for (std::size_t i = 0; i < t.border_count; ++i) j["borders"].push_back(t.borders[i]);
   return j.dump(2) + "\n";
 }

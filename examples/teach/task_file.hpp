@@ -10,18 +10,22 @@ namespace teach {
 inline constexpr std::size_t max_steps = 48;
 using Task = skinctl::TaughtTask<max_steps>;
 
-/// A task, and the words for its classes.
+/// The way of the use at each place of a task; others are empty.
+using Ways = std::array<skinctl::TaughtWay, Task::max_places>;
+
+/// A task, the words for its classes, and the ways of tools in use.
 struct NamedTask {
   Task task{};
   Classes classes;
+  Ways ways{};
 };
 
 /// What a robot can do besides the library's activities: their names may stand in files.
 using Activities = std::span<const skinctl::ActivityRule* const>;
 
 /// The task as JSON: steps by the names of their activities, edges by number or "finish", "ask", "nowhere";
-/// places in metres, with rotation vectors; borders [N/m]; the facts with which it begins, if it is a part of a
-/// process.
+/// places in metres, with rotation vectors, and the corners of the way where a tool is used; borders [N/m];
+/// the facts with which it begins, if it is a part of a process.
 [[nodiscard]] std::string to_json(const NamedTask& task);
 /// Reads it back. Throws `std::runtime_error` for what is no task of this form, or one that `check` refuses;
 /// at most 1 MB. Without activities of its own every step but look has a place.

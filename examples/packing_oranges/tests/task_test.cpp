@@ -157,7 +157,7 @@ TEST_CASE("packing_oranges --task: what a task asks and this world cannot do has
   says([](auto& n) { n.classes.names[thing::box] = "crate"; },
        "step 6 of the task (find): its place is beside a crate");
   says([&](auto& n) { at(n, activity::Squeeze::rule).does = &activity::Use::rule; },
-       "(use): these arms have no skill");
+       "here are a knife, bread and plates, no orange");
   says([&](auto& n) { at(n, activity::Look::rule).no = ask_person; },
        "step 0 of the task (look): it is done once");
   says([&](auto& n) { at(n, activity::Put::rule).place = no_place; }, "(put): it has no place");
@@ -169,9 +169,9 @@ TEST_CASE("packing_oranges --task: what a task asks and this world cannot do has
           if (s.place != no_place) ++s.place;
         t.places[0] = {thing::orange, Transform<ObjectFrame, Tool>::translation_xyz(5, 0, 0)};
       },
-      "the hand closes 5000 mm from the orange's middle");
+      "the hand closes 5000 mm from the middle of what it takes");
   says(move(activity::Take::rule, 0, 0.02, 0),
-       "(reach_above): the hand closes 20 mm from the orange's middle");
+       "(reach_above): the hand closes 20 mm from the middle of what it takes");
   says(move(activity::Carry::rule, 0.9, 0, 0.2), "(carry): its place, 0.90 m from the arm");
   says(move(activity::Carry::rule, 0.1, 0, 0.2), "out of reach");
   says(move(activity::Carry::rule, 0.5, 0, 0.9), "out of reach");

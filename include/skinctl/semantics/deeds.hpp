@@ -4,6 +4,7 @@
 
 #include "skinctl/semantics/segments.hpp"
 #include "skinctl/semantics/task.hpp"
+#include "skinctl/semantics/taught_way.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -33,6 +34,7 @@ struct Deed {
   double sigma = 0;                 ///< standard deviation of the hand's position while it stood [m]
   double felt = 0;                  ///< stiffness that a squeeze felt [N/m]; NaN: not known
   std::vector<TaughtPlace> places;  ///< hand in the world, then in each landmark's frame, nearest first
+  TaughtWay way;                    ///< way of a use; of other deeds empty
   [[nodiscard]] TaughtPlace at(ObjectClass wanted) const noexcept {
     for (const auto& p : places)
       if (p.mark == wanted) return p;
@@ -239,25 +241,18 @@ class DeedReader {
   /// Adds the use of a tool: its path in some ball is longer than that of one that passes through.
   void use(Episode<W>& out, Span in, std::size_t thing) const {
     const auto& p = segments_.p;
-    double carried = 0;
-    for (std::size_t i = in.begin; i < in.end; ++i)
-      carried = std::max(carried, norm(Xyz<double>(p[i] - p[in.begin])));
-    const double radius = s_.use_ball * carried;
-    const auto inside = [&](std::size_t i, std::size_t c) { return norm(Xyz<double>(p[i] - p[c])) < radius; };
-    double longest = 0;
-    std::size_t centre = in.begin;
-    const std::size_t stride = 1 + (in.end - in.begin) / 200;
-    for (std::size_t c = in.begin; c < in.end; c += stride) {
-      double way = 0;
-      for (std::size_t i = in.begin + 1; i < in.end; ++i)
-        if (inside(i, c)) way += norm(Xyz<double>(p[i] - p[i - 1]));
-      if (way > longest) longest = way, centre = c;
-    }
-    if (!(longest > s_.min_use_path * radius)) return;
+    const UsedSpan used = used_span(p, in.begin, in.end, s_.use_ball, s_.min_use_path);
+    if (!(used.radius > 0)) return;
     std::vector<Transform<W, Tool>> at;
     for (std::size_t i = in.begin; i < in.end; ++i)
-      if (inside(i, centre)) at.push_back(d_.hand[i].X_WH);
-    out.push_back(deed(Verb::use, thing, time(centre), at));
+      if (norm(Xyz<double>(p[i] - p[used.centre])) < used.radius) at.push_back(d_.hand[i].X_WH);
+    out.push_back(deed(Verb::use, thing, time(used.centre), at));
+    const auto X_WH = out.back().places.front().X_MH;
+    const UsedSpan s = without_ends(p, used);
+    std::vector<Xyz<double>> path;
+    for (std::size_t i = s.from; i < s.to; ++i)
+      path.push_back(X_WH.axes().transpose() * Xyz<double>(p[i] - X_WH.origin()));
+    out.back().way = taught_way(path);
   }
   const Demonstration<W>& d_;
   DeedSettings s_;

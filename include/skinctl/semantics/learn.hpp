@@ -36,6 +36,8 @@ struct Learnt {
   Refusal why = Refusal::none;
   Nanoseconds at{};               ///< time in the demonstration that the refusal is about
   std::size_t demonstration = 0;  ///< number of the demonstration that is refused
+  std::array<TaughtWay, TaughtTask<C>::max_places>
+      ways{};  ///< way of the use at each place; others are empty
 };
 
 namespace detail {
@@ -55,7 +57,7 @@ class Learner {
     std::vector<ObjectClass> order;
     for (std::size_t k = 0; k < shown.size(); ++k) {
       const Deeds<W> deeds = deeds_of(shown[k], s_.deeds);
-      if (deeds.why != Refusal::none) return {{}, deeds.why, deeds.at, k};
+      if (deeds.why != Refusal::none) return {{}, deeds.why, deeds.at, k, {}};
       std::vector<ObjectClass> roles;
       for (const auto& e : deeds.episodes) {
         if (roles.empty() || roles.back() != e[0].role) roles.push_back(e[0].role);
@@ -76,7 +78,7 @@ class Learner {
   }
 
  private:
-  [[nodiscard]] Learnt<C> refused(Refusal why) const { return {{}, why, {}, 0}; }
+  [[nodiscard]] Learnt<C> refused(Refusal why) const { return {{}, why, {}, 0, {}}; }
   [[nodiscard]] static double apart(const TaughtPlace& a, const TaughtPlace& b) {
     return norm(Xyz<double>(a.X_MH.origin() - b.X_MH.origin()));
   }
@@ -191,6 +193,7 @@ class Learner {
       } else if (verb == Verb::use) {
         add(step_of<activity::Carry>({.role = role, .place = place, .failed = look, .needs = needs}));
         add(step_of<activity::Use>({.role = role, .place = place, .failed = look}));
+        if (place != no_place) out_.ways[place] = way.front()[k].way;
       } else {
         add(step_of<activity::Put>({.role = role, .place = place, .failed = look, .needs = needs}));
         add(step_of<activity::Release>({.role = role, .place = place, .failed = look}));
