@@ -77,6 +77,20 @@ TEST_CASE("learn: a tool is used where its way stays; things follow each other; 
   }
 }
 
+TEST_CASE(
+    "taught way: a path that swings ever wider, from a hostile file, has as many corners as there is room "
+    "for") {
+  std::vector<Xyz<double>> path(30000);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const double x = static_cast<double>(i);
+    path[i] = {1e-3 * x, i % 2 == 0 ? x : -x, 0};
+  }
+  const TaughtWay way = taught_way(path);
+  REQUIRE((way.size >= 2 && way.size <= TaughtWay::capacity));
+  CHECK(way.corners[0].y == path.front().y);
+  CHECK(way.corners[way.size - 1].y == path.back().y);
+}
+
 TEST_CASE("learn: the way of a tool in use is kept, from its first stroke to its last, about its place") {
   const auto far_from_way = [](const TaughtWay& way, const Xyz<double>& p) {
     double out = 1e9;

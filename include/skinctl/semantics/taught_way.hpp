@@ -68,9 +68,11 @@ struct UsedSpan {
   return s;
 }
 
-/// Marks the corners between `a` and `b` without which the way is further than `tolerance` from its path.
-inline void mark_corners(const std::vector<Xyz<double>>& p, std::size_t a, std::size_t b, double tolerance,
-                         std::vector<char>& is_corner) {
+/// Adds the samples between `a` and `b` without which the way is further than `tolerance` from its path `p`,
+/// until there are more corners than a way has.
+inline void add_corners(const std::vector<Xyz<double>>& p, std::size_t a, std::size_t b, double tolerance,
+                        std::vector<std::size_t>& corners) {
+  if (corners.size() > TaughtWay::capacity) return;
   const Xyz<double> way = p[b] - p[a];
   const double square = dot(way, way);
   std::size_t farthest = a;
@@ -82,9 +84,9 @@ inline void mark_corners(const std::vector<Xyz<double>>& p, std::size_t a, std::
     if (far > most) most = far, farthest = i;
   }
   if (farthest == a) return;
-  is_corner[farthest] = 1;
-  mark_corners(p, a, farthest, tolerance, is_corner);
-  mark_corners(p, farthest, b, tolerance, is_corner);
+  corners.push_back(farthest);
+  add_corners(p, a, farthest, tolerance, corners);
+  add_corners(p, farthest, b, tolerance, corners);
 }
 }  // namespace detail
 
@@ -94,16 +96,14 @@ inline void mark_corners(const std::vector<Xyz<double>>& p, std::size_t a, std::
   TaughtWay out;
   if (path.size() < 2) return out;
   constexpr double coarser = 1.25;
-  std::vector<char> is_corner;
+  std::vector<std::size_t> corners;
   do {
-    is_corner.assign(path.size(), 0);
-    is_corner.front() = is_corner.back() = 1;
-    detail::mark_corners(path, 0, path.size() - 1, tolerance, is_corner);
+    corners = {0, path.size() - 1};
+    detail::add_corners(path, 0, path.size() - 1, tolerance, corners);
     tolerance *= coarser;
-  } while (std::count(is_corner.begin(), is_corner.end(), char(1)) >
-           static_cast<std::ptrdiff_t>(TaughtWay::capacity));
-  for (std::size_t i = 0; i < path.size(); ++i)
-    if (is_corner[i] != 0) out.corners[out.size++] = path[i];
+  } while (corners.size() > TaughtWay::capacity);
+  std::sort(corners.begin(), corners.end());
+  for (const std::size_t i : corners) out.corners[out.size++] = path[i];
   return out;
 }
 
