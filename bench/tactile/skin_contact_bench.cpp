@@ -51,17 +51,17 @@ void way(benchmark::State& state) {
   const bench::CountAllocations counted(state);
   for (auto _ : state) {
     frame += 2, clusters = 0;
-    for (ContactRow& row : rows) row.frame = frame;
+    for (ContactRow& row : rows) row.frame_number = frame;
     for (std::uint32_t seed = 0; seed < Cells; ++seed) {
-      if (rows[seed].frame != frame) continue;
-      rows[seed].frame = frame + 1, rows[seed].next = ContactRow::none;
+      if (rows[seed].frame_number != frame) continue;
+      rows[seed].frame_number = frame + 1, rows[seed].next = ContactRow::none;
       for (std::uint32_t top = seed; top != ContactRow::none;) {
         const std::uint32_t i = top;
         top = rows[i].next;
         rows[i].label = clusters;
         for (const std::uint32_t j : graph.neighbours(i)) {
-          if (rows[j].frame != frame) continue;
-          rows[j].frame = frame + 1, rows[j].next = top;
+          if (rows[j].frame_number != frame) continue;
+          rows[j].frame_number = frame + 1, rows[j].next = top;
           top = j;
         }
       }
