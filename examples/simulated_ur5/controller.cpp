@@ -15,6 +15,8 @@ constexpr Joints torque_constant = {12.5, 12.5, 12.5, 9, 9, 9};
 /// A real controller stops when target and joints are about so far apart [rad]; here it is told, not acted
 /// on.
 constexpr double stopping_deviation = 0.6;
+// For so long a led finger stays when nobody says how it is led: ten messages of the live page.
+constexpr Nanoseconds finger_waits = nanoseconds(0.5);
 
 std::array<double, 6> six(Vec3 a, Vec3 b) {
   return {a.x, a.y, a.z, b.x, b.y, b.z};
@@ -233,7 +235,7 @@ void Controller::step() {
 
   const double h = seconds(plant_step);
   double largest = 0;
-  if (finger_.pressing() && now_ - led_at_ > 500'000'000) finger_.release();
+  if (finger_.pressing() && now_ - led_at_ > finger_waits) finger_.release();
   Joints load = load_at(forward_kinematics(arm_.q()));
   for (Nanoseconds t{}; t < cycle(); t += plant_step) {
     arm_.advance(load);
