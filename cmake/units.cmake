@@ -6,6 +6,8 @@
 #   // compiled alone: why
 # one that proves nothing under the sanitizers
 #   // not sanitized: why
+# one that runs for seconds, so that optimising it pays under the sanitizers, too
+#   // runs long: what
 # and one that only `cmake/test.sh --nightly` compiles
 #   // by night: why
 set(SKINCTL_TESTS_PER_UNIT 45 CACHE STRING "How many test files are compiled together at most")

@@ -1,3 +1,4 @@
+// runs long: fits of random skins
 #include "skinctl/calibration/pose_uncertainty.hpp"
 
 #include <doctest/doctest.h>

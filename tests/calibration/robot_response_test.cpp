@@ -1,3 +1,4 @@
+// runs long: recordings of a robot
 #include "skinctl/calibration/robot_response.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// runs long: random retreats
 // Promise: an arm retreats from what comes at it, as fast as it comes, whichever link it is
 // Tried: 200 balls at 0.3 m/s at a UR5 that may move in any way but into table and itself: 2 meet it,
 // pressed to the table; all 200 meet one that stands; what stands or is far moves nothing. Also:

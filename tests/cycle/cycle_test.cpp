@@ -1,3 +1,4 @@
+// runs long: thousands of cycles
 // Promise: the arm moves away from a contact, and returns when it ends
 // Tried: every link with skin. Also: `tactile/`
 //

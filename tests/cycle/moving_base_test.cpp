@@ -18,6 +18,7 @@
 #include "skinctl/robot/spring.hpp"
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "tests/support/by_day.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -182,7 +183,7 @@ auto model() {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("Moving base: an arm by torque on a cart stays where it is", T, float, double) {
+TEST_CASE_TEMPLATE("Moving base: an arm by torque on a cart stays where it is", T, SKINCTL_SCALARS) {
   const auto told = ride<T>(scene_of<T>(OnMovingBase(model<T>())), 12, Cart::state, as_it_is);
   const auto untold = ride<T>(scene_of<T>(model<T>()), 12, Cart::state, as_it_is);
   MESSAGE("the tool strays by ", 1e3 * told.strayed, " mm, without the state of the base by ",

@@ -1,3 +1,4 @@
+// runs long: starts of every robot
 // A start is an input like any other: a scene that was started elsewhere than the robot stands commands
 // nothing.
 #include <doctest/doctest.h>

@@ -20,6 +20,7 @@
 #include "skinctl/fusion/expression.hpp"
 #include "skinctl/limits/clearance_limits.hpp"
 #include "skinctl/robots/ur5.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/grouped_scene.hpp"
 #include "tests/support/ur5_clearance.hpp"
 #include "tests/support/wrong_text.hpp"
@@ -176,7 +177,7 @@ TEST_CASE_TEMPLATE("Cycle: with limits of jerk and tool speed every stop ends, w
                    std::integral_constant<Interface, Interface::velocity>) {
   // By velocity the last two met the ends of joints with more speed than their jerk allowed.
   std::vector<std::uint64_t> seeds{1018, 1050};
-  for (std::uint64_t seed = 1; seed <= 32; ++seed) seeds.push_back(seed);
+  for (std::uint64_t seed = 1; seed <= rounds(40u); ++seed) seeds.push_back(seed);
   for (const std::uint64_t seed : seeds)
     for (const Ends ends : {Ends::by_stop, Ends::by_law})
       for (const bool held : {false, true}) {
@@ -244,7 +245,7 @@ TEST_CASE(
 }
 
 TEST_CASE("Cycle: a stop beside a clearance ends, whichever joint is held") {
-  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+  for (std::uint64_t seed = 1; seed <= rounds(100u); ++seed) {
     CAPTURE(seed);
     const auto e = end_of<Interface::position, Parts::clearance>(seed, Ends::by_stop, true);
     CHECK(e.speed < rests);
@@ -253,7 +254,7 @@ TEST_CASE("Cycle: a stop beside a clearance ends, whichever joint is held") {
 }
 
 TEST_CASE("Groups: with a limit of jerk every stop ends, whichever joint is held") {
-  for (std::uint64_t seed = 1; seed <= 32; ++seed) {
+  for (std::uint64_t seed = 1; seed <= rounds(40u); ++seed) {
     CAPTURE(seed);
     std::mt19937_64 rng(seed);
     const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };

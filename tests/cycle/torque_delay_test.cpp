@@ -29,7 +29,7 @@
 #include <random>
 
 #include "skinctl/dynamics/energy.hpp"
-#include "skinctl/testing/sanitized.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/torque_loop.hpp"
 
 using namespace skinctl;
@@ -180,7 +180,7 @@ Held held(const Loop& loop, double payload, const Eigen::Vector3d& way) {
 
 TEST_CASE("Cycle by torque: a stop, or a fault that brakes, ends at rest") {
   std::mt19937 random(3);
-  for (int k = 0; k < (sanitized ? 6 : 60); ++k) {
+  for (int k = 0; k < (sanitized ? 6 : rounds(60)); ++k) {
     const Loop loop{(1 + k % 8) * 1ms, (k * 5 % 21) * 1ms};
     const double friction = k % 3 == 0 ? 0.0 : std::uniform_real_distribution<>(0, 40)(random);
     const bool by_fault = k % 2 == 0;
@@ -198,7 +198,7 @@ TEST_CASE("Cycle by torque: a stop, or a fault that brakes, ends at rest") {
 }
 
 TEST_CASE("Cycle by torque: a stopped arm stays against 15 N, and a person can lead it away") {
-  for (int k = 0; k < (sanitized ? 2 : 24); ++k) {
+  for (int k = 0; k < (sanitized ? 2 : rounds(24)); ++k) {
     const Loop loop{(1 << k % 4) * 1ms, (k * 7 % 21) * 1ms};
     const double payload = k % 2;
     Eigen::Vector3d way = Eigen::Vector3d::Zero();
@@ -219,7 +219,7 @@ TEST_CASE("Cycle by torque: a stopped arm stays against 15 N, and a person can l
 
 TEST_CASE("Cycle by torque: the tool keeps its speed, at any delay") {
   constexpr double most = 0.2;
-  for (int k = 0; k < (sanitized ? 3 : 20); ++k) {
+  for (int k = 0; k < (sanitized ? 3 : rounds(20)); ++k) {
     const Loop loop{(1 + k % 5) * 1ms, (k * 7 % 21) * 1ms};
     CAPTURE(loop.period.count());
     CAPTURE(loop.delay.count());
@@ -258,7 +258,7 @@ TEST_CASE("Cycle by torque: the tool keeps its speed, at any delay") {
 TEST_CASE("Cycle by torque: with a tank that is empty an arm comes to rest, though nothing rubs") {
   int empty = 0, swing = 0;
   double over = 0, worst = 0;  // kinetic energy beyond the tank, which nobody gave [J]
-  for (int k = 0; k < (sanitized ? 4 : 40); ++k) {
+  for (int k = 0; k < (sanitized ? 4 : rounds(40)); ++k) {
     std::mt19937 random(static_cast<unsigned>(k));
     const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(random); };
     const Loop loop{(1 + k % 8) * 1ms, (k * 7 % 21) * 1ms};

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "skinctl/skinctl.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/scene.hpp"
 
 using namespace skinctl;
@@ -161,8 +162,8 @@ void pose_targets(const L& law) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("wrong goals: joints beyond their limits, in degrees, or no numbers are refused", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("wrong goals: joints beyond their limits, in degrees, or no numbers are refused", T,
+                   SKINCTL_SCALARS) {
   joint_goals<Interface::position, T>();
   joint_goals<Interface::velocity, T>();
   joint_goals<Interface::torque, T>();
@@ -180,7 +181,7 @@ TEST_CASE("wrong goals: the same for targets, reactive targets and impedances") 
   check_refused<Interface::torque>(JointImpedance<6>(soft), {near_home<double>(), 1s}, wrong);
 }
 
-TEST_CASE_TEMPLATE("wrong goals: a pose whose axes are no rotation is refused", T, float, double) {
+TEST_CASE_TEMPLATE("wrong goals: a pose whose axes are no rotation is refused", T, SKINCTL_SCALARS) {
   pose_goals<Interface::position, T>();
   pose_goals<Interface::torque, T>();
 }

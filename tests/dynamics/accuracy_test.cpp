@@ -1,3 +1,4 @@
+// by night: many models in 50 digits; other tests sample their states
 // not sanitized: the compiler takes minutes for so many models and digits
 //
 // Promise: errors are stated, next to singular, at q = 1e6 rad, masses from 1e-6 to 1e6 kg

@@ -1,3 +1,4 @@
+// by night: many models in 50 digits; other tests sample their states
 // not sanitized: the compiler takes minutes for so many models and digits
 // Every robot that ships against KDL and MuJoCo at 10 000 random states each. The sanitizers need minutes to
 // compile so many models; what runs here runs there in the tests of each function.

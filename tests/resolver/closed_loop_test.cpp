@@ -1,3 +1,4 @@
+// runs long: robots at any rate and delay
 // Promise: the same contact gives the same motion at any rate
 // Tried: 125 to 1000 Hz, cycles that jitter, one in ten missing: the end within 0.1 %, the virtual robot
 // within 0.2 % of 10 kHz, a command after a late cycle within three periods at full speed (damping once a

@@ -1,3 +1,4 @@
+// runs long: robots that are held and let go
 // Promise: a robot that is not as declared does not run away, one fault at a time
 // Tried: encoders off by 5 mrad to 2 pi, servos of 500 N m/rad that droop, lag 10 to 50 ms longer than
 // declared: untouched, no joint moves by more than the gap; a gap that comes while it stands moves

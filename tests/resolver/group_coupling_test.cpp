@@ -1,3 +1,4 @@
+// runs long: mixtures of groups against small steps
 // Joints of several interfaces against the equations of motion of the whole robot.
 //
 // Promise: joints by position, velocity and torque, in any mixture and order, move as the equations of

@@ -1,3 +1,4 @@
+// runs long: motions in small steps
 #include "skinctl/resolver/integrator.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// runs long: walls until it swings
 // A part of bench/studies/plant.cpp: an arm that we did not write, MuJoCo under stiff servos.
 //
 // Promise: a stiff contact rests: a configuration that would ring is refused with the felt mass it lacks

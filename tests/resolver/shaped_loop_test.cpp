@@ -1,3 +1,4 @@
+// runs long: hands and arms in contact
 // A resolver whose virtual robot is shaped at the tool, against simulated joints.
 #include <doctest/doctest.h>
 

@@ -1,3 +1,4 @@
+// runs long: random scenes
 // Laws that ask for more torque than the joints give, as those do whose robot something kept from its way.
 //
 // Promise: an arm that something kept from its way goes on to its goal when it is free, without being

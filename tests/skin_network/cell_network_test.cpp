@@ -1,3 +1,4 @@
+// runs long: networks of many cells
 // Promise: a skin that was glued on finds its ids and its tree, whatever its links and cells do
 // Tried: any topology, islands and loops; frames lost, flipped; links cut while reports are on their way,
 // memories corrupt, cells that lie, a PC that starts anew: as an all-seeing search sees it, ids kept, 4

@@ -3,12 +3,13 @@
 
 #include "skinctl/testing/sanitized.hpp"
 
-// The scalars of a test that the gate compiles twice: as users do, in both, and with the sanitizers' checks,
-// in one.
-#if defined(SKINCTL_GATE) && SKINCTL_SANITIZED
+// The scalars of a test of whole scenes. By day one program has one of them: float as users compile it, double elsewhere.
+#if !defined(SKINCTL_GATE)
+#define SKINCTL_SCALARS float, double
+#elif defined(SKINCTL_NO_FORCED_INLINE)
 #define SKINCTL_SCALARS double
 #else
-#define SKINCTL_SCALARS float, double
+#define SKINCTL_SCALARS float
 #endif
 
 namespace skinctl::testing {

@@ -1,3 +1,4 @@
+// runs long: covers of random cells
 #include "skinctl/tactile/cover.hpp"
 
 #include <doctest/doctest.h>

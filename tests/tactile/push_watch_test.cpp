@@ -1,3 +1,4 @@
+// runs long: minutes of pushes
 // Promise: a wrist sensor's bias does not lead an arm, and a hand does
 // Tried: an arm that nothing leads back, 50 N s/m: 4 N of bias move it 8 mm in 10 s (396 unwatched), 20 N
 // 11 mm, one that grows by 0.1 to 1 N/s at most 16; each is named and tared; hands of 300 N/m lead it as

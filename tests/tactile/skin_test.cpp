@@ -1,3 +1,4 @@
+// runs long: a day of contact
 #include "skinctl/tactile/skin.hpp"
 
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// runs long: minutes of cells
 // Skins of other kinds than the hexagon that trust their cells: rest levels of channels, masks of cells,
 // filling in.
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// runs long: minutes of a skin
 // Promise: one faulty cell does not move an arm with dry friction, and many do not make it numb
 // Tried: UR5, 260 cells, friction of 5 % of its torques: the eight faults, of the forces or of all that a
 // cell sends, 48 runs: 0 mm, to the last bit; 10 % of the cells, touched: found in 0.25 s (saturated 0.4,

@@ -1,3 +1,4 @@
+// runs long: a loop for each robot
 // Promise: an arm without skin gives way at its tool, as configured, and its tool's weight is no touch
 // Tried: a force-torque sensor, a tool of 1 kg: 10 N and 1 N m in all six directions, both ways, velocity
 // within 5 % of the tool shape's in each coordinate; untouched for 10 s it does not move by a bit

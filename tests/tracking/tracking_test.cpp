@@ -16,6 +16,7 @@
 #include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/digits50.hpp"
 #include "tests/support/largest.hpp"
@@ -137,8 +138,8 @@ TEST_CASE("Tracking: ddq_r is the derivative of dq_r, in every phase") {
 }
 #endif
 
-TEST_CASE_TEMPLATE("Tracking: with nothing to hold it is -K_d S_q + Y_r Theta at the state itself", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("Tracking: with nothing to hold it is -K_d S_q + Y_r Theta at the state itself", T,
+                   SKINCTL_SCALARS) {
   const T lambda(90);
   const JointControl<6, T> law({.lambda = lambda});
   Seeded rng(70);
@@ -237,8 +238,8 @@ TEST_CASE("Tracking: with a constant K_d it brings the UR5 to its goal") {
   for (std::size_t i = 0; i < 6; ++i) CHECK(x.q[i] == doctest::Approx(goal[i]).epsilon(2e-3));
 }
 
-TEST_CASE_TEMPLATE("Tracking: a robot at rest is held where it is, from the first torque on", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("Tracking: a robot at rest is held where it is, from the first torque on", T,
+                   SKINCTL_SCALARS) {
   const SplineJoint<6, T> law({.dt = 8ms});
   Seeded rng(73);
   const State<6, T> state{0ns, rng.vector<JointPosition<6, T>>(3), {}};
@@ -361,8 +362,8 @@ JointTorque<6, T> of_integrals(const Law& law, const typename Law::Memory& memor
 }  // namespace
 
 TEST_CASE_TEMPLATE(
-    "Tracking: under a lasting disturbance integrals stay within their limit, a light wrist's too", T, float,
-    double) {
+    "Tracking: under a lasting disturbance integrals stay within their limit, a light wrist's too", T,
+    SKINCTL_SCALARS) {
   for (const T& K_i1 : {T(2), T(0)}) {
     JointControlSettings<6, T> s{.dt = 8ms, .lambda = T(9), .K_i1 = K_i1, .K_i2 = T(0.5)};
     s.integral_limit = {T(30), T(30), T(15), T(0.5), T(0.5), T(0.5)};
@@ -395,7 +396,7 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE("Tracking: integrals of poses stay within the joints' limits, next to a singularity too",
-                   T, float, double) {
+                   T, SKINCTL_SCALARS) {
   OperationalSettings<6, T> s{.tracking = {.dt = 8ms, .lambda = T(9), .K_i1 = T(2), .K_i2 = T(0.5)}};
   s.tracking.integral_limit = {T(30), T(30), T(15), T(2), T(2), T(2)};
   using Law = OperationalControl<6, 5, Tool, T>;
@@ -423,7 +424,7 @@ TEST_CASE_TEMPLATE("Tracking: integrals of poses stay within the joints' limits,
   }
 }
 
-TEST_CASE_TEMPLATE("Tracking: the integrals of a virtual robot stay within a speed", T, float, double) {
+TEST_CASE_TEMPLATE("Tracking: the integrals of a virtual robot stay within a speed", T, SKINCTL_SCALARS) {
   using Added = VirtualMass<6, T>;
   const JointLimits<6, T> limits = limits_of<ur5::Description, T>();
   const JointTorque<6, T> inertia;
@@ -444,7 +445,7 @@ TEST_CASE_TEMPLATE("Tracking: the integrals of a virtual robot stay within a spe
   }
 }
 
-TEST_CASE_TEMPLATE("Tracking: numbers that are not finite do not enter the memory", T, float, double) {
+TEST_CASE_TEMPLATE("Tracking: numbers that are not finite do not enter the memory", T, SKINCTL_SCALARS) {
   const T nan = std::numeric_limits<T>::quiet_NaN(), inf = std::numeric_limits<T>::infinity();
   const JointControl<6, T> law({.dt = 8ms});
   const State<6, T> good{0ns, JointPosition<6, T>::constant(T(0.1)), {}};
