@@ -37,7 +37,7 @@ const auto& mobility_at_home() {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("extremes: an arm's kinematics", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: an arm's kinematics", T, SKINCTL_EXTREME_SCALARS) {
   using enum Wrong;
   static const Row<T> rows[] = {
       {"Poses of an angle", 0, shows, shows,
@@ -97,7 +97,7 @@ TEST_CASE_TEMPLATE("extremes: an arm's kinematics", T, float, double) {
   check_rows(rows);
 }
 
-TEST_CASE_TEMPLATE("extremes: an arm's dynamics", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: an arm's dynamics", T, SKINCTL_EXTREME_SCALARS) {
   using enum Wrong;
   static const Row<T> rows[] = {
       {"regressor, Regressor", 2, shows, shows,

@@ -41,7 +41,7 @@ Transform<A, B, T> pose(T far = T(1)) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("extremes: vectors, frames and inertias", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: vectors, frames and inertias", T, SKINCTL_EXTREME_SCALARS) {
   using enum Wrong;
   using P = JointPosition<3, T>;
   using V = JointVelocity<3, T>;

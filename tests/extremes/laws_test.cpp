@@ -102,7 +102,7 @@ void attack(const char* name, const L& law) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("extremes: laws of joints", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: laws of joints", T, SKINCTL_EXTREME_SCALARS) {
   const SplineJoint<6, T> spline(JointControlSettings<6, T>{});
   attack<T>("SplineJoint: Tracking, JointSpace, SplinePlan", spline);
   attack<T>("ReactiveJoint: ReactivePlan", ReactiveJoint<6, T>(JointControlSettings<6, T>{}));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "skinctl/skinctl.hpp"
+#include "tests/support/by_day.hpp"
 
 using namespace skinctl;
 namespace {
@@ -50,8 +51,8 @@ CalibratedModel<Chain<6>, T> uneven(double ratio) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("extremes: poses, Jacobian, G and M are those of a robot for every finite angle", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("extremes: poses, Jacobian, G and M are those of a robot for every finite angle", T,
+                   SKINCTL_EXTREME_SCALARS) {
   const T eps = std::numeric_limits<T>::epsilon();
   const ur5::Model model;
   for (const T x : numbers<T>())
@@ -78,8 +79,8 @@ TEST_CASE_TEMPLATE("extremes: poses, Jacobian, G and M are those of a robot for 
 }
 
 TEST_CASE_TEMPLATE(
-    "extremes: an angle that is no number makes what the joint carries NaN, and nothing before it", T, float,
-    double) {
+    "extremes: an angle that is no number makes what the joint carries NaN, and nothing before it", T,
+    SKINCTL_EXTREME_SCALARS) {
   const ur5::Model model;
   for (const T wrong : {std::numeric_limits<T>::quiet_NaN(), std::numeric_limits<T>::infinity()}) {
     JointPosition<6, T> q;
@@ -93,8 +94,8 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "extremes: torques of any rates are finite until their squares overflow, and not finite beyond", T, float,
-    double) {
+    "extremes: torques of any rates are finite until their squares overflow, and not finite beyond", T,
+    SKINCTL_EXTREME_SCALARS) {
   using L = std::numeric_limits<T>;
   const ur5::Model model;
   const JointPosition<6, T> q{T(0.3), T(-1.2), T(1.4), T(0.2), T(-0.7), T(0.1)};
@@ -117,8 +118,8 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE(
-    "extremes: links of 1e-30 times their neighbours' mass: a finite acceleration, or a status", T, float,
-    double) {
+    "extremes: links of 1e-30 times their neighbours' mass: a finite acceleration, or a status", T,
+    SKINCTL_EXTREME_SCALARS) {
   for (const double ratio : {1e-30, 1e-20, 1e-10, 1e-5, 1.0, 1e5, 1e10, 1e20, 1e30}) {
     CAPTURE(ratio);
     const auto model = uneven<T>(ratio);

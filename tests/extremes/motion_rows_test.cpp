@@ -39,7 +39,7 @@ Results<T> errors_of(T x) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("extremes: references and surfaces", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: references and surfaces", T, SKINCTL_EXTREME_SCALARS) {
   using enum Wrong;
   static const Row<T> rows[] = {
       {"JointSpline::at of its time", 0, safe, safe,
@@ -153,7 +153,7 @@ TEST_CASE_TEMPLATE("extremes: references and surfaces", T, float, double) {
   CHECK(refused([] { static_cast<void>(Ramp<T>(0ns)); }));
 }
 
-TEST_CASE_TEMPLATE("extremes: cells, contacts and their evidence", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: cells, contacts and their evidence", T, SKINCTL_EXTREME_SCALARS) {
   using enum Wrong;
   using Wrenches = LinkWrenches<ur5::Model, 0b100000, T>;
   using W = Wrench<Link<5>, Link<5>, Link<5>, T>;

@@ -62,7 +62,7 @@ void check_joints(const char* name, const Settings& defaults, Make&& make, Membe
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: descriptions of robots and their limits", T, SKINCTL_EXTREME_SCALARS) {
   using C = RobotConfiguration<6, T>;
   const C c{.limits = limits<T>(), .period = 8ms, .delay = 8ms, .virtual_damping = T(4)};
   const auto by = [](const C& x) { static_cast<void>(by_position(Arm{}, x)); };

@@ -13,6 +13,7 @@
 
 #include "skinctl/core/contract.hpp"
 #include "skinctl/core/triple.hpp"
+#include "tests/support/by_day.hpp"
 
 namespace skinctl::extremes {
 

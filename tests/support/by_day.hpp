@@ -12,6 +12,13 @@
 #define SKINCTL_SCALARS float
 #endif
 
+// The scalars of a table of extremes: float overflows first.
+#if defined(SKINCTL_GATE)
+#define SKINCTL_EXTREME_SCALARS float
+#else
+#define SKINCTL_EXTREME_SCALARS float, double
+#endif
+
 namespace skinctl::testing {
 
 #if defined(SKINCTL_GATE)
