@@ -50,7 +50,7 @@ std::vector<std::size_t> followed(const std::vector<Place>& taught, const std::v
   return out;
 }
 
-ToolLesson tool_lesson(const Plan& plan, const Ways& ways, double stands) {
+ToolLesson tool_lesson(const Plan& plan, const skinctl::TaughtWays& ways, double stands) {
   using namespace skinctl::activity;
   ToolLesson out;
   const auto tool_in_hand = place_of(plan, Take::rule, tool_class).X_MH.origin();

@@ -23,7 +23,7 @@ struct ToolLesson {
       tip;  ///< way of the tool's tip in use, from the thing's middle, every 5 mm
 };
 /// @param stands  from the middle of the table to an arm's base [m].
-[[nodiscard]] ToolLesson tool_lesson(const Plan& plan, const Ways& ways, double stands);
+[[nodiscard]] ToolLesson tool_lesson(const Plan& plan, const skinctl::TaughtWays& ways, double stands);
 
 /// For each point of `taught` that `went` passes within a distance [m], in the order of both, as many as can
 /// be: the number of the point of `went`.

@@ -48,7 +48,7 @@ RunSettings with_binary_grippers(RunSettings s) {
   return s;
 }
 
-RunSettings with_tool(RunSettings s, const Ways& ways) {
+RunSettings with_tool(RunSettings s, const skinctl::TaughtWays& ways) {
   const auto refuse = [](const char* what, const char* why) {
     throw std::runtime_error(std::string(what) + ": not with a task that uses a tool: " + why);
   };

@@ -11,8 +11,6 @@ namespace packing {
 /// A plan: what is done, in which order and where. The one below, or one that a person has taught. Places are
 /// those of the first arm; the second one does the same from its side.
 using Plan = skinctl::TaughtTask<48>;
-/// The way of a tool in use, at each place of a plan; others are empty.
-using Ways = std::array<skinctl::TaughtWay, Plan::max_places>;
 
 /// Classes of objects.
 inline constexpr skinctl::ObjectClass orange_class = 1, box_class = 2, bin_class = 3;

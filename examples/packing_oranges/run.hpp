@@ -51,7 +51,7 @@ struct RunSettings {
 [[nodiscard]] WorkSettings by_hand(WorkSettings settings);
 /// The same run of a task that uses a tool, with the ways of its use. Throws std::runtime_error for what is
 /// not built for tools.
-[[nodiscard]] RunSettings with_tool(RunSettings settings, const Ways& ways);
+[[nodiscard]] RunSettings with_tool(RunSettings settings, const skinctl::TaughtWays& ways);
 /// The same run with grippers that are only open or closed. Throws std::runtime_error for a plan that squeezes what
 /// does not stand.
 [[nodiscard]] RunSettings with_binary_grippers(RunSettings settings);

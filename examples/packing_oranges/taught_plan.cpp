@@ -240,7 +240,7 @@ class Reader {
   }
 
   const teach::Classes& classes_;
-  const Ways& ways_;
+  const skinctl::TaughtWays& ways_;
   HandRoom room_;
   Plan plan_;
   bool uses_tool_;

@@ -48,8 +48,8 @@ struct WorkSettings {
   bool by_time = false;  ///< the gripper tells no opening: it is judged by the rise of its force
   /// The gripper is only open or closed: the wrist presses what it holds, and its way over the force judges.
   bool presses = false;
-  Ways ways{};          ///< of a tool in use
-  bool drives = false;  ///< the arms stand on a base that drives between two tables
+  skinctl::TaughtWays ways{};  ///< of tools in use
+  bool drives = false;         ///< the arms stand on a base that drives between two tables
   /// Goal of the force of a press [N]; it ends at `judge_to`, and fingers slide at the friction of both, 8 N.
   double press = 6;
   double feels = 0.8;  ///< force from which what is set down is felt to stand [N]

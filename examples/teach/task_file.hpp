@@ -10,14 +10,11 @@ namespace teach {
 inline constexpr std::size_t max_steps = 48;
 using Task = skinctl::TaughtTask<max_steps>;
 
-/// The way of the use at each place of a task; others are empty.
-using Ways = std::array<skinctl::TaughtWay, Task::max_places>;
-
 /// A task, the words for its classes, and the ways of tools in use.
 struct NamedTask {
   Task task{};
   Classes classes;
-  Ways ways{};
+  skinctl::TaughtWays ways{};
 };
 
 /// What a robot can do besides the library's activities: their names may stand in files.

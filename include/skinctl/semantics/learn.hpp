@@ -36,8 +36,7 @@ struct Learnt {
   Refusal why = Refusal::none;
   Nanoseconds at{};               ///< time in the demonstration that the refusal is about
   std::size_t demonstration = 0;  ///< number of the demonstration that is refused
-  std::array<TaughtWay, TaughtTask<C>::max_places>
-      ways{};  ///< way of the use at each place; others are empty
+  TaughtWays ways{};              ///< ways of tools in use
 };
 
 namespace detail {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "skinctl/core/triple.hpp"
+#include "skinctl/semantics/task.hpp"
 
 SKINCTL_BEGIN_NAMESPACE
 
@@ -19,6 +20,8 @@ struct TaughtWay {
       corners{};          ///< positions in the frame of the hand at its place of use [m]
   std::uint8_t size = 0;  ///< number of corners; 0: no way is known
 };
+/// The way of a tool in use, at each place of a task; others are empty.
+using TaughtWays = std::array<TaughtWay, TaughtTask<1>::max_places>;
 
 namespace detail {
 /// The samples `from` to `to - 1` of a path, from the first to the last one in the ball in which a tool is
