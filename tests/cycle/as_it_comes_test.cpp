@@ -1,11 +1,12 @@
 // Robots that are not as declared; the study as_it_comes runs ten thousand of them.
 //
-// Promise: a robot that is not as declared in many ways at once does not run away, and is pressed no
-// harder
+// Promise: a robot that is not as declared in many ways at once does not run away untouched, and is seldom
+// pressed harder
 // Tried: encoders off by up to 0.1 rad, a lag of up to 50 ms where 8 are declared, servos from 500 N
 // m/rad, friction, jitter, a payload wrong by 5 kg; untouched, at goals, led by hand, on a wall, blocked.
-// Of 1000 (`as_it_comes 1000 1`) none ran away, 967 are as promised; of the others 27 press harder on a
-// wall with a lag of which the job does not know. Also: study `as_it_comes`
+// Of 10 000 (`as_it_comes 10000 100001`) 9553 are as promised; 374 press harder on a wall, mostly with a lag
+// of which the job does not know; two, whose encoders are off by 51 and 91 mrad, slid along a finger by 0.86
+// and 0.49 rad against it, by some newton metres. Also: study `as_it_comes`
 
 #include "bench/studies/worlds/as_it_comes.hpp"
 
