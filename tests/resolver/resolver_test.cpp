@@ -27,8 +27,8 @@ struct Case {
   static constexpr Interface interface = I;
   using scalar = T;
 };
-#if defined(SKINCTL_GATE) && \
-    SKINCTL_SANITIZED  // by day the sanitizers have two of them, what users compile the others
+// By day the sanitizers have two of them, what users compile has the others.
+#if defined(SKINCTL_GATE) && SKINCTL_SANITIZED
 #define INTERFACES_AND_SCALARS Case<Interface::position, float>, Case<Interface::velocity, double>
 #elif defined(SKINCTL_GATE)
 #define INTERFACES_AND_SCALARS Case<Interface::position, double>, Case<Interface::velocity, float>
