@@ -3,7 +3,8 @@
 
 #include "skinctl/testing/sanitized.hpp"
 
-// The scalars of a test of whole scenes. By day one program has one of them: float as users compile it, double elsewhere.
+// The scalars of a test of whole scenes. By day a program has one of them: float as users compile it, double
+// elsewhere.
 #if !defined(SKINCTL_GATE)
 #define SKINCTL_SCALARS float, double
 #elif defined(SKINCTL_NO_FORCED_INLINE)

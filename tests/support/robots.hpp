@@ -89,8 +89,8 @@ inline auto allegro_robot() {
   return robot;
 }
 
-/// Calls `f(robot)` for every robot: by day for a known one and for the tree that has everything, by night also for one with calibrated
-/// numbers, a hand and a long chain, which only cost compilation.
+/// Calls `f(robot)` for every robot: by day for a known one and for the tree that has everything, by night for
+/// one with calibrated numbers, a hand and a long chain as well.
 template <class F>
 void for_each_robot(F&& f) {
   f(ur5_robot());

@@ -39,7 +39,7 @@ struct Case {
 void check(const std::vector<Case>& cases, std::size_t together = skinctl::testing::sanitized ? 2 : 4,
            const std::vector<Interface>& interfaces = {Interface::position, Interface::velocity}) {
   std::vector<std::pair<Interface, const Case*>> all;
-  // By day and under the sanitizers the interfaces take turns: a fault meets the same code on its way to either.
+  // By day and under the sanitizers the interfaces take turns: a fault meets the same code on either way.
   for (const Case& c : cases)
     for (const Interface i : interfaces)
       if (!(skinctl::testing::sanitized || skinctl::testing::by_day) ||
