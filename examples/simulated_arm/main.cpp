@@ -77,6 +77,8 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(50.0, 5000.0));
   app.add_option("--push", push, "time [s] and force at the flange, along its axes [N]; lasts 1 s")
       ->expected(4);
+  app.add_option("--speed", config.speed, "1: by the clock; 0: as fast as answers come")
+      ->check(CLI::IsMember({0.0, 1.0}));
   app.add_option("--duration", seconds, "[s]")->check(CLI::Range(0.1, 1e9));
   app.add_flag("--quiet", quiet, "errors only");
   if (const auto end = examples::job::parse(app, argc, argv)) return *end;

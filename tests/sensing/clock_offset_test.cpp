@@ -142,6 +142,36 @@ TEST_CASE("ClockOffset: messages that waited to be read are no leaps") {
   }
 }
 
+TEST_CASE("ClockOffset: first messages that were slow are no leap, and cost 100 ms more") {
+  for (const Nanoseconds period : {Nanoseconds(1ms), Nanoseconds(8ms), Nanoseconds(33ms)})
+    for (const Nanoseconds slower : {Nanoseconds(2ms), Nanoseconds(15ms), Nanoseconds(80ms)}) {
+      CAPTURE(period.count());
+      CAPTURE(slower.count());
+      const ClockOffset offset;
+      ClockOffset::Memory m;
+      Nanoseconds worst{}, first = 1h;
+      for (Nanoseconds t{}; t < 5s; t += period) {
+        const auto heard = offset.hear(m, t + 77s, t + (t < 300ms ? slower : 0ns));
+        CHECK(heard != ClockOffset::Heard::leapt);
+        CHECK((heard == ClockOffset::Heard::tied) == ClockOffset::ready(m));
+        if (t < 300ms || !ClockOffset::ready(m)) continue;
+        first = std::min(first, t);
+        worst = std::max(worst, abs(ClockOffset::stamp(m, t + 77s) - t));
+      }
+      CHECK(m.leaps == 0);
+      CHECK(first <= 400ms + 2 * period);
+      CHECK(worst == 0ns);
+    }
+  // Later, or by more, it is the clock.
+  for (const auto& [at, by] : {std::pair{Nanoseconds(3s), Nanoseconds(15ms)}, {Nanoseconds(300ms), 150ms}}) {
+    const ClockOffset offset;
+    ClockOffset::Memory m;
+    for (Nanoseconds t{}; t < 5s; t += 8ms)
+      static_cast<void>(offset.hear(m, t + 77s, t + (t < at ? by : 0ns)));
+    CHECK(m.leaps == 1);
+  }
+}
+
 TEST_CASE("ClockOffset: a clock that leaps is followed after it was seen to") {
   for (const Nanoseconds leap :
        {Nanoseconds(-3600s), Nanoseconds(-50ms), Nanoseconds(-10ms), Nanoseconds(5ms), Nanoseconds(1h)}) {

@@ -28,7 +28,8 @@ def lead(program, Robot, Sensor):
     here = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     here.bind(("127.0.0.1", 0))
     here.settimeout(10)
-    arm = subprocess.Popen([program, "--protocol", "egm", "--port", str(here.getsockname()[1]), "--quiet"])
+    arm = subprocess.Popen([program, "--protocol", "egm", "--port", str(here.getsockname()[1]), "--speed", "0",
+                            "--quiet"])
     try:
         first = last = None
         for k in range(400):

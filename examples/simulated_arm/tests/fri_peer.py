@@ -57,7 +57,8 @@ def lead(program, Monitoring, Command):
     vector = command_of(Command, 1, 5, [0.0] * 7)
     check(vector[:10].hex() == "0a080881800d10011805" and len(vector) == 77, "bytes: " + vector[:10].hex())
     here = udp(True)
-    arm = subprocess.Popen([program, "--protocol", "fri", "--port", str(here.getsockname()[1]), "--quiet"])
+    arm = subprocess.Popen([program, "--protocol", "fri", "--port", str(here.getsockname()[1]), "--speed", "0",
+                            "--quiet"])
     try:
         first, commanded, seen = None, 0, set()
         for k in range(500):

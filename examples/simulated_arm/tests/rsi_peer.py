@@ -23,7 +23,8 @@ def lead(program):
     here = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     here.bind(("127.0.0.1", 0))
     here.settimeout(10)
-    arm = subprocess.Popen([program, "--protocol", "rsi", "--port", str(here.getsockname()[1]), "--quiet"])
+    arm = subprocess.Popen([program, "--protocol", "rsi", "--port", str(here.getsockname()[1]), "--speed", "0",
+                            "--quiet"])
     read = 0
     try:
         first = last = None

@@ -30,6 +30,9 @@ SKINCTL_BEGIN_NAMESPACE
 /// - would have been under way for more than 10 s longer or less than the oldest one that counts, or
 /// - ends a second in which none of at least 10 came within `late` of the line (a leap back of less than
 ///   `overtaken`, or another path through the network); or after a silence of 30 s.
+///
+/// In the first second after a beginning, a message that was faster than all before by up to `gather` makes
+/// everything begin anew, too, and is no leap: the first ones were slow, as of a network that wakes up.
 class ClockOffset {
  public:
   struct Settings {
@@ -99,10 +102,11 @@ class ClockOffset {
       return tie(m, arrived) ? Heard::tied : Heard::gathering;
     }
     if (leaps(m, sent, difference)) {
+      const bool first_ones_slow = faster_than_first(m, sent, difference);
       begin(m, {sent, difference}, arrived);
-      ++m.leaps;
-      static_cast<void>(tie(m, arrived));
-      return Heard::leapt;
+      if (!first_ones_slow) ++m.leaps;
+      const bool tied = tie(m, arrived);
+      return !first_ones_slow ? Heard::leapt : tied ? Heard::tied : Heard::gathering;
     }
     if (sent > m.newest) m.newest = sent;
     Point& present = m.points[m.count - 1];
@@ -161,6 +165,12 @@ class ClockOffset {
     if (!ready(m)) return false;
     if (difference < offset(m, sent) - s_.ahead) return true;
     return sent - m.began >= 1s && m.messages >= 10 && !m.near && difference > offset(m, sent) + s_.late;
+  }
+  [[nodiscard]] bool faster_than_first(const Memory& m, Nanoseconds sent,
+                                       Nanoseconds difference) const noexcept {
+    if (!ready(m) || m.count > 1 || sent < m.newest - s_.overtaken || sent >= m.began + 1s) return false;
+    const Nanoseconds early = offset(m, sent) - difference;
+    return early > s_.ahead && early <= s_.gather;
   }
   /// Begins the map at the least difference so far, once enough was gathered; whether it did. By the robot's
   /// clock, too: of messages that had waited to be read only the newest tells the delay.
