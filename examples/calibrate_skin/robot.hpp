@@ -75,8 +75,8 @@ struct Robot {
 
 /// How a robot from a URDF may move.
 struct UrdfRobot {
-  std::string file, tip;    ///< the last link of the chain; empty: all joints move
-  JointAngles home;         ///< [rad]; empty: the middle between the limits
+  std::string file, tip{};  ///< the last link of the chain; empty: all joints move
+  JointAngles home{};       ///< [rad]; empty: the middle between the limits
   double reach = 1.6;       ///< farthest way of a joint from home [rad]
   double acceleration = 9;  ///< [rad/s^2]; a URDF has none
   double jerk = 1e4;        ///< [rad/s^3]

@@ -119,9 +119,11 @@ auto make_scene(const Kind& kind, const Model<Kind::joints>& model, const Settin
   using namespace skinctl;
   constexpr std::size_t N = Kind::joints;
   const auto arm = kind.robot(model, s, limits, heavier, hand(s));
-  auto back = tracking_settings(arm, limits.jerk);
-  back.lambda = std::min(back.lambda, 12 / std::sqrt(heavier));
-  back.K_c = std::min(back.K_c, 4 / std::sqrt(heavier));
+  // A limit of jerk bounds lambda and K_c. The integrals keep their gains: they bring a heavy arm back.
+  auto back = tracking_settings(arm);
+  const auto fitted = tracking_settings(arm, limits.jerk);
+  back.lambda = std::min(fitted.lambda, 12 / std::sqrt(heavier));
+  back.K_c = std::min(fitted.K_c, 4 / std::sqrt(heavier));
   back.tb = {};
   back.max_velocity = JointVelocity<N>::constant(0.3);
   return Cycle(arm, kind.touch(model, s, heavier),

@@ -18,7 +18,7 @@ enum class Correction : unsigned char {
 struct Options {
   std::string bind = "127.0.0.1";  ///< address of this computer: IP_NUMBER
   std::uint16_t port = 59152;      ///< PORT
-  std::string from;                ///< address of the controller; empty: of the first that sends
+  std::string from{};              ///< address of the controller; empty: of the first that sends
   std::string type = "ImFree";     ///< SENTYPE
   Correction correction = Correction::absolute;
   double max_correction = 90;  ///< of each axis, as of AXISCORR and AXISCORRMON [deg]
