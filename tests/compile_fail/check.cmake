@@ -44,12 +44,12 @@ function(first_error variable output)
   set(${variable} "${first}" PARENT_SCOPE)
 endfunction()
 
-# Alone it says up to five lines more, of how the library was included.
+# Alone a compiler says up to one line more: where the library was included, or how many errors there are.
 if(TOGETHER AND EXISTS "${TOGETHER}")
   file(READ "${TOGETHER}" output)
   string(REGEX REPLACE "[^\n]" "" newlines "${output}")
   string(LENGTH "${newlines}" lines)
-  math(EXPR most_together "${most_lines} - 8")
+  math(EXPR most_together "${most_lines} - 1")
   first_error(first "${output}")
   if(lines LESS_EQUAL most_together AND output MATCHES "error: " AND first MATCHES "${expected}")
     message("${lines} lines\n${output}")

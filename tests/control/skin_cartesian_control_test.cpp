@@ -4,6 +4,7 @@
 
 #include "skinctl/robots/ur5.hpp"
 #include "skinctl/testing/plant.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/largest.hpp"
 
 using namespace skinctl;
@@ -27,7 +28,7 @@ static_assert(SkinCartesianControl<5>::role == LawRole::reactive);
 }  // namespace
 
 TEST_CASE_TEMPLATE("SkinCartesianControl: a push on the tool's link acts in the chosen directions alone", T,
-                   float, double) {
+                   SKINCTL_SCALARS) {
   Seeded rng(20);
   const State<6, T> x{0ns, home.cast<T>(), {}};
   for (int k = 0; k < 20; ++k) {

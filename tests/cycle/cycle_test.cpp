@@ -15,6 +15,7 @@
 
 #include "skinctl/dynamics/forward_dynamics.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/robot_table.hpp"
 #include "tests/support/scene.hpp"
 
@@ -250,8 +251,8 @@ TEST_CASE("cycle: a blocked arm does not run away, and comes back smoothly") {
 }
 
 TEST_CASE_TEMPLATE(
-    "cycle: 200 000 cycles with random touches and goals: no allocation, finite, within limits", T, float,
-    double) {
+    "cycle: 200 000 cycles with random touches and goals: no allocation, finite, within limits", T,
+    SKINCTL_SCALARS) {
   constexpr int cycles = sanitized ? 25'000 : 100'000;  // of each type
   const SceneSettings s;
   const auto scene = reaching_scene<Interface::position, 260, T>(s);

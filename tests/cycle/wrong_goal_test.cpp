@@ -3,13 +3,15 @@
 //
 // Promise: a goal that cannot be meant is refused in debug and in release builds, and the last one stands
 // Tried: joints beyond their limits by one unit in the last place, in degrees, no numbers; poses of
-// zeros, mirrored, scaled, skew, no numbers; by position, velocity and torque, float and double
+// zeros, mirrored, scaled, skew, no numbers; by position, velocity and torque, float and double (by day
+// double)
 
 #include <doctest/doctest.h>
 
 #include <Eigen/Core>
 #include <limits>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "skinctl/skinctl.hpp"
@@ -165,12 +167,13 @@ void pose_targets(const L& law) {
 TEST_CASE_TEMPLATE("wrong goals: joints beyond their limits, in degrees, or no numbers are refused", T,
                    SKINCTL_SCALARS) {
   joint_goals<Interface::position, T>();
-  joint_goals<Interface::velocity, T>();
+  if constexpr (!by_day) joint_goals<Interface::velocity, T>();
   joint_goals<Interface::torque, T>();
 }
 
 TEST_CASE("wrong goals: the same for targets, reactive targets and impedances") {
-  joint_targets<Interface::position>(JointControl<6, float>(gains<Interface::position, float>()));
+  using T = std::conditional_t<by_day, double, float>;
+  joint_targets<Interface::position>(JointControl<6, T>(gains<Interface::position, T>()));
   joint_targets<Interface::torque>(ReactiveJoint<6>(gains<Interface::torque, double>()));
   Goals<JointGoal<6>> wrong;
   for (const auto& q : wrong_positions<double>()) wrong.push_back({q, 1s});

@@ -9,6 +9,7 @@
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/model/mounted.hpp"
 #include "skinctl/model/moving_base.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/digits.hpp"
 #include "tests/support/kdl_oracle.hpp"
 #include "tests/support/mujoco_oracle.hpp"
@@ -116,8 +117,8 @@ TEST_CASE("inverse dynamics on a moving base: KDL and MuJoCo with six joints in 
   });
 }
 
-TEST_CASE_TEMPLATE("base_torque: nothing of a base at rest, and that of another gravity on a slope", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("base_torque: nothing of a base at rest, and that of another gravity on a slope", T,
+                   SKINCTL_SCALARS) {
   using Arm = ur5::Calibrated<T>;
   const Arm arm = calibrated_from<ur5::Description, T>();
   const T digits = T(64) * std::numeric_limits<T>::epsilon();

@@ -2,11 +2,11 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "skinctl/model/loaded.hpp"
 #include "skinctl/robots/ur5.hpp"
+#include "tests/support/largest_eigenvalue.hpp"
 
 using namespace skinctl;
 
@@ -36,7 +36,7 @@ TEST_CASE("mass_ratio: the largest eigenvalue over its poses, as Eigen finds it"
       bits = bits * 6364136223846793005u + 1442695040888963407u;
       angle = (static_cast<double>(bits >> 32) / 4294967296.0 - 0.5) * 6.2832;
     }
-    Eigen::Matrix<double, 6, 6> a, b;
+    testing::Matrix66 a, b;
     const auto heavy = mass_matrix(carrying(3), q), light = mass_matrix(ur5::Model{}, q);
     for (int i = 0; i < 6; ++i)
       for (int j = 0; j < 6; ++j) {
@@ -44,8 +44,7 @@ TEST_CASE("mass_ratio: the largest eigenvalue over its poses, as Eigen finds it"
         a(i, j) = heavy(std::size_t(i), std::size_t(j)) + rotor;
         b(i, j) = light(std::size_t(i), std::size_t(j)) + rotor;
       }
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(a, b);
-    largest = std::max(largest, solver.eigenvalues()(5));
+    largest = std::max(largest, testing::largest_eigenvalue(a, b));
   }
   const double found = mass_ratio(carrying(3), ur5::Model{}, rotors);
   CHECK(largest > 2);

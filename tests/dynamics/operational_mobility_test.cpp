@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
+#include "tests/support/by_day.hpp"
 #include "tests/support/mujoco_oracle.hpp"
 #include "tests/support/robots.hpp"
 
@@ -28,7 +29,7 @@ auto mass_factors(const JointPosition<6, T>& q) {
 }
 }  // namespace
 
-TEST_CASE_TEMPLATE("OperationalMobility: J M^-1 J'", T, float, double) {
+TEST_CASE_TEMPLATE("OperationalMobility: J M^-1 J'", T, SKINCTL_SCALARS) {
   const double eps = static_cast<double>(std::numeric_limits<T>::epsilon());
   oracle::Random random(1);
   double worst = 0;

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "skinctl/skinctl.hpp"
+#include "tests/support/by_day.hpp"
 
 using namespace skinctl;
 
@@ -44,8 +45,8 @@ T distance_of(const Rotation<T>& a, const Rotation<T>& b) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("extremes: log_so3 turns back what exp_so3 turned, by at most half a turn", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("extremes: log_so3 turns back what exp_so3 turned, by at most half a turn", T,
+                   SKINCTL_EXTREME_SCALARS) {
   const T eps = L<T>::epsilon(), pi = std::atan2(T(0), T(-1));
   for (const T s : sizes<T>())
     for (const Xyz<T>& axis :
@@ -64,8 +65,8 @@ TEST_CASE_TEMPLATE("extremes: log_so3 turns back what exp_so3 turned, by at most
   CHECK(std::isnan(norm(log_so3(Rotation<T>{{nan, T(0), T(0)}, {T(0), T(1), T(0)}, {T(0), T(0), T(1)}}))));
 }
 
-TEST_CASE_TEMPLATE("extremes: ZYZ angles give their rotation again, at their singularities too", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("extremes: ZYZ angles give their rotation again, at their singularities too", T,
+                   SKINCTL_EXTREME_SCALARS) {
   const T eps = L<T>::epsilon(), pi = std::atan2(T(0), T(-1));
   for (const T theta : {T(0), L<T>::denorm_min(), eps, T(1e-6), T(1), pi - eps, pi, std::nextafter(pi, T(4))})
     for (const T phi : {T(0), T(-3), pi, T(1e-30), T(204.2)}) {
@@ -78,7 +79,7 @@ TEST_CASE_TEMPLATE("extremes: ZYZ angles give their rotation again, at their sin
     }
 }
 
-TEST_CASE_TEMPLATE("extremes: normalised mends a hundredth, and leaves NaN", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: normalised mends a hundredth, and leaves NaN", T, SKINCTL_EXTREME_SCALARS) {
   const T eps = L<T>::epsilon();
   for (const T off : {T(0), L<T>::denorm_min(), eps, T(1e-3), T(4e-3), T(-4e-3)}) {
     auto R = exp_so3(Xyz<T>{T(1), T(-2), T(0.5)});
@@ -90,7 +91,7 @@ TEST_CASE_TEMPLATE("extremes: normalised mends a hundredth, and leaves NaN", T, 
   CHECK_FALSE(rotation_error(normalised(R)) <= T(1));
 }
 
-TEST_CASE_TEMPLATE("extremes: two_sum loses nothing until it overflows", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: two_sum loses nothing until it overflows", T, SKINCTL_EXTREME_SCALARS) {
   for (const T x : sizes<T>())
     for (const T y : sizes<T>())
       for (const T sign : {T(1), T(-1)}) {
@@ -122,7 +123,8 @@ TEST_CASE("extremes: durations in seconds and back, and clocks at the ends of 64
   CHECK(later(clock_end - 8ms, 7ms) == clock_end - 1ms);
 }
 
-TEST_CASE_TEMPLATE("extremes: a blend is exact at its ends and lies between them", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: a blend is exact at its ends and lies between them", T,
+                   SKINCTL_EXTREME_SCALARS) {
   for (const T a : sizes<T>())
     for (const T b : sizes<T>())
       for (const T w : {T(0), L<T>::denorm_min(), T(0.3), T(1) - L<T>::epsilon(), T(1)}) {
@@ -134,7 +136,8 @@ TEST_CASE_TEMPLATE("extremes: a blend is exact at its ends and lies between them
       }
 }
 
-TEST_CASE_TEMPLATE("extremes: a tank's share costs what is there, whatever the energies", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: a tank's share costs what is there, whatever the energies", T,
+                   SKINCTL_EXTREME_SCALARS) {
   for (const T x : sizes<T>())
     for (const T w2 : sizes<T>())
       for (const T E : sizes<T>())
@@ -159,7 +162,7 @@ TEST_CASE_TEMPLATE("extremes: a tank's share costs what is there, whatever the e
 }
 
 TEST_CASE_TEMPLATE("extremes: allowed speeds near a person are numbers that fall with mass and nearness", T,
-                   float, double) {
+                   SKINCTL_EXTREME_SCALARS) {
   const BodyRegion region{.force = 140, .blow = 280, .first = 500ms, .stiffness = 25000, .mass = 40};
   T before = L<T>::infinity();
   for (T mass = L<T>::min(); mass < L<T>::max() / 4; mass *= 4) {
@@ -183,7 +186,7 @@ TEST_CASE_TEMPLATE("extremes: allowed speeds near a person are numbers that fall
 }
 
 TEST_CASE_TEMPLATE("extremes: an arm's centre of mass, its height and its slowest directions at any angle", T,
-                   float, double) {
+                   SKINCTL_EXTREME_SCALARS) {
   const ur5::Model model;
   for (const T x : sizes<T>())
     for (std::size_t joint = 0; joint < 6; ++joint) {
@@ -208,8 +211,8 @@ TEST_CASE_TEMPLATE("extremes: an arm's centre of mass, its height and its slowes
     }
 }
 
-TEST_CASE_TEMPLATE("extremes: equations of 1e-38 to 1e307 are solved as those of 1, bit for bit", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("extremes: equations of 1e-38 to 1e307 are solved as those of 1, bit for bit", T,
+                   SKINCTL_EXTREME_SCALARS) {
   const T a[9] = {T(4), T(1), T(-0.5), T(1), T(3), T(0.25), T(-0.5), T(0.25), T(2)},
           b[3] = {T(1), T(-2), T(3)};
   T lu_one[3], ldlt_one[3];

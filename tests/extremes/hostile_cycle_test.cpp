@@ -15,6 +15,7 @@
 #include "skinctl/recording/cycle_bytes.hpp"
 #include "skinctl/recording/each_number.hpp"
 #include "skinctl/skinctl.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/scene.hpp"
 
 using namespace skinctl;
@@ -118,7 +119,8 @@ TEST_CASE("extremes: without a skin every sample is of an unknown cell, whatever
         Status(Reason::sample_unknown));
 }
 
-TEST_CASE_TEMPLATE("extremes: cycles of an arm led by hand, with any bits in their input", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: cycles of an arm led by hand, with any bits in their input", T,
+                   SKINCTL_EXTREME_SCALARS) {
   attack(kinesthetic_scene<Interface::position, 260, T>(), ur5_test_limits<T>(), sanitized ? 200 : 3000, 1);
 }
 

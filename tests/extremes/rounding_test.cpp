@@ -20,6 +20,7 @@
 
 #include "skinctl/math/sincos.hpp"
 #include "skinctl/math/tanh.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/scene.hpp"
 
 using namespace skinctl;
@@ -85,7 +86,7 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 }  // namespace
 
 TEST_CASE_TEMPLATE("rounding modes: sincos and tanh to a few units in the last place in each of them", T,
-                   float, double) {
+                   SKINCTL_EXTREME_SCALARS) {
   const double eps = static_cast<double>(std::numeric_limits<T>::epsilon());
   for (const int mode : modes) {
     CAPTURE(mode);
@@ -109,7 +110,8 @@ TEST_CASE_TEMPLATE("rounding modes: sincos and tanh to a few units in the last p
   }
 }
 
-TEST_CASE_TEMPLATE("rounding modes: a touched arm is told the same in each of them", T, float, double) {
+TEST_CASE_TEMPLATE("rounding modes: a touched arm is told the same in each of them", T,
+                   SKINCTL_EXTREME_SCALARS) {
   const int cycles = sanitized ? 5 : 50;
   const auto nearest = commanded<T>(cycles);
   const double eps = static_cast<double>(std::numeric_limits<T>::epsilon());
@@ -129,7 +131,7 @@ TEST_CASE_TEMPLATE("rounding modes: a touched arm is told the same in each of th
 }
 
 #if defined(__SSE2__)
-TEST_CASE_TEMPLATE("flush to zero: no command changes by a bit", T, float, double) {
+TEST_CASE_TEMPLATE("flush to zero: no command changes by a bit", T, SKINCTL_EXTREME_SCALARS) {
   const int cycles = sanitized ? 5 : 50;
   const auto usual = commanded<T>(cycles);
   const unsigned before = _mm_getcsr();

@@ -31,6 +31,7 @@
 #include "skinctl/trajectory/pursuit.hpp"
 #include "skinctl/trajectory/time_base.hpp"
 #include "tests/extremes/rows.hpp"
+#include "tests/support/by_day.hpp"
 
 using namespace skinctl;
 using namespace skinctl::extremes;
@@ -50,7 +51,7 @@ struct Pair {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("extremes: settings of filters, tanks and time bases", T, float, double) {
+TEST_CASE_TEMPLATE("extremes: settings of filters, tanks and time bases", T, SKINCTL_EXTREME_SCALARS) {
   using Tank = typename EnergyTank<T>::Settings;
   check_part<EnergyTank<T>>("EnergyTank", &Tank::start, &Tank::max, &Tank::port_gain);
   using Port = typename PassivityObserver<T>::Settings;

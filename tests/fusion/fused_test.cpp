@@ -5,6 +5,7 @@
 #include "bench/studies/worlds/touches.hpp"
 #include "skinctl/skinctl.hpp"
 #include "skinctl/testing/allocation_guard.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/largest.hpp"
 
 using namespace skinctl;
@@ -149,7 +150,8 @@ TEST_CASE("Fused: the skin keeps its own weight, whatever the tracking laws are"
   CHECK(largest(evaluated(plain(0.6 * skin + 0.4 * a + gravity), touch).shares[0] - 0.6 * tau_skin) < 1e-14);
 }
 
-TEST_CASE_TEMPLATE("Fused: gravity is held exactly once, with and without a gravity law", T, float, double) {
+TEST_CASE_TEMPLATE("Fused: gravity is held exactly once, with and without a gravity law", T,
+                   SKINCTL_SCALARS) {
   const SplineJoint<6, T> reach({.dt = 2ms});
   const JointControl<6, T> follow({.dt = 2ms});
   const GravityControl gravity;

@@ -20,6 +20,7 @@
 #include "skinctl/testing/allocation_guard.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/governor_alone.hpp"
 
 using namespace skinctl;
@@ -94,7 +95,7 @@ TEST_CASE("ClearanceAround: two arms that see what the other one may fill never 
   double least = 1e9, blind = 1e9, step = 0, apart = 1e9, volumes = 1e9;
   int limited = 0, scenes = 0, met = 0;
   auto rng = seeded(11);
-  while (scenes < (sanitized ? 4 : 40)) {
+  while (scenes < (sanitized ? 4 : by_day ? 12 : 40)) {
     std::array<JointPosition<6>, 2> start;
     for (auto& q : start)
       for (auto& x : q) x = uniform(rng, -3.0, 3.0);

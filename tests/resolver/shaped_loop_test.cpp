@@ -1,4 +1,5 @@
 // runs long: hands and arms in contact
+// by night: by day passivity/ and tactile/wrist_sensor_test.cpp have the shape in scenes, robot/ its numbers
 // A resolver whose virtual robot is shaped at the tool, against simulated joints.
 #include <doctest/doctest.h>
 

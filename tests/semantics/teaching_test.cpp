@@ -13,6 +13,7 @@
 #include "examples/worlds/demonstrations.hpp"
 #include "skinctl/semantics/executor.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/by_day.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -80,7 +81,7 @@ TEST_CASE("learn: a tool is used where its way stays; things follow each other; 
 TEST_CASE(
     "taught way: a path that swings ever wider, from a hostile file, has as many corners as there is room "
     "for") {
-  std::vector<Xyz<double>> path(30000);
+  std::vector<Xyz<double>> path(rounds(30000));
   for (std::size_t i = 0; i < path.size(); ++i) {
     const double x = static_cast<double>(i);
     path[i] = {1e-3 * x, i % 2 == 0 ? x : -x, 0};
@@ -166,7 +167,7 @@ TEST_CASE("learn: recordings that are none are refused, and say which") {
 TEST_CASE("learn: whatever is recorded gives a task that is proved, or words") {
   auto random = seeded(77);
   int proved = 0;
-  for (int i = 0; i < (sanitized ? 20 : 100); ++i) {
+  for (int i = 0; i < (sanitized ? 10 : 100); ++i) {
     Demonstration<> d = packing_shown(kinds_of_people()[random() % 16], fresh + 400 + random() % 3);
     for (std::uint64_t k = 1 + random() % 3; k > 0; --k) {
       const std::size_t from = random() % d.hand.size(), to = std::min(d.hand.size(), from + random() % 800);

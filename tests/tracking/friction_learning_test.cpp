@@ -13,6 +13,7 @@
 #include "skinctl/skinctl.hpp"
 #include "skinctl/testing/random.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/by_day.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -148,7 +149,7 @@ TEST_CASE(
   const Learning law(plain, settings(), learning());
   Seeded rng(7);
   Rest without, with_integral, with;
-  for (int run = 0; run < (sanitized ? 1 : 4); ++run) {
+  for (int run = 0; run < (by_day || sanitized ? 1 : 4); ++run) {
     JointPosition<6> goal = home;
     for (double& q : goal) q += 0.4 * rng();
     const auto take = [](Rest& worst, const Rest& r) {

@@ -119,8 +119,10 @@ void try_mixture() {
 }  // namespace
 
 TEST_CASE("tracking_settings of a robot in groups: goals are met and at rest, whatever the mixture") {
+#if !defined(SKINCTL_GATE)  // by day one without joints by position, and one with all three
   try_mixture<0, 0b111000>();
   try_mixture<0b111000, 0b000111>();
+#endif
   try_mixture<0b000111, 0b111000>();
   try_mixture<0b010010, 0b100100>();
 }

@@ -4,6 +4,7 @@
 
 #include "skinctl/testing/random.hpp"
 #include "skinctl/tracking/joint_space.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/digits50.hpp"
 
 using namespace skinctl;
@@ -34,8 +35,8 @@ Case<T> random_case(Seeded& rng, double size) {
 }
 }  // namespace
 
-TEST_CASE_TEMPLATE("SlidingSurface: S_q is S_delta + K_i1 I1 + K_i2 I2, computed either way", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("SlidingSurface: S_q is S_delta + K_i1 I1 + K_i2 I2, computed either way", T,
+                   SKINCTL_SCALARS) {
   const SurfaceGains<T> gains(JointControlSettings<n, T>{});
   Seeded rng(30);
   for (const double size : {0.0, 1e-8, 1e-3, 1.0, 30.0, 1e6})
@@ -54,7 +55,7 @@ TEST_CASE_TEMPLATE("SlidingSurface: S_q is S_delta + K_i1 I1 + K_i2 I2, computed
     }
 }
 
-TEST_CASE_TEMPLATE("SlidingSurface: is eqs. (9)-(14), against 50 digits", T, float, double) {
+TEST_CASE_TEMPLATE("SlidingSurface: is eqs. (9)-(14), against 50 digits", T, SKINCTL_SCALARS) {
   const JointControlSettings<n, T> settings{.K_i1 = T(1.5), .K_i2 = T(0.5)};
   const SurfaceGains<T> gains(settings);
   Seeded rng(31);
@@ -83,8 +84,8 @@ TEST_CASE_TEMPLATE("SlidingSurface: is eqs. (9)-(14), against 50 digits", T, flo
   }
 }
 
-TEST_CASE_TEMPLATE("SlidingSurface: integrals stop at their limit, smoothly, and always find back", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("SlidingSurface: integrals stop at their limit, smoothly, and always find back", T,
+                   SKINCTL_SCALARS) {
   const T limit(0.5);
   const auto taken = [](const T& load, const T& rate, const T& most) {
     using Two = JointVelocity<2, T>;
@@ -112,7 +113,8 @@ TEST_CASE_TEMPLATE("SlidingSurface: integrals stop at their limit, smoothly, and
   }
 }
 
-TEST_CASE_TEMPLATE("SlidingSurface: while held the integrals stand still and leave ddq_r", T, float, double) {
+TEST_CASE_TEMPLATE("SlidingSurface: while held the integrals stand still and leave ddq_r", T,
+                   SKINCTL_SCALARS) {
   const SurfaceGains<T> gains(JointControlSettings<n, T>{});
   Seeded rng(32);
   auto c = random_case<T>(rng, 1.0);
@@ -128,7 +130,7 @@ TEST_CASE_TEMPLATE("SlidingSurface: while held the integrals stand still and lea
 }
 
 TEST_CASE_TEMPLATE("Integrals: lose nothing in ten million small steps, and take nothing that is not finite",
-                   T, float, double) {
+                   T, SKINCTL_SCALARS) {
   Integrals<1, T> sum;
   const T step = T(1e-6), dt = T(1e-3);
   const auto add = [&](T rate) { sum = sum.advanced(JointVelocity<1, T>::constant(rate), dt); };

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "skinctl/testing/random.hpp"
+#include "tests/support/by_day.hpp"
 #include "tests/support/digits50.hpp"
 
 using namespace skinctl;
@@ -59,8 +60,8 @@ TEST_CASE("SurfaceBias: the rate of dS_d begins with dj and ends with nothing, i
   }
 }
 
-TEST_CASE_TEMPLATE("SurfaceBias: an interval that is known beforehand decays as any other", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("SurfaceBias: an interval that is known beforehand decays as any other", T,
+                   SKINCTL_SCALARS) {
   Seeded rng(22);
   const auto b = some_bias<T>(rng, 200ms);
   for (const T dt : {T(0), T(0.001), T(0.002), T(0.008)}) {
@@ -75,8 +76,8 @@ TEST_CASE_TEMPLATE("SurfaceBias: an interval that is known beforehand decays as 
   }
 }
 
-TEST_CASE_TEMPLATE("SurfaceBias: begins with what is handed over and ends with none of it", T, float,
-                   double) {
+TEST_CASE_TEMPLATE("SurfaceBias: begins with what is handed over and ends with none of it", T,
+                   SKINCTL_SCALARS) {
   Seeded rng(21);
   auto b = some_bias<T>(rng, 0ns);
   const auto begin = b.at(T(0), T(10), T(0.1));
@@ -110,7 +111,7 @@ TEST_CASE("SurfaceBias: steps of any length lead along the same curve") {
   }
 }
 
-TEST_CASE_TEMPLATE("SurfaceBias: what has decayed becomes zero, not a denormal number", T, float, double) {
+TEST_CASE_TEMPLATE("SurfaceBias: what has decayed becomes zero, not a denormal number", T, SKINCTL_SCALARS) {
   SurfaceBias<2, T> b;
   b.decaying = JointVelocity<2, T>{T(1), T(-1)};
   for (int i = 0; i < 20000; ++i) {

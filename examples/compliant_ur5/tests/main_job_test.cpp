@@ -30,11 +30,14 @@
 #include "skinctl/io/skin_file.hpp"
 #include "skinctl/robots/ur5_skin.hpp"
 #include "skinctl/testing/sanitized.hpp"
+#include "tests/support/by_day.hpp"
 
 using namespace compliant_ur5;
 namespace ip = boost::asio::ip;
 
 namespace {
+
+constexpr bool shorter = skinctl::testing::by_day || skinctl::testing::sanitized;
 
 std::string fact(const RunLog& log, const std::string& name) {
   for (const auto& f : log.result)
@@ -104,8 +107,8 @@ double moved(const RunLog& log) {
 }  // namespace
 
 TEST_CASE("main job: gives way to every touch, returns, and is five times softer than a rigid arm") {
-  // Under the sanitizers half of the minute, and a rigid arm for its first touch: the same paths.
-  constexpr bool whole = !skinctl::testing::sanitized;
+  // By day, and under the sanitizers, half of the minute, and a rigid arm for its first touch.
+  constexpr bool whole = !shorter;
   Settings s = settings();
   if (!whole) s.cycles = 4000;
   RunLog soft, rigid;
@@ -181,11 +184,11 @@ TEST_CASE("main job: by torque it gives way to every touch of the same scenario,
   Settings s = settings();
   s.interface = skinctl::Interface::torque;
   s.rate = 500;
-  if (skinctl::testing::sanitized) s.cycles = 17 * 500;
+  if (shorter) s.cycles = 17 * 500;
   RunLog log;
   const Outcome outcome = run(s, false, log);
   REQUIRE_MESSAGE(outcome == Outcome::fine, log.words);
-  CHECK(log.touches.size() == (skinctl::testing::sanitized ? 2 : 7));
+  CHECK(log.touches.size() == (shorter ? 2 : 7));
   for (const auto& t : log.touches) {
     CAPTURE(t.start);
     CHECK(t.deflection > 0.015);
@@ -201,7 +204,7 @@ TEST_CASE("main job: by torque it gives way to every touch of the same scenario,
   for (const auto& span : {std::pair{1.0, 2.0}, std::pair{8.4, 8.9}, std::pair{15.4, 15.9},
                            std::pair{32.4, 32.9}, std::pair{39.4, 39.9}, std::pair{58.0, 60.0}}) {
     const double from = span.first, to = span.second;  // Clang 14 captures no binding
-    if (to > log.entries.back().time + 0.1) continue;  // under the sanitizers
+    if (to > log.entries.back().time + 0.1) continue;  // of a shorter run
     CAPTURE(from);
     double beside = 0, moves = 0;
     for (std::size_t i = 0; i < 6; ++i) {
@@ -338,7 +341,7 @@ TEST_CASE("main job: neighbouring cells that fail in one moment move the untouch
       CAPTURE(r.streams);
       CHECK(faulty.outcome == Outcome::fine);
       CHECK(farthest_apart(faulty.log, healthy.log) < 0.03);
-      if (skinctl::testing::sanitized || interface == Interface::torque) break;
+      if (shorter || interface == Interface::torque) break;
     }
   }
 }

@@ -1,4 +1,5 @@
 // not sanitized: the main job's test runs the same scene, and tests/passivity/ the touched arm
+// by night: the same, and this file alone compiles the scene once more
 // The main job's gains against what is stiff: the finger that pressed is held, and the arm comes to rest.
 #include <doctest/doctest.h>
 

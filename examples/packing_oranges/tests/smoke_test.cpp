@@ -1,4 +1,4 @@
-// Two oranges, packed by two UR5: the run of the gate. By night packing_test.cpp has the others.
+// Two oranges, packed by two UR5: the shortest run.
 #include <doctest/doctest.h>
 
 #include "examples/packing_oranges/run.hpp"

@@ -1,4 +1,4 @@
-// expect: SensorSample<Taxel>
+// expect: SensorSample<[a-z_:]*Taxel>
 #include "skinctl/skinctl.hpp"
 
 using namespace skinctl;
