@@ -94,7 +94,8 @@ template <class R>
 void Worker<R>::stands_on_something() {
   const bool open = gripper_.opening > 0.95 * gripper_range.opening;
   const double told = grips_box() ? s_.hold_box : grip_.hold();
-  if (gripper_.force > (open ? s_.stands_on : told + comes_down_on)) {
+  const bool feels = open || !s_.presses;  // a wrist that presses takes what it holds down with that force
+  if (feels && gripper_.force > (open ? s_.stands_on : told + comes_down_on)) {
     stands_at_most_ = std::max(stands_at_most_.value_or(0), X_WH_.origin().z);
     stands_since_ = now_;
   } else if (now_ - std::max(stands_since_, pushed_last_) > untouched) {
