@@ -229,6 +229,9 @@ class Worker : WorkNumbers {
   bool gives_way(const skinctl::JointPosition<6>& q);
   /// Whether it had nothing to do, or was on its way from one place above all to another one.
   [[nodiscard]] bool goes_on_from_anywhere() const;
+  /// Fingers that press harder than they hold stand on something: the hand goes no lower there, whoever pushes the arm,
+  /// until nobody does.
+  void stands_on_something();
   /// Middles of the oranges that lie, for an arm that gives way: not what it holds or has between its fingers.
   [[nodiscard]] std::size_t lying(std::array<skinctl::Xyz<double>, Objects::capacity>& out) const;
   /// Where an arm that gave way is on its way back.
@@ -337,6 +340,8 @@ class Worker : WorkNumbers {
   skinctl::Xyz<double> from_{0, 0, 0}, other_hand_{0, 0, 9};
   skinctl::Xyz<double> stands_at_{0, 0, 0};  ///< place of the hand where what it holds is set down
   skinctl::Nanoseconds pushed_last_{-1s};    ///< when somebody pushed its skin last
+  std::optional<double> stands_at_most_;     ///< height below which its fingers stand on something [m]
+  skinctl::Nanoseconds stands_since_{-1s};   ///< when they were felt to stand on it last
   skinctl::Nanoseconds seen_at_{-1s}, pressed_at_{-1s}, return_by_{}, given_way_{};
   std::uint8_t object_ = 0;
   skinctl::Xyz<double> taken_{0, 0, 0.04};

@@ -152,6 +152,7 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
   if (other_waits_ && idle && !way_.is_aside() && way_back_ == WayBack::none)
     go_aside(Set::start_skill(A::skills(&GoBack::rule)));
 
+  stands_on_something();
   input_.now = now;
   input_.measured = measured;
   input_.samples = samples;
@@ -159,7 +160,7 @@ typename Worker<R>::Scene::Output Worker<R>::step(skinctl::Nanoseconds now, cons
   input_.sensed.wrenches = press_.samples();
   const auto out = scene_->step(*memory_, input_);
   input_.request = skinctl::CycleRequest::none;
-  kept_ = out.status.has(skinctl::Reason::clearance_kept);
+  kept_ = !stands_at_most_ && out.status.has(skinctl::Reason::clearance_kept);
   displaced_ = out.status.has(skinctl::Reason::displaced);
   return out;
 }

@@ -91,6 +91,25 @@ bool Worker<R>::gives_way(const skinctl::JointPosition<6>& q) {
 }
 
 template <class R>
+void Worker<R>::stands_on_something() {
+  const bool open = gripper_.opening > 0.95 * gripper_range.opening;
+  const double told = grips_box() ? s_.hold_box : grip_.hold();
+  const bool feels = open || !s_.presses;  // a wrist that presses takes what it holds down with that force
+  if (feels && gripper_.force > (open ? s_.stands_on : told + comes_down_on)) {
+    stands_at_most_ = std::max(stands_at_most_.value_or(0), X_WH_.origin().z);
+    stands_since_ = now_;
+  } else if (now_ - std::max(stands_since_, pushed_last_) > untouched) {
+    stands_at_most_.reset();
+  }
+  if (!stands_at_most_) return;
+  // A body under the hand, so near that the hand's capsule may come no lower.
+  constexpr double size = 0.15;
+  const double clear = A::around_hand.radius + A::clearance().own.margin + size;
+  const auto below = at(X_WH_.origin(), *stands_at_most_ - clear);
+  input_.around.add(X_WB_.inverse() * skinctl::Obstacle<skinctl::World>{{below, below, size}, 0});
+}
+
+template <class R>
 bool Worker<R>::goes_on_from_anywhere() const {
   const double high = 0.7 * s_.carry;
   return parts_.empty() || (parts_[part_].moves && parts_[part_].to.z > high && from_.z > high);

@@ -20,6 +20,9 @@
 // Tried: 12 oranges, the box moved by 120 mm two or three times: all right, no wall touched for 0.5 s or with
 // 12 N, by hands too; an arm that does not look for it presses on a wall with 100 N and more
 //
+// Promise: a person who pushes an arm hard while its hand comes down does not press its fingers onto an orange
+// Tried: 24 oranges, pushes of 150 N every 20 s: at most 25 N on a finger (203 N by a hand that goes lower)
+//
 // Promise: every run ends: an arm that goes back in vain asks once, then says that it leaves what lies there
 // Tried: oranges that no grip of the ideal world holds: both arms give up, 4 of 4 left, in 100 s; the honest
 // world's worst row, friction 0.15 with three ghosts and 25 mm, with the seed that did not end within 300 s
@@ -181,6 +184,17 @@ TEST_CASE("packing_oranges --world honest: all at once, and nobody answers, by h
     CHECK(norm(a.bias) == doctest::Approx(0.025).epsilon(0.3));
     CHECK(a.slipped.empty());
   }
+}
+
+TEST_CASE("packing_oranges --touch-force 150: fingers that stand on an orange go no lower") {
+  RunSettings s = six(731);
+  s.supply.oranges = 24;
+  s.touch_every = 20;
+  s.touch_force = 150;
+  const Outcome out = run_ur5(s);
+  CHECK(out.over);
+  CHECK(out.lost() <= 1);
+  for (const ArmOutcome& a : out.arm) CHECK(a.worst_force < 25);
 }
 
 TEST_CASE("Detector: an honest one tells no numbers, hides what is under a hand, and its ghosts stay") {
