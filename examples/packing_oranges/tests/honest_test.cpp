@@ -21,7 +21,8 @@
 // 12 N, by hands too; an arm that does not look for it presses on a wall with 100 N and more
 //
 // Promise: a person who pushes an arm hard while its hand comes down does not press its fingers onto an orange
-// Tried: 24 oranges, pushes of 150 N every 20 s: at most 25 N on a finger (203 N by a hand that goes lower)
+// Tried: 100 oranges, pushes of 150 N every 20 s: one lost, at most 25 N on a finger (134 N, 7 lost by a hand that goes
+// lower)
 //
 // Promise: every run ends: an arm that goes back in vain asks once, then says that it leaves what lies there
 // Tried: oranges that no grip of the ideal world holds: both arms give up, 4 of 4 left, in 100 s; the honest
@@ -187,9 +188,10 @@ TEST_CASE("packing_oranges --world honest: all at once, and nobody answers, by h
 }
 
 TEST_CASE("packing_oranges --touch-force 150: fingers that stand on an orange go no lower") {
-  RunSettings s = six(731);
-  s.supply.oranges = 24;
-  s.touch_every = 20;
+  RunSettings s;
+  s.supply.oranges = 100;
+  s.seed = 721;
+  s.honest = true;
   s.touch_force = 150;
   const Outcome out = run_ur5(s);
   CHECK(out.over);
