@@ -101,6 +101,20 @@ class JerkLimits {
       if (a[i] * u[i] >= T(0)) out[i] += a[i] * (a[i] < T(0) ? -a[i] : a[i]) / (T(2) * jerk_[i]);
     return out;
   }
+  /// The velocity `wish` `h` seconds after `u`, for joints that are slowed no faster than they come to rest
+  /// without turning back: by `sqrt(2 J |u|)`.
+  [[nodiscard]] SKINCTL_COLD JointVelocity<N, T> without_turning_back(const JointVelocity<N, T>& u,
+                                                                      const JointVelocity<N, T>& wish,
+                                                                      const T& h) const noexcept {
+    using std::sqrt;
+    JointVelocity<N, T> out = wish;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T sign = u[i] < T(0) ? T(-1) : T(1), speed = sign * u[i];
+      const T slowed = speed - h * T(sqrt(T(2) * jerk_[i] * speed)), least = slowed > T(0) ? slowed : T(0);
+      if (speed > T(0) && sign * wish[i] < least) out[i] = sign * least;
+    }
+    return out;
+  }
   /// The distances in which joints rest that move for `h` seconds from the velocity `u0` to `u1`, with the
   /// acceleration `a1` at the end, and then stop [rad].
   [[nodiscard]] SKINCTL_COLD JointPosition<N, T> rest_of(const JointVelocity<N, T>& u0,
