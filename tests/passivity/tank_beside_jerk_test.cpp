@@ -106,7 +106,6 @@ TEST_CASE("JerkLimits: joints are slowed no faster than they come to rest withou
   CHECK(as_asked({0.5, -0.5}, {0.6, -0.6}));  // or go on
   CHECK(as_asked({0.5, -0.5}, {0.497, -0.497}));
   JointVelocity<2> u{0.5, -0.5};
-  JointAcceleration<2> a;
   for (int k = 0; k < 1000 && !(u == JointVelocity<2>{}); ++k) {
     const auto next = limits.without_turning_back(u, {-1., 1.}, h);
     CHECK(next[0] >= 0);
