@@ -33,7 +33,8 @@ class VirtualJointsObserver {
     Leash<N, T> leash;
     struct ByVelocity {
       Velocity least, most;  ///< speeds from which joints stop before their ends [rad/s]
-      Leash<N, T> ends;      ///< rest points of q^ with which they do so, while the present speed goes on
+      Leash<N, T> early;     ///< rest points of q^ with which they do so, while the present speed goes on
+      Leash<N, T> ends;      ///< rest points of q^ at their ends
       Velocity drift;        ///< velocity of q^ towards the measured position, without motion [rad/s]
     };
     struct ByPosition {};
