@@ -122,6 +122,9 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
     m.v = planned.own;
     m.last = planned.last;
     m.cut |= planned.cut;
+    if constexpr (Base::Servo::gives_way)
+      if ((planned.returns & ~m.returns) != 0) [[unlikely]]
+        this->watch_return(m, planned.returns & ~m.returns);
     m.returns = planned.returns;
     return planned.status;
   }
