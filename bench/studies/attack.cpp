@@ -1,13 +1,14 @@
 // Random legal scenes in a world that keeps what was declared and does all else: touches, goals, late cycles,
 // joints held fast, stops and resumes in any order, with every limit and passive part in or out.
 //
-//     attack [CYCLES = 500000] [SEED = 1]     that many cycles by position, and by velocity
+//     attack [CYCLES = 500000] [SEED = 1]     that many cycles by position, by velocity and by impedance
 //     attack run SEED                         one scene, each quarter of a second of it
 //
 // Each scene ends with some time in which nobody does anything, and a stop. Judged in the servo's time, in
 // which a command lasts one period: velocity, acceleration and jerk of each joint, the way of the tool in a
-// period (by velocity that of the real one, while no joint is held), the ends of the joints; swings that are
-// left at rest, and the speed after the stop. Returns 1 if any is passed.
+// period (by velocity that of the real one, while no joint is held), the ends of the joints (by impedance of
+// the commands), torques and their rate; swings that are left at rest, and the speed after the stop. Returns
+// 1 if any is passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -18,6 +19,8 @@
 #include <type_traits>
 
 #include "bench/studies/attack/common.hpp"
+#include "skinctl/testing/impedance_plant.hpp"
+#include "tests/support/simulated_joints.hpp"
 
 using namespace skinctl;
 using namespace skinctl::testing;
@@ -44,6 +47,8 @@ struct Findings {
   Found ends{"beyond the ends of a joint [rad]", 1e-3};
   Found swing{"swing at rest: speed between two turns of a joint [rad/s]", rests};
   Found stop{"speed after a stop [rad/s]", stands};
+  Found torque{"torque over its limit", 1 + rounding};
+  Found rate{"change of a torque over the guard's", 1 + rounding};
   Found invalid{"commands that are none", 0};
   std::uint64_t cycles = 0, scenes = 0, refused = 0;
 };
@@ -61,6 +66,7 @@ struct Drawn {
   MaxJerk<6> jerk{};
   MaxToolSpeed<5> tool{.speed = 0.2, .reach = 1.3};
   double late = 0;  ///< share of cycles that are late
+  ImpedanceTruth<6> springs{};
 
   explicit Drawn(std::mt19937_64& rng) : robot{.limits = limits_of<ur5::Description>(15.0), .period = 8ms} {
     const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
@@ -84,12 +90,87 @@ struct Drawn {
     late = rng() % 2 == 0 ? 0.0 : roll(0, 0.2);
     softer = roll(0.2, 1);
   }
+  /// Springs as a robot by joint impedance has them, declared as its documentation asks for.
+  void draw_springs(std::mt19937_64& rng) {
+    const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
+    const double stiffness = 200 * std::pow(25.0, roll(0, 1));
+    springs.damping_ratio = roll(0.5, 1);
+    springs.period = seconds<double>(robot.period);
+    springs.delay = rng() % 4 == 0 ? 0 : roll(0, 0.02);
+    const auto mass = mass_matrix(ur5::Model{}, home);
+    double slowest = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      springs.stiffness[i] = i < 3 ? stiffness : 0.5 * stiffness, springs.rotors[i] = i < 3 ? 0.3 : 0.1;
+      slowest = std::max(slowest, 2 * springs.damping_ratio *
+                                      std::sqrt((mass(i, i) + springs.rotors[i]) / springs.stiffness[i]));
+    }
+    robot.stiffness = springs.stiffness;
+    robot.spring_lag = nanoseconds(slowest);
+    robot.delay = nanoseconds(springs.delay) + robot.period / 2;  // it goes to each position within a period
+    robot.lag = 0ns;
+  }
+};
+
+template <class Joints>
+std::array<double, 6> row(const Joints& x) {
+  return {x[0], x[1], x[2], x[3], x[4], x[5]};
+}
+
+/// The real arm: stiff joints, or links on springs.
+template <Interface I>
+class Arm {
+  using Joints = SimulatedJoints<6>;
+
+ public:
+  explicit Arm(const Drawn& d)
+      : joints_(I == Interface::position ? Joints::Kind::position : Joints::Kind::velocity,
+                seconds<double>(d.robot.delay), seconds<double>(d.robot.lag), row(home)) {}
+  void advance(double t, const Forces&) { joints_.advance(t); }
+  void hold_fast(std::size_t i, bool fast) { joints_.hold_fast(i, fast); }
+  template <class Output>
+  void command(double t, const Output& out) {
+    if constexpr (I == Interface::position) {
+      joints_.command(t, row(out.planned.position));
+    } else {
+      joints_.command(t, row(out.planned.velocity));
+    }
+  }
+  [[nodiscard]] const auto& q() const { return joints_.q(); }
+  [[nodiscard]] const auto& dq() const { return joints_.dq(); }
+
+ private:
+  Joints joints_;
+};
+template <>
+class Arm<Interface::impedance> {
+ public:
+  explicit Arm(const Drawn& d) : plant_(ur5::Model{}, d.springs, home) {}
+  void advance(double t, const Forces& force) {
+    for (; time_ < t; time_ += 1e-3) {
+      plant_.push(pushes(plant_.q(), force));
+      plant_.run(std::min(1e-3, t - time_));
+    }
+    time_ = t;
+  }
+  void hold_fast(std::size_t i, bool fast) { plant_.hold_fast(i, fast); }
+  template <class Output>
+  void command(double, const Output& out) {
+    if (out.command.valid) plant_.command(out.command);
+  }
+  [[nodiscard]] const auto& q() const { return plant_.q(); }
+  [[nodiscard]] const auto& dq() const { return plant_.dq(); }
+
+ private:
+  ImpedancePlant<ur5::Model> plant_;
+  double time_ = 0;
 };
 
 template <Interface I, class... Parts>
 auto robot_of(const Drawn& d, const Parts&... parts) {
   if constexpr (I == Interface::position) {
     return by_position(ur5::Model{}, d.robot, parts...);
+  } else if constexpr (I == Interface::impedance) {
+    return by_impedance(ur5::Model{}, d.robot, parts...);
   } else {
     return by_velocity(ur5::Model{}, d.robot, parts...);
   }
@@ -121,15 +202,12 @@ auto scene_of(const Drawn& d) {
   return with_limits<P>(plain, d.jerk, d.tool);
 }
 
-std::array<double, 6> row(const JointPosition<6>& q) {
-  return {q[0], q[1], q[2], q[3], q[4], q[5]};
-}
-
 template <Interface I, class P>
 void run(std::uint64_t seed, Findings& found, bool trace) {
   std::mt19937_64 rng(seed);
   const auto roll = [&](double a, double b) { return std::uniform_real_distribution<>(a, b)(rng); };
-  const Drawn d(rng);
+  Drawn d(rng);
+  if constexpr (I == Interface::impedance) d.draw_springs(rng);
   if (tracking_of<I, P>(d).K_c < least_gain) {
     ++found.refused;
     return;
@@ -142,9 +220,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   const auto& scene = *made;
   using Scene = std::remove_cvref_t<decltype(scene)>;
   const double dt = seconds<double>(d.robot.period);
-  using Joints = SimulatedJoints<6>;
-  Joints robot(I == Interface::position ? Joints::Kind::position : Joints::Kind::velocity,
-               seconds<double>(d.robot.delay), seconds<double>(d.robot.lag), row(home));
+  Arm<I> robot(d);
   State<6> measured;
   const auto measure = [&](Nanoseconds now) {
     measured.time = now;
@@ -166,7 +242,9 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   JointVelocity<6> last;
   JointAcceleration<6> before;
   JointPosition<6> at = measured.q;
-  double velocity = 0, acceleration = 0, jerk = 0, tool = 0, beyond = 0, stop = 0, invalid = 0;
+  JointTorque<6> last_torque;
+  double velocity = 0, acceleration = 0, jerk = 0, tool = 0, beyond = 0, stop = 0, invalid = 0, torque = 0,
+         rate = 0;
   Nanoseconds now{}, asked{};
   double held = -let_go;
   std::array<bool, 6> fast{};
@@ -175,9 +253,10 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   Status all;
   double printed = 0;
   while (seconds<double>(now) < ends + stops_in + 1) {
+    const Nanoseconds before_now = now;
     now += d.robot.period * (roll(0, 1) < d.late ? 2 + long(rng() % 4) : 1);
     const double t = seconds<double>(now);
-    robot.advance(t);
+    robot.advance(t, force);
     const State<6> stood = measured;
     measure(now);
     // A joint that is held takes away what cancelled the motion of the others: nobody can know before.
@@ -227,23 +306,31 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
     all |= out.status;
     invalid += !out.command.valid;
     const auto& v = out.planned.velocity;
-    Joints::Row sent{};
     double fastest = 0;
     for (std::size_t i = 0; i < 6; ++i) {
-      sent[i] = I == Interface::position ? out.planned.position[i] : v[i];
       velocity = std::max(velocity, std::abs(v[i]) / d.robot.limits.velocity()[i]);
       acceleration =
           std::max(acceleration, std::abs(v[i] - last[i]) / (d.robot.limits.acceleration()[i] * dt));
       if (P::jerk && !P::tool && !out.status.has(Reason::jerk_exceeded))
         jerk = std::max(jerk,
                         (std::abs(out.planned.acceleration[i] - before[i]) - 1e-9) / (d.jerk.jerk[i] * dt));
-      beyond = std::max(
-          {beyond, robot.q()[i] - d.robot.limits.upper()[i], d.robot.limits.lower()[i] - robot.q()[i]});
+      const double place = I == Interface::impedance ? out.planned.position[i] : robot.q()[i];
+      beyond = std::max({beyond, place - d.robot.limits.upper()[i], d.robot.limits.lower()[i] - place});
       fastest = std::max(fastest, std::abs(v[i]));
     }
     if (t > ends - watched && !stopping) swings.take(v);
     if (stopping && seconds<double>(now - asked) > stops_in) stop = std::max(stop, fastest);
-    if constexpr (I == Interface::position && P::tool) {
+    if constexpr (I == Interface::impedance) {
+      for (std::size_t i = 0; i < 6; ++i) {
+        const double tau = out.command.torque[i], most = d.robot.limits.torque()[i];
+        torque = std::max(torque, std::abs(tau) / most);
+        rate = std::max(rate, std::abs(tau - last_torque[i]) /
+                                  (d.robot.torque_rate * most * seconds<double>(now - before_now)));
+        fastest = std::max(fastest, std::abs(robot.dq()[i]));
+      }
+      last_torque = out.command.torque;
+    }
+    if constexpr (I != Interface::velocity && P::tool) {
       const auto from = tool_at(at), to = tool_at(out.planned.position);
       const double way = std::sqrt(dot(to - from, to - from)) / (d.tool.speed * dt);
       tool = std::max(tool, way);
@@ -259,7 +346,7 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
     }
     last = v;
     before = out.planned.acceleration;
-    robot.command(t, sent);
+    robot.command(t, out);
     if (trace && t >= printed) {
       std::printf("%5.1f s  fastest %.2g rad/s  ", t, fastest);
       print_reasons(out.status);
@@ -271,7 +358,8 @@ void run(std::uint64_t seed, Findings& found, bool trace) {
   found.velocity.take(velocity, seed), found.acceleration.take(acceleration, seed),
       found.jerk.take(jerk, seed);
   found.tool.take(tool, seed), found.ends.take(beyond, seed), found.swing.take(swings.worst(), seed);
-  found.stop.take(stop, seed), found.invalid.take(invalid, seed);
+  found.stop.take(stop, seed);
+  found.torque.take(torque, seed), found.rate.take(rate, seed), found.invalid.take(invalid, seed);
   if (trace)
     std::printf(
         "period %.2f ms, delay %.1f ms, lag %.1f ms, late %.2f: velocity %.4f, acceleration %.4f, jerk %.4f, "
@@ -308,7 +396,7 @@ bool attack(const char* name, std::uint64_t cycles, std::uint64_t seed) {
   while (found.cycles < cycles) run<I>(seed++, found, false);
   std::printf("\n%s: ", name);
   return print_table(std::array{&found.velocity, &found.acceleration, &found.jerk, &found.tool, &found.ends,
-                                &found.swing, &found.stop, &found.invalid},
+                                &found.swing, &found.stop, &found.torque, &found.rate, &found.invalid},
                      found.scenes, found.cycles, found.refused);
 }
 
@@ -320,11 +408,13 @@ int main(int argc, char** argv) {
     const std::uint64_t seed = std::strtoull(argv[2], nullptr, 10);
     std::printf("by position\n"), run<Interface::position>(seed, found, true);
     std::printf("by velocity\n"), run<Interface::velocity>(seed, found, true);
+    std::printf("by impedance\n"), run<Interface::impedance>(seed, found, true);
     return 0;
   }
   const std::uint64_t cycles = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 500'000;
   const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
   const bool by_position = attack<Interface::position>("By position", cycles, seed);
   const bool by_velocity = attack<Interface::velocity>("By velocity", cycles, seed);
-  return by_position && by_velocity ? 0 : 1;
+  const bool by_impedance = attack<Interface::impedance>("By impedance", cycles, seed);
+  return by_position && by_velocity && by_impedance ? 0 : 1;
 }

@@ -182,8 +182,11 @@ struct Energies {
 
 /// Two seconds of a scene with the passivity parts `passivity`; then all contacts have ended, the arm comes
 /// to rest, and half a second later a hand leads it with up to 20 N, back along the first contact.
-template <Interface I, class Integrator = CrankNicolson, class PassivityParts, class... Shape>
-Energies run(const RandomScene& scene, const PassivityParts& passivity, const Shape&... tool) {
+///
+/// @param movers  limits of jerk, or `NoJerkLimits`.
+template <Interface I, class Integrator = CrankNicolson, class Movers, class PassivityParts, class... Shape>
+Energies run_by(const Movers& movers, const RandomScene& scene, const PassivityParts& passivity,
+                const Shape&... tool) {
   using Tool = std::tuple_element_t<0, std::tuple<Shape..., NoToolShape>>;
   using Robot = ResolverBy<I, ur5::Model, double, Integrator, 32, PassivityParts, Tool>;
   const Robot robot(ur5::Model{}, scene.configuration, passivity, tool...);
@@ -248,9 +251,9 @@ Energies run(const RandomScene& scene, const PassivityParts& passivity, const Sh
     SceneTouch changes[max_substeps];
     for (unsigned j = 0; j < interval.substeps; ++j)
       changes[j] = TouchChange<SceneTouch>::next(touch, parts[j]);
-    const auto result = robot.step(memory, law, law_memory, measured, interval,
-                                   std::span<const SceneTouch>(parts, interval.substeps), AnyState{},
-                                   PressedUnknown{}, std::span<const SceneTouch>(changes, interval.substeps));
+    const auto result = robot.step(
+        memory, law, law_memory, measured, interval, std::span<const SceneTouch>(parts, interval.substeps),
+        AnyState{}, PressedUnknown{}, std::span<const SceneTouch>(changes, interval.substeps), movers);
     for (std::size_t i = 0; i < 6; ++i) {
       double tau = 0;
       for (unsigned j = 0; j < interval.substeps; ++j)
@@ -271,6 +274,11 @@ Energies run(const RandomScene& scene, const PassivityParts& passivity, const Sh
     joints.command(t, row);
   }
   return out;
+}
+
+template <Interface I, class Integrator = CrankNicolson, class PassivityParts, class... Shape>
+Energies run(const RandomScene& scene, const PassivityParts& passivity, const Shape&... tool) {
+  return run_by<I, Integrator>(NoJerkLimits{}, scene, passivity, tool...);
 }
 
 }  // namespace skinctl::testing

@@ -69,7 +69,7 @@ class JerkLimits {
               static_cast<double>(jerk[i]), ">= acceleration limit / 1000 s");
       // No state below the velocity limit travels further than this before it is at rest.
       const T V = limits.velocity()[i], A = limits.acceleration()[i];
-      far_[i] = T(1 + rounding_of_ways) *
+      far_[i] = T(1 + Joint::rounding_of_ways) *
                 (V * A / jerk[i] + detail::Stopping<T>(V, T(0), A, jerk[i]).reach().above);
     }
   }
@@ -99,6 +99,20 @@ class JerkLimits {
     JointVelocity<N, T> out = u;
     for (std::size_t i = 0; i < N; ++i)
       if (a[i] * u[i] >= T(0)) out[i] += a[i] * (a[i] < T(0) ? -a[i] : a[i]) / (T(2) * jerk_[i]);
+    return out;
+  }
+  /// The velocity `wish` `h` seconds after `u`, for joints that are slowed no faster than they come to rest
+  /// without turning back: by `sqrt(2 J |u|)`.
+  [[nodiscard]] SKINCTL_COLD JointVelocity<N, T> without_turning_back(const JointVelocity<N, T>& u,
+                                                                      const JointVelocity<N, T>& wish,
+                                                                      const T& h) const noexcept {
+    using std::sqrt;
+    JointVelocity<N, T> out = wish;
+    for (std::size_t i = 0; i < N; ++i) {
+      const T sign = u[i] < T(0) ? T(-1) : T(1), speed = sign * u[i];
+      const T slowed = speed - h * T(sqrt(T(2) * jerk_[i] * speed)), least = slowed > T(0) ? slowed : T(0);
+      if (speed > T(0) && sign * wish[i] < least) out[i] = sign * least;
+    }
     return out;
   }
   /// The distances in which joints rest that move for `h` seconds from the velocity `u0` to `u1`, with the
@@ -163,11 +177,28 @@ class JerkLimits {
     }
     return cut;
   }
+  /// Changes a motion from `u0` and `a0` such that joints rest before `ends`, whose quickest stop would pass
+  /// them: they brake steadily, and jerk gives way (`jerk_exceeded`).
+  ///
+  /// @param reaction  time for which the speed goes on before it changes [s].
+  SKINCTL_INLINE void brake_before(SmoothMotion<N, T>& motion, const JointRoom<N, T>& ends,
+                                   const JointVelocity<N, T>& u0, const JointAcceleration<N, T>& a0,
+                                   const T& h, const T& reaction) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      if (ends.above[i] > far_[i] && ends.below[i] > far_[i]) [[likely]]
+        continue;
+      const Joint joint = joint_of(i, {}, h);
+      if (!joint.passes(u0[i], joint.within_acceleration(a0[i]), ends.above[i], ends.below[i])) continue;
+      const T left = u0[i] < T(0) ? T(ends.below[i] + reaction * u0[i]) : T(ends.above[i] - reaction * u0[i]);
+      const auto m = joint.steady_stop(u0[i], left, h);
+      motion.displacement[i] = m.s, motion.velocity[i] = m.u, motion.acceleration[i] = m.a;
+      motion.status |= Reason::jerk_exceeded;
+    }
+  }
 
  private:
   /// Longest time to the largest acceleration [s]: a jerk that needs longer is in another unit.
   static constexpr double slowest_rise = 1000;
-  static constexpr double rounding_of_ways = 0.01;  ///< margin for rounding: share of the longest way to rest
 
   using Joint = detail::JerkJoint<T>;
 

@@ -10,11 +10,10 @@
 
 SKINCTL_BEGIN_NAMESPACE
 
-/// An energy tank for all active torque, that is, all but that of contacts: weighted laws, changes of skill
-/// and weight, bumpless transfers, the observer, errors of the integration, and what proximity readings push:
-/// what is only seen does no work, so that torque is the controller's own. Avoidance that must hold with an
-/// empty tank is a limit of speed, which needs no tank: `LinkContact` with a separation. A part of a
-/// resolver's `Passivity`.
+/// A part of `Passivity`: an energy tank for all active torque, that is, all but that of contacts: weighted
+/// laws, changes of skill and weight, bumpless transfers, the observer, errors of the integration, and pushes
+/// of proximity readings: what is only seen does no work. Avoidance that must hold with an empty tank is a
+/// limit of speed, which needs no tank: `LinkContact` with a separation.
 ///
 /// The virtual robot is passive at its port: the sum of kinetic energy and tank never grows by more than the
 /// work of the contacts, `port_gain tau_contact . dq^`, tau_contact the part of tau_skin by force readings
@@ -22,7 +21,8 @@ SKINCTL_BEGIN_NAMESPACE
 /// the tank, or fills it up to `max`. Where a sub-step would cost more than the tank holds, `alpha tau_a`
 /// remains (`tank_empty`): the robot yields and brakes as before, but no longer drives. Kinetic energy that
 /// no work explains (`res`: a changed mass matrix, discretisation, the observer's correction) is charged at
-/// the next sub-step.
+/// the next sub-step. So is an acceleration that a limit of jerk ends later than its torque: while the tank
+/// is in debt, joints are slowed no faster than they come to rest without turning back.
 ///
 /// A torque interface has no virtual robot: the port is the real one, `Held` its memory, and work is computed
 /// from the robot's displacement under the torque that acted meanwhile, sent a delay and a lag ago. What is

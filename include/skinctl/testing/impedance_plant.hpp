@@ -3,6 +3,7 @@
 // with a torque beside them.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <deque>
 
@@ -50,6 +51,8 @@ class ImpedancePlant {
     torque_ = {};
     damp();
   }
+  /// Whether joint `i` cannot move.
+  void hold_fast(std::size_t i, bool fast) { stuck_[i] = fast; }
   /// Sets the joint torque of the world from here on [N m].
   void push(const JointTorque<joints>& torque) { pushed_ = torque; }
 
@@ -70,6 +73,7 @@ class ImpedancePlant {
 
  private:
   static constexpr double longest_step = 0.25e-3;
+  static constexpr double stuck_mass = 1e9;  ///< inertia of a joint that cannot move [kg m^2]
   struct Command {
     double time;
     JointPosition<joints> position;
@@ -104,6 +108,7 @@ class ImpedancePlant {
       mass(i, i) += truth_.rotors[i] + h * d + h * h * k;
       force_[i] = k * (reference_[i] - q_[i]) + d * (rate_[i] - dq_[i]) + torque_[i];
       net[i] = force_[i] - h * k * dq_[i] + pushed_[i] - coriolis[i];
+      if (stuck_[i]) mass(i, i) += stuck_mass, dq_[i] = net[i] = 0;
     }
     JointAcceleration<joints> ddq;
     math::Ldlt<joints, double>(mass.data).solve(net.data, ddq.data);
@@ -116,6 +121,7 @@ class ImpedancePlant {
   JointPosition<joints> q_, reference_, target_;
   JointVelocity<joints> dq_, rate_;
   JointTorque<joints> torque_, pushed_, force_, damping_;
+  std::array<bool, joints> stuck_{};
   std::deque<Command> under_way_;
   double time_ = 0;
 };

@@ -44,6 +44,15 @@ class GroupMotion {
       (v < T(0) ? leash.below : leash.above)[i] = v < T(0) ? T(-rests[i]) : rests[i];
     }
     static_cast<void>(mover_.hold_back(motion, room, leash, last.velocity, last.acceleration, dt, false));
+    // Limits of jerk reach any slower motion, too, unless the command's own jerk gave way.
+    for (std::size_t i = 0; i < N; ++i) {
+      const T v = command.velocity[i], faster = magnitude(motion.velocity[i]) - magnitude(v);
+      const T rounding = T(16) * std::numeric_limits<T>::epsilon() * limits_.velocity()[i];
+      if (!((v - u[i]) * v >= T(0)) || !(faster > rounding) || motion.velocity[i] * v < T(0)) continue;
+      motion.displacement[i] = T(0.5) * dt * (last.velocity[i] + v);
+      motion.velocity[i] = v, motion.acceleration[i] = command.acceleration[i];
+      motion.status |= Reason::jerk_exceeded;
+    }
     return motion;
   }
   /// The motion that the mover decides from `last` to rest.

@@ -19,6 +19,7 @@ struct JerkJoint {
   using Moved = detail::Moved<T>;
   /// Steps of a bisection between two motions: a share to 6e-8.
   static constexpr int mixing_steps = 24;
+  static constexpr double rounding_of_ways = 0.01;  ///< margin for rounding: share of a way to rest
   T V, A, J, above, below, slack;
   bool roomy;  ///< no end is near enough to matter in this step
 
@@ -156,6 +157,21 @@ struct JerkJoint {
     }
     const auto keeps = [&](const T& part) { return inside(mixed(within, beyond, part)); };
     return mixed(within, beyond, math::greatest_share<mixing_steps, T>(keeps));
+  }
+  /// Whether the quickest stop passes the place `above` ahead, or `below` behind, by more than rounding.
+  [[nodiscard]] bool passes(const T& u, const T& a, const T& up, const T& down) const noexcept {
+    const T rest = detail::Stopping<T>(u, a, A, J).rest(), way = rest < T(0) ? T(-rest) : rest;
+    return way * T(1 - rounding_of_ways) > (rest < T(0) ? down : up) && rest * u > T(0);
+  }
+  /// The next `h` seconds of the steady stop within `left`, as far as the acceleration limit allows. Its
+  /// acceleration is told as 0: it ends with the motion, whatever jerk it takes.
+  [[nodiscard]] Moved steady_stop(const T& u, const T& left, const T& h) const noexcept {
+    const T speed = u < T(0) ? T(-u) : u;
+    const T asked = left > T(0) ? T(speed * speed / (T(2) * left)) : A, brake = asked < A ? asked : A;
+    const T next = speed - h * brake;
+    const T s = next > T(0) ? T(T(0.5) * h * (speed + next)) : T(speed * speed / (T(2) * brake));
+    const T sign = u < T(0) ? T(-1) : T(1);
+    return {sign * s, next > T(0) ? T(sign * next) : T(0), T(0)};
   }
   /// `m` with 0 for a speed and an acceleration whose squares are denormal numbers.
   [[nodiscard]] static Moved without_dust(Moved m) noexcept {

@@ -126,8 +126,11 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
   /// Moves the stiff joints for `h` seconds towards the velocity `v1`. Where the leash holds joints, the
   /// others are planned anew.
   template <class Groups, class Movers>
-  SKINCTL_INLINE void go(Memory& m, const Groups& groups, const T& h, const Movers& movers,
-                         const Velocity& v1, Status& status) const noexcept {
+  SKINCTL_INLINE void go(Memory& m, const Groups& groups, const T& h, const Movers& movers, Velocity v1,
+                         Status& status) const noexcept {
+    if constexpr (has_tank && Movers::smooth)
+      if (m.passivity.template of<EnergyTank<T>>().energy < T(0)) [[unlikely]]
+        v1 = in_debt(m, movers, v1, h);
     auto plans = planned(m, groups, h, movers, v1);
     std::uint64_t held = 0;
     each([&](auto k) { held |= std::get<k.value>(plans).cut | std::get<k.value>(plans).returns; });
@@ -164,6 +167,20 @@ class ResolverDrive : public ResolverEnergy<M, T, Sets, Integrator, History, Pas
                                                    Base::template Part<K>::of(v1), h,
                                                    movers.template motion_limit_of<K>())...);
     }(std::make_index_sequence<Base::stiff_groups>{});
+  }
+  /// The velocity wished for while the tank is in debt. A torque that brakes is free and one that drives is
+  /// not: where an acceleration ends only by its jerk, joints would turn back with the speed that braking
+  /// left them, and swing on for ever.
+  template <class Movers>
+  [[nodiscard]] SKINCTL_COLD Velocity in_debt(const Memory& m, const Movers& movers, Velocity v1,
+                                              const T& h) const noexcept {
+    each([&](auto k) {
+      using Set = typename Base::template Part<k.value>;
+      const auto& mover = movers.template motion_limit_of<k.value>();
+      if constexpr (!std::is_same_v<std::remove_cvref_t<decltype(mover)>, Abrupt>)
+        Set::put(mover.without_turning_back(m.template group<k.value>().rate, Set::of(v1), h), v1);
+    });
+    return v1;
   }
   /// The plans of the free joints beside those that the leash holds. A held joint takes what pushes it, as
   /// one that is held fast does: the others go on as if it stood, `M_ff (v - v1)_f = -M_fh (v - v1)_h` with

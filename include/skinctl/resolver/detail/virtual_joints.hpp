@@ -174,8 +174,11 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
       out.speed.most[i] = speed_to_stop(up, p_.reaction, brake);
       out.speed.least[i] = -speed_to_stop(down, p_.reaction, brake);
       // A joint beyond its end may rest where it is: no single step leads back inside.
-      out.speed.ends.most[i] = m.q.value[i] + (above < T(0) ? T(0) : up) - (on > T(0) ? on : T(0));
-      out.speed.ends.least[i] = m.q.value[i] - (below < T(0) ? T(0) : down) - (on < T(0) ? on : T(0));
+      const T q = m.q.value[i];
+      out.speed.early.most[i] = q + (above < T(0) ? T(0) : up) - (on > T(0) ? on : T(0));
+      out.speed.early.least[i] = q - (below < T(0) ? T(0) : down) - (on < T(0) ? on : T(0));
+      out.speed.ends.most[i] = q + (above < T(0) ? T(0) : above);
+      out.speed.ends.least[i] = q - (below < T(0) ? T(0) : below);
     }
   }
 

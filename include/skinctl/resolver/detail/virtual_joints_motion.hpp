@@ -85,9 +85,13 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
       if (!m.brakes)
         out.cut = mover.hold_back(motion, room, leash, m.rate, m.last, given, takes_position(Ix));
       if constexpr (!takes_position(Ix)) {
-        const JointRoom<N, T> ends{Position(q - c.speed.ends.least), Position(Row(c.speed.ends.most) - q)};
-        if (mover.hold_back(motion, room, ends, m.rate, m.last, given, false) != 0)
+        const auto to = [&](const Leash<N, T>& ends) SKINCTL_INLINE_LAMBDA {
+          return JointRoom<N, T>{Position(q - ends.least), Position(Row(ends.most) - q)};
+        };
+        if (mover.hold_back(motion, room, to(c.speed.early), m.rate, m.last, given, false) != 0)
           out.status |= Reason::position_limited;
+        // A cycle that comes late holds a velocity for longer: no stop within the jerk's limit may be left.
+        mover.brake_before(motion, to(c.speed.ends), m.rate, m.last, given, p_.reaction);
       }
       take_motion(motion);
       out.last = motion.acceleration;
@@ -118,6 +122,9 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
     m.v = planned.own;
     m.last = planned.last;
     m.cut |= planned.cut;
+    if constexpr (Base::Servo::gives_way)
+      if ((planned.returns & ~m.returns) != 0) [[unlikely]]
+        this->watch_return(m, planned.returns & ~m.returns);
     m.returns = planned.returns;
     return planned.status;
   }

@@ -33,7 +33,8 @@ class VirtualJointsObserver {
     Leash<N, T> leash;
     struct ByVelocity {
       Velocity least, most;  ///< speeds from which joints stop before their ends [rad/s]
-      Leash<N, T> ends;      ///< rest points of q^ with which they do so, while the present speed goes on
+      Leash<N, T> early;     ///< rest points of q^ with which they do so, while the present speed goes on
+      Leash<N, T> ends;      ///< rest points of q^ at their ends
       Velocity drift;        ///< velocity of q^ towards the measured position, without motion [rad/s]
     };
     struct ByPosition {};
@@ -95,6 +96,17 @@ class VirtualJointsObserver {
       return q.store(m.farthest);
     book_gap(m, Position(q), Position(away));
   }
+  /// Begins to watch joints on springs that the leash pulls back: nothing holds one that goes along, wherever
+  /// it was before. Its distance is a gap, and would stay: the joint would swing between leash and law.
+  SKINCTL_COLD void watch_return(Memory& m, std::uint64_t joints) const noexcept {
+    for (std::size_t i = 0; i < N; ++i) {
+      if (((joints >> i) & 1u) == 0) continue;
+      const T q = m.measured.q[i] + m.gap[i], some = T(along_share) * p_.dead_band[i];
+      T& farthest = m.farthest[i];
+      farthest = m.measured.q[i] < m.q.value[i] ? (farthest < q - some ? T(q - some) : farthest)
+                                                : (farthest > q + some ? T(q + some) : farthest);
+    }
+  }
   /// E: by what a rest point may be ahead of the robot, or behind: the dead band; what acceleration owes
   /// before it shows, less and less where the robot does not answer; delay, lag and undeclared lag at the
   /// measured speed; and the way to stop from the speed that is both measured and commanded, as a joint that
@@ -104,7 +116,10 @@ class VirtualJointsObserver {
     const Row both = clamp(Row(m.rate), smaller(dq, zero), dq - smaller(dq, zero));
     const Row stop = p_.limits.stopping_distance(magnitude(both));
     const Row answers = Row(T(1)) - p_.per_held * Row(m.held_for);
-    const Row most = Row(p_.dead_band) + Row(p_.owed) * answers + p_.latest * magnitude(dq);
+    Row most = Row(p_.dead_band) + Row(p_.owed) * answers + p_.latest * magnitude(dq);
+    if constexpr (Servo::gives_way)
+      if (m.returns != 0) [[unlikely]]
+        tighten(m, most);
     Row above = y + most + select(both > zero, stop, zero),
         below = y - most - select(both < zero, stop, zero);
     if constexpr (takes_position(Ix)) {
@@ -136,6 +151,9 @@ class VirtualJointsObserver {
   /// Distance over the dead band within which a robot is where it is told, and the farthest place follows it:
   /// at 1, noise at the edge of the dead band would book a little more each time.
   static constexpr double near_share = 0.5;
+  /// Share of the dead band by which a joint goes along that is pulled back: noise, which would book a little
+  /// each time, is less, and a joint that swings between law and leash goes further.
+  static constexpr double along_share = 0.25;
 
   /// Takes the mean speed since the last measurement where it is more than the measured one: of a robot that
   /// does not tell its speed, or that holds each position, so that it is measured when it has slowed down.
@@ -148,6 +166,13 @@ class VirtualJointsObserver {
                         (way > T(T(resting_share) * passed / p_.total_delay) * Row(p_.dead_band));
     if (any(faster))
       select(faster, clamp(T(T(1) / passed) * moved, -top, top), m.measured.dq).store(m.measured.dq);
+  }
+  /// Shortens the leash of joints that it pulls back, so that it is seen whether they go along.
+  SKINCTL_COLD void tighten(const Memory& m, Row& most) const noexcept {
+    Position bands;
+    for (std::size_t i = 0; i < N; ++i)
+      if (((m.returns >> i) & 1u) != 0) bands[i] = p_.dead_band[i];
+    most = most - T(along_share) * Row(bands);
   }
   SKINCTL_COLD void book_gap(Memory& m, const Position& q, const Position& away) const noexcept {
     for (std::size_t i = 0; i < N; ++i) {
