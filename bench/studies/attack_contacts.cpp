@@ -32,6 +32,8 @@ constexpr double watched_from = 8, half_time = 14, ends = 20;  ///< times in whi
 /// Part of a swing that may be left after `half_time`: a heavy arm on a person's muscles sways for a while.
 constexpr double dies_out = 0.8;
 constexpr double plant_step = 2.5e-4;  ///< [s]
+/// Cosine of the angle by which an arm turns its cell out from under a hand, which pushes along one line.
+constexpr double slips_off = 0.5;
 
 struct Findings {
   Found ring{"swing of the force that does not die [N]", rings};
@@ -197,6 +199,7 @@ End visited(const Scene& scene, const Drawn& d, bool trace) {
   Turns early, late;
   Swings swings(rests);
   double t = 0, printed = 0;
+  bool gone = false;
   const double dt = seconds<double>(d.arm.period);
   JointPosition<6> q = d.pose;
   for (Nanoseconds now = d.arm.period; seconds<double>(now) < ends; now += d.arm.period) {
@@ -216,6 +219,8 @@ End visited(const Scene& scene, const Drawn& d, bool trace) {
         if (d.hand.holds) force[1] = std::max(-F, 0.0);  // around the forearm: the cell on the other side
       }
     }
+    gone = gone || dot(place(q).n, first.n) < slips_off;
+    if (gone) force = {};
     for (std::size_t i = 0; i < 6; ++i) x.dq[i] = (q[i] - before[i]) / dt;
     x.q = q, x.time = now;
     typename Scene::Input input;
