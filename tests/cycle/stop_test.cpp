@@ -5,7 +5,8 @@
 // within V/A + 2 A/J, and a joint that is held makes no arm swing
 // Tried: UR5 by position and velocity, 384 runs with random periods, delays, lags, late cycles,
 // accelerations and jerks from 20 rad/s^3, 100 beside clearances: below 1e-6 rad/s; velocity,
-// acceleration and jerk kept in the servo's time, in stops too; 32 robots in groups
+// acceleration and jerk kept in the servo's time, in stops too, but where cycles come late and the jerk of a
+// joint by velocity gives way to its end; 32 robots in groups
 
 #include <doctest/doctest.h>
 
@@ -64,6 +65,7 @@ struct Ending {
   bool keeps_limits = true;  ///< velocity and acceleration, in the servo's time
   double jerk = 0;           ///< largest change of acceleration, as a share of what the limit of jerk allows
   double tool = 0;           ///< largest way of the tool in a period, as a share of its limit
+  bool late = false;         ///< whether cycles came late
 };
 
 Xyz<double> tool_at(const JointPosition<6>& q) {
@@ -134,6 +136,7 @@ Ending end_of(std::uint64_t seed, Ends ends, bool held) {
   Nanoseconds now{}, asked{};
   while (seconds<double>(now) < end + rest_after + 1) {
     const bool is_late = roll(0, 1) < late;
+    out.late = out.late || is_late;
     now += c.period * (is_late ? 2 + long(rng() % 4) : 1);
     const double t = seconds<double>(now), dt = seconds<double>(c.period);
     robot.advance(t);
@@ -191,8 +194,9 @@ TEST_CASE_TEMPLATE("Cycle: with limits of jerk and tool speed every stop ends, w
           CHECK(e.speed < (ends == Ends::by_stop ? rests : 1e-3));  // a law's end leaves the friction
           CHECK(e.keeps_limits);
         }
-        CHECK(with_jerk.jerk <= 1.0001);
-        CHECK_FALSE((with_jerk.before | with_jerk.during).has(Reason::jerk_exceeded));
+        const bool says_so = (with_jerk.before | with_jerk.during).has(Reason::jerk_exceeded);
+        if (!says_so) CHECK(with_jerk.jerk <= 1.0001);
+        if (says_so) CHECK((C::value == Interface::velocity && with_jerk.late));
         CHECK(with_both.tool <= 1.03);  // in cycles in which jerk gives way
       }
 }

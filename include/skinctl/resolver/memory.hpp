@@ -26,6 +26,7 @@ struct VirtualJointsMemory {
   bool brakes = false;        ///< the robot brakes: a stop, no measurement of the real robot, or displaced
   bool seen = false;          ///< the robot has been measured since the first command
   bool gap_told = false;      ///< whether `gap` began as that to the position told to the robot last
+  bool late = false;          ///< velocity interface: whether a cycle came late since the joints rested
   std::uint64_t returns = 0;  ///< bit i: the leash pulls joint i back
   std::uint64_t cut = 0;      ///< bit i: the leash held joint i back since the last measurement
   Nanoseconds time{};         ///< time of the virtual state

@@ -79,6 +79,7 @@ class VirtualJoints : public VirtualJointsMotion<Ix, N, T, History> {
     if (interval.clock_set || interval.to - m.command.time > clock_leap + p_.longest_interval) [[unlikely]] {
       set_clock(m, interval);
     } else if constexpr (!takes_position(Ix)) {
+      m.late = out.share < T(1) || (m.late && !(m.rate == Velocity{}));
       // The velocity that was sent has been held up to now.
       for (std::size_t i = 0; i < N; ++i)
         m.sent.add(i, m.command.velocity[i] * seconds<T>(interval.to - m.command.time));

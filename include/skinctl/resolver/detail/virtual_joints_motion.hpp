@@ -91,7 +91,8 @@ class VirtualJointsMotion : public VirtualJointsObserver<Ix, N, T, History> {
         if (mover.hold_back(motion, room, to(c.speed.early), m.rate, m.last, given, false) != 0)
           out.status |= Reason::position_limited;
         // A cycle that comes late holds a velocity for longer: no stop within the jerk's limit may be left.
-        mover.brake_before(motion, to(c.speed.ends), m.rate, m.last, given, p_.reaction);
+        if (m.late) [[unlikely]]
+          mover.brake_before(motion, to(c.speed.ends), m.rate, m.last, given, p_.reaction);
       }
       take_motion(motion);
       out.last = motion.acceleration;
